@@ -1,6 +1,6 @@
-// Goal: an archive's odds have an interval where its ladders can be trusted; else they are unknown,
-// with the key and the number that make them known. Method: made-up tables of /tempering in the
-// memory twin.
+// Goal: an archive's odds have an interval if its ladders can be trusted; otherwise they are
+// unknown, with a key and a number that would make them known. Method: made-up tables of /tempering
+// in an in-memory archive.
 #include "clients/analysis/archive_odds.h"
 
 #include <gmock/gmock.h>
@@ -25,14 +25,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Ladders that all say the same, round by round.
+/// Ladders with equal estimates in each round.
 struct Tables {
   std::uint64_t chains = 4;
   std::vector<double> scans{64, 128, 256};
   std::vector<double> log_p{-4.9, -4.8, -4.8};
   double error = 0.1;
   double round_trips = 20;
-  double allowed_round_trips = 30;  ///< in the last round, by swaps alone
+  double allowed_round_trips = 30;  ///< in the last round, from swaps alone
   double log_natural_throw = 0;
   std::string world = "ball_2d";
   std::string method = "parallel_tempering";
@@ -120,12 +120,12 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
     const Made made = archive_of(tables);
     return odds_of(made.source, made.summary).value().how_to_know.value().besides;
   };
-  // Eight round trips of 40: five times 256 scans, which the sixth round has (2,048).
+  // There are 8 round trips of 40 needed: five times 256 scans, which the sixth round has (2,048).
   EXPECT_EQ(json(tables)["to_know"]["rounds"], 6);
   EXPECT_EQ(json(tables)["to_know"]["scans"], 4032);
   EXPECT_THAT(besides(), HasSubstr("iterations_per_scan"));
   tables.allowed_round_trips = 3;
-  // Their number is chosen from the barrier unless the request says it.
+  // The number of replicas depends on the barrier unless the request sets it.
   EXPECT_EQ(besides(), "");
   tables.sampler_keys += "replicas = 4\n";
   EXPECT_THAT(besides(), HasSubstr("replicas"));
@@ -137,7 +137,7 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
 TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
   Tables tables;
   tables.log_p = {-4.8};
-  // Also where it was cut off.
+  // The same for a round that was cut off.
   for (const double scans : {64.0, 20.0}) {
     tables.scans = {scans};
     EXPECT_EQ(json(tables)["to_know"]["rounds"], 2);
@@ -146,7 +146,8 @@ TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
 }
 
 TEST(ArchiveOdds, ThrowsThatAreNoDrawsAreNamed) {
-  // Of a word of three balls: draws satisfy once in e^6.88, throws of all balls 8 times as often.
+  // Like a word of three balls: draws satisfy once in e^6.88, and throws of all balls 8 times as
+  // often.
   Tables tables;
   tables.world = "spelling";
   tables.log_natural_throw = 3 * std::log(0.5);
@@ -171,17 +172,17 @@ TEST(ArchiveOdds, WhatNeverSatisfiedIsUnknown) {
   EXPECT_EQ(said["to_know"]["at_least"], true);
 }
 
-/// Islands of chains; of each three the first is larger than the others.
+/// Islands of chains. The first of every three islands is larger than the two others.
 struct IslandTables {
   std::uint64_t chains = 4;
   std::uint64_t islands = 60;
-  double log_p = -4.8;               ///< of the first ones
-  double log_low = std::log(0.25);   ///< of the others, to that
-  std::vector<double> odds_from{};   ///< by chain; empty: no such table
-  std::vector<double> odds_until{};  ///< likewise
+  double log_p = -4.8;              ///< log p of the larger islands
+  double log_low = std::log(0.25);  ///< log of the smaller islands' estimate relative to the larger
+  std::vector<double> odds_from{};  ///< by chain; empty: no such table
+  std::vector<double> odds_until{};  ///< by chain; empty: no such table
   std::string sampler{};
   std::string stop = "scans = 20\n";
-  std::vector<double> values{};  ///< if not empty, all of log P
+  std::vector<double> values{};  ///< if not empty, all values of log P
 };
 
 Made islands_archive(const IslandTables& tables) {
@@ -218,7 +219,8 @@ json::Value json_of(const IslandTables& tables) {
 }
 
 TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
-  // Of each three one is 1 and two are 1/4: mean 1/2, relative variance 1/2 (times 240 / 239).
+  // Of every three islands, one is 1 and two are 1/4: mean 1/2, relative variance 1/2 (times 240 /
+  // 239).
   const double log_p = -4.8 + std::log(0.5);
   const double error = std::sqrt(0.5 / 239);
   const json::Value said = json_of(IslandTables{});
@@ -236,8 +238,8 @@ TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
 }
 
 TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
-  // Those before, a third of which would carry the sum, don't. Method: the first 20 of each chain
-  // are e^9 times as large.
+  // Goal: islands before odds_from don't count, although a third of them would dominate the sum.
+  // Method: the first 20 of each chain are e^9 times as large.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 20 ? 9 : 0) + (i % 3 == 0 ? -4.8 : -5.8));
@@ -251,7 +253,7 @@ TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
 }
 
 TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
-  // A number that no request has is not repeated.
+  // An invalid number in a request is not repeated.
   for (const auto& [rule, advised] :
        {std::pair{"independent_solutions = 2\n", 0.1}, std::pair{"odds = 0.3\n", 0.3},
         std::pair{"odds = 7.0\n", 0.1}}) {
@@ -267,7 +269,8 @@ TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
 }
 
 TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
-  // A sized round whose largest island has 4 tenths: four times as many islands, half the error.
+  // A sized round whose largest island has 4 tenths of the sum needs four times as many islands, so
+  // half the error.
   IslandTables tables;
   tables.values.assign(240, -210);
   tables.values[100] = -210 + std::log(160);
@@ -279,10 +282,10 @@ TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
 }
 
 TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
-  // Goal: who asks for the error that is advised gets more islands than he has. Method: a round of
-  // 160 islands with a heavy tail, sized by 80 of which a third is larger: they foretold sqrt(0.5 *
-  // 80 / 79 / 160) = 0.0563, so that any error from there on sizes the same round. Nine tenths of
-  // it, and not a digit more.
+  // Goal: a request with the advised error gets more islands than it had. Method: 160 islands with
+  // a heavy tail, sized by 80 pilot islands of which a third is larger. These predict an error of
+  // sqrt(0.5 * 80 / 79 / 160) = 0.0563, so any larger error gives the same round. The advised error
+  // must be below nine tenths of that.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i) {
     const bool is_large = i % tables.islands < 20 ? (i / 60 * 20 + i % 60) % 3 == 0 : i == 30;
@@ -295,8 +298,9 @@ TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
 }
 
 TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
-  // Goal: no NaN and nothing below the range. Method: a heavy tail after equal islands, which
-  // foretell an error of 0; one after islands none of which satisfies, which foretell nothing.
+  // Goal: the advised error is never NaN or below its minimum. Method: a heavy tail after equal
+  // islands, which predict an error of 0; a heavy tail after islands without any solution, which
+  // predict nothing.
   IslandTables tables;
   tables.odds_from.assign(4, 20);
   tables.stop = "scans = 20\nodds = 0.3\n";
@@ -311,9 +315,8 @@ TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
 }
 
 TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
-  // Goal: islands that a run for solutions makes in any case tell the odds, and no later ones.
-  // Method: the first 30 of each chain, and then ones e^9 times as large; a run that hasn't got so
-  // far has no such table.
+  // Goal: in a run for solutions, only the islands that any such run makes determine the odds.
+  // Method: 30 islands per chain, then ones e^9 times as large; a shorter run has no such table.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 30 ? 0 : 9) + (i % 3 == 0 ? -4.8 : -5.8));
@@ -329,8 +332,8 @@ TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
 }
 
 TEST(ArchiveOdds, WhatElseHelpsIsAdvised) {
-  // Goal: what is advised is a request, and all of it is said. Method: the default of short words,
-  // and islands of too few particles.
+  // Goal: the advice is a valid request and includes the number of particles. Method: a default
+  // request for short words, with too few particles per island.
   IslandTables tables;
   tables.sampler = "tour_scans = 16\nparticles = 2\n";
   tables.stop = "independent_solutions = 2\n";
@@ -350,8 +353,8 @@ TEST(ArchiveOdds, IslandsKnowOddsThatNoDoubleHolds) {
 }
 
 TEST(ArchiveOdds, IslandsThatCannotBeAreRefused) {
-  // Goal: what no run writes is a bad archive, not a crash. Method: numbers that are no logs of
-  // estimates, other numbers of chains, islands that are not there.
+  // Goal: tables that no run writes are a bad archive, not a crash. Method: values that are not
+  // logs of estimates, wrong numbers of chains, missing islands.
   const auto expect_refused = [](const IslandTables& tables, const char* what) {
     const Made made = islands_archive(tables);
     EXPECT_THROW(odds_of(made.source, made.summary), base::Error) << what;
@@ -373,7 +376,6 @@ TEST(ArchiveOdds, IslandsThatCannotBeAreRefused) {
   Made made = islands_archive(IslandTables{});
   made.summary.chains = 5;
   EXPECT_THROW(odds_of(made.source, made.summary), base::Error);
-  // A last round without islands is told as one.
   IslandTables none;
   none.odds_from.assign(4, 60);
   EXPECT_EQ(json_of(none)["log_p_satisfied"]["islands"], 0);

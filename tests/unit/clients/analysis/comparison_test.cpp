@@ -1,4 +1,4 @@
-// Goal: what `sleight compare` says of requests. Method: one that differs in single keys.
+// Goal: `sleight compare` reports how requests differ. Method: requests that differ in single keys.
 #include "clients/analysis/comparison.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
-// Goal: the right draws of the right scalars are judged, every reason reaches the report, and what
-// a hostile archive says of its ladders is refused by name. Method: a fake run in the memory twin,
-// with and without ladders, and a judge that notes what it is shown and complains when told to.
+// Goal: the right draws of the right scalars are judged, every reason reaches the report, and
+// invalid ladders of a hostile archive are refused by name. Method: a fake in-memory run with and
+// without ladders, and a judge that records its input and complains on request.
 #include "clients/analysis/diagnosis.h"
 
 #include <gmock/gmock.h>
@@ -34,7 +34,7 @@ using ::testing::IsEmpty;
 
 constexpr std::uint32_t k_chains = 3;
 
-/// A fake run with two ladder levels and the rounds that begin at the given scans.
+/// A fake run with two levels and rounds that begin at the given scans.
 class TemperedRun final : public archive::RunView {
  public:
   TemperedRun(const FakeRunOptions& options, std::vector<double> first_scans)
@@ -152,7 +152,7 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
   EXPECT_EQ(shown_.at("lp").draws, 120U);
   EXPECT_EQ(shown_.at("lp").first, 1234);
   EXPECT_EQ(shown_.at("height_m").draws, 12U);
-  // Cut when the third round had hardly begun: the second one has more.
+  // The third round has only begun, so the second has more draws.
   archive_tempered(options(100), {0, 30, 90});
   EXPECT_EQ(diagnose().judged.first_scan, 30U);
   EXPECT_EQ(shown_.at("lp").draws, 60U);
@@ -160,8 +160,8 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
 }
 
 TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
-  // Goal: independent draws pass all measures however far tours get, so no measure may pass them;
-  // means are still shown. Method: draws that are liked, and one that isn't.
+  // Goal: independent draws always pass all measures, so no measure may vouch for tours; means are
+  // still shown. Method: draws that the judge likes, and one that it dislikes.
   archive::ArchiveOptions of_tours = archive::testing::options_for(options(201));
   of_tours.request_text = "[sampler]\nmethod = \"sequential\"\ntour_scans = 16\n";
   archive::write_digested(archive_, [&](archive::Sink& sink) {
@@ -181,7 +181,7 @@ TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
 }
 
 TEST_F(DiagnosisTest, DrawsBeginWithTheFirstRound) {
-  // Twenty scans of annealing come before it, and are no draws.
+  // Twenty scans of annealing come first and are no draws.
   archive_tempered(options(210), {20, 50, 110});
   values(archive::k_sample_stats, "lp")[90] = 1234;
   const Diagnosis diagnosis = diagnose();
@@ -210,7 +210,7 @@ TEST_F(DiagnosisTest, StatesWithoutProbabilityAreCountedAndAReason) {
   const Diagnosis diagnosis = diagnose();
   ASSERT_EQ(diagnosis.reasons.size(), 1U);
   EXPECT_THAT(diagnosis.reasons[0], HasSubstr("log_constraint: 1 of 303 draws are -inf"));
-  // The mean is of the others.
+  // The mean covers the other values.
   EXPECT_EQ(diagnosis.scalars[1].verdict.mean, -1);
   EXPECT_TRUE(std::isnan(diagnosis.scalars[1].verdict.mcse));
   EXPECT_THAT(for_people("a.h5", diagnosis), HasSubstr("1 are -inf"));
@@ -233,7 +233,7 @@ TEST_F(DiagnosisTest, TooFewDrawsAreSaidOnce) {
   disliked_ = {"lp", "height_m"};
   EXPECT_THAT(diagnose().reasons,
               ElementsAre("each chain has too few judged scans: 1, but at least 6 are needed"));
-  // States of every tenth scan alone: five of each chain.
+  // Only every tenth scan has a state: five per chain.
   disliked_ = {"height_m"};
   archive_plain(options(100));
   values(archive::k_sample_stats, "log_constraint").assign(k_chains * 100, 0);

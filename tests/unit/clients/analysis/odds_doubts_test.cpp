@@ -1,6 +1,6 @@
-// Goal: an error is given only where each of the facts that it depends on holds, and each that does
-// not is named by its kind. Method: made-up tables of a ladder's two rounds, good but for one
-// thing each, on both sides of every limit.
+// Goal: an error is reported only if all facts behind it hold; each missing one is a doubt of its
+// own kind. Method: made-up tables of a ladder's two rounds, good except for one thing, on both
+// sides of every limit.
 #include "clients/analysis/odds_doubts.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// Four ladders that agree with one another and with the round before.
+/// Four ladders that agree with each other and with the round before.
 LadderFacts good() {
   return {.judged = {{-4.8, 0.1}, {-4.7, 0.1}, {-4.9, 0.1}, {-4.8, 0.1}},
           .before = {{-4.6, 0.2}, {-4.9, 0.2}, {-4.8, 0.2}, {-5.0, 0.2}},
@@ -38,7 +38,7 @@ TEST(OddsDoubts, GoodLaddersHaveNone) {
 }
 
 TEST(OddsDoubts, EachLadderHasToMakeRoundTrips) {
-  // What the others made doesn't help: its bias stays in the mean.
+  // Round trips of the other ladders don't help, because this ladder's bias stays in the mean.
   LadderFacts facts = good();
   facts.round_trips = {400, 0, 400, 400};
   std::vector<Doubt> doubts = doubts_of(facts);
@@ -54,7 +54,7 @@ TEST(OddsDoubts, EachLadderHasToMakeRoundTrips) {
 
   facts.round_trips = {400, 5, 5, 400};
   EXPECT_THAT(doubts_of(facts), IsEmpty());
-  // A number that the archive doesn't have is none.
+  // A missing number counts as 0.
   facts.round_trips = {400, k_nan, 400, 400};
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::few_round_trips));
 }
@@ -86,7 +86,8 @@ TEST(OddsDoubts, TheFirstRoundIsNotTrusted) {
 }
 
 TEST(OddsDoubts, RoundsHaveToAgree) {
-  // Means -4.8 and -4.8 + shift; errors 0.05 and 0.1 (jackknife), so three errors are 0.335.
+  // Means are -4.8 and -4.8 + shift; errors are 0.05 and 0.1 (jackknife), so three errors are
+  // 0.335.
   LadderFacts facts = good();
   const auto shifted = [&](double shift) {
     facts.before.clear();
@@ -98,7 +99,7 @@ TEST(OddsDoubts, RoundsHaveToAgree) {
   EXPECT_THAT(shifted(0.33), IsEmpty());
   EXPECT_THAT(shifted(-0.34), ElementsAre(DoubtOf::rounds_disagree));
   EXPECT_THAT(shifted(0.34), ElementsAre(DoubtOf::rounds_disagree));
-  // What can't be compared doesn't agree.
+  // Values that can't be compared count as disagreeing.
   facts = good();
   facts.before[2] = {-k_infinity, k_nan};
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::rounds_disagree));
@@ -109,10 +110,10 @@ TEST(OddsDoubts, RoundsHaveToAgree) {
 TEST(OddsDoubts, OneBadLadderIsFarFromTheOthers) {
   LadderFacts facts = good();
   facts.judged[3].value = -9;
-  // Its distance makes the error between ladders large, so rounds agree within that.
+  // The bad ladder makes the error between ladders so large that the rounds agree.
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::wide, DoubtOf::ladders_disagree));
-  // Nearer by, it is further off than its own error explains. Values -0.6, 0.2, 0.2, 0.2: standard
-  // deviation 0.4, four times their own errors.
+  // A nearer ladder is still further off than its error explains. Deviations are -0.6, 0.2, 0.2,
+  // 0.2, so the standard deviation is 0.4, four times the ladders' errors.
   facts.judged = {{-5.4, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}};
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::ladders_disagree));
   for (LogEstimate& ladder : facts.judged)
@@ -144,8 +145,8 @@ TEST(OddsDoubts, LaddersWithoutAValueAreNotLeftOut) {
 }
 
 TEST(OddsDoubts, ManyShortLaddersAsForAcm) {
-  // As requests/acm_tempered.toml: sixteen ladders in their only round, 13 without a round trip.
-  // The mean lies 6 below the truth, the standard error between ladders is 0.5.
+  // Like requests/acm_tempered.toml: sixteen ladders in their only round, 13 without a round trip.
+  // The mean is 6 below the truth, and the standard error between ladders is 0.5.
   LadderFacts facts{.judged = {}, .before = {}, .round_trips = {}, .round = "round 1 of 1"};
   for (int i = 0; i < 16; ++i) {
     facts.judged.push_back({-66.4 + 4 * (i - 7.5) / 9.2, 0.8});
@@ -160,7 +161,7 @@ TEST(OddsDoubts, WeightedDrawsHaveToBeWorthEnough) {
   EXPECT_THAT(doubts_of_weights(chains, 100, 100), IsEmpty());
   EXPECT_THAT(kinds(doubts_of_weights(chains, 99, 100)), ElementsAre(DoubtOf::few_draws));
   EXPECT_THAT(kinds(doubts_of_weights(chains, k_nan, 100)), ElementsAre(DoubtOf::few_draws));
-  // Errors of 0.23: each is worth 1 / 0.23^2 = 18.9 draws, and it takes 40 in all.
+  // With errors of 0.23, each ladder is worth 1 / 0.23^2 = 18.9 draws; 40 are needed.
   const std::vector<LogEstimate> rough{{-3, 0.23}, {-3.1, 0.23}};
   const std::vector<Doubt> doubts = doubts_of_weights(rough, 100, 100);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_draws));
@@ -201,7 +202,7 @@ TEST(OddsDoubts, IslandsHaveToBeMany) {
   const std::vector<Doubt> doubts = doubts_of_islands(islands(10, 0.1), IslandNumber::fixed);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_draws));
   EXPECT_EQ(doubts[0].longer, 10);
-  // Where nothing satisfied there is nothing else to doubt; nor where there is none at all.
+  // Without any solution, or any island, there is no second doubt.
   const math::IslandOdds none{.islands = 1000, .log_mean = -k_infinity};
   EXPECT_THAT(kinds(doubts_of_islands(none, IslandNumber::fixed)), ElementsAre(DoubtOf::no_value));
   EXPECT_THAT(kinds(doubts_of_islands({}, IslandNumber::fixed)), ElementsAre(DoubtOf::no_value));
@@ -217,7 +218,7 @@ TEST(OddsDoubts, IslandsNeedParticles) {
 }
 
 TEST(OddsDoubts, IslandsWithoutDoubtsAreKnown) {
-  // The doubts and what common/math calls known agree, but for the number.
+  // Doubts agree with IslandOdds::known() of common/math.
   for (const std::uint64_t count :
        {std::uint64_t{0}, math::k_islands_min - 1, math::k_islands_min}) {
     for (const double share : {0.01, 0.1, 0.11, 1.0}) {

@@ -1,6 +1,6 @@
-// Goal: scalars are read entry by entry in bounded memory, however many there are, and draws
-// without a finite value get a place below all others. Method: a source that computes its values
-// and remembers the longest read; every value is checked against its formula.
+// Goal: scalars are read entry by entry in bounded memory, and draws without a finite value rank
+// below all others. Method: a source that computes its values and records its longest read; every
+// value is checked against its formula.
 #include "clients/analysis/scalar_draws.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ class CountingSource final : public archive::Source {
   std::vector<archive::Group> groups_;
 };
 
-/// Reads all entries and compares each value with its place in the dataset.
+/// Reads all entries and compares each value with its index in the dataset.
 void expect_right(const Shape& shape, const DrawRange& range) {
   const CountingSource source(shape);
   const Quantity quantity = state_variables(source).at(0);
@@ -127,7 +127,7 @@ TEST(StandIn, LiesBelowAllAndFurthestFromTheMiddle) {
   EXPECT_EQ(values[0], 3);
   EXPECT_EQ(values[1], values[3]);
   EXPECT_EQ(values[1], values[5]);
-  // Whatever the median of the finite ones is, no finite value is as far from it.
+  // Every finite value is closer to the median than the substitute.
   EXPECT_LT(values[1], 3 - (5 - 3));
 }
 

@@ -1,5 +1,5 @@
-// Goal: ladders' estimates are put together on the log scale with the largest of three errors, and
-// are said in words that people read. Method: cases worked out by hand, at every change of unit.
+// Goal: ladders' estimates are combined on the log scale with the largest of three errors, and
+// printed with readable units. Method: cases worked out by hand, at every change of unit.
 #include "clients/analysis/throw_odds.h"
 
 #include <gtest/gtest.h>
@@ -16,21 +16,21 @@ CombinedEstimate combined_of(const std::vector<LogEstimate>& ladders) {
 }
 
 TEST(Combined, TheErrorIsTheLargerOfTheTwo) {
-  // Values 1, 2, 3: mean 2, standard deviation 1, so 1/sqrt(3) between ladders.
+  // Values 1, 2, 3 have mean 2 and standard deviation 1, so 1/sqrt(3) between ladders.
   const CombinedEstimate apart = combined_of({{1, 0.3}, {2, 0.3}, {3, 0.3}});
   EXPECT_DOUBLE_EQ(apart.log.value, 2);
   EXPECT_DOUBLE_EQ(apart.log.error, 1 / std::sqrt(3.0));
   EXPECT_EQ(apart.error_from, ErrorFrom::between);
   EXPECT_EQ(apart.ladders, 3U);
-  // Errors 3 and 4: 5/2 for the mean of two, though both have one value.
+  // Errors 3 and 4 give 5/2 for the mean of two equal values.
   const CombinedEstimate alike = combined_of({{7, 3}, {7, 4}});
   EXPECT_DOUBLE_EQ(alike.log.error, 2.5);
   EXPECT_EQ(alike.error_from, ErrorFrom::jackknife);
 }
 
 TEST(Combined, ManyLaddersDoNotAverageAwayWhatAMeanOfLogsLacks) {
-  // Sixteen ladders, half of them 1 and half 3: variance 16/15, standard error between ladders
-  // 0.26; half the variance, which is what a mean of logs may lack, 0.53.
+  // Sixteen ladders, half of them 1 and half 3, have variance 16/15 and a standard error of 0.26
+  // between ladders. Half the variance, 0.53, bounds the bias of a mean of logs.
   std::vector<LogEstimate> ladders(16, {1, 0.1});
   for (std::size_t i = 8; i < 16; ++i)
     ladders[i].value = 3;
@@ -60,7 +60,7 @@ TEST(Combined, LaddersWithoutAValueAreLeftOut) {
   EXPECT_EQ(none.ladders, 0U);
   EXPECT_TRUE(std::isnan(none.log.value));
   EXPECT_EQ(combined_of({}).ladders, 0U);
-  // An error that one ladder does not know is not taken for 0.
+  // A ladder's unknown error doesn't count as 0.
   EXPECT_EQ(combined_of({{-4, 9}, {-5, k_nan}}).error_from, ErrorFrom::between);
 }
 
@@ -69,7 +69,7 @@ TEST(ThrowOdds, AreAmongNaturalThrows) {
   EXPECT_NEAR(odds.log10_throws, 5, 1e-12);
   EXPECT_NEAR(odds.log10_low, 4, 1e-12);
   EXPECT_NEAR(odds.log10_high, 6, 1e-12);
-  // More probable than what it is part of, by chance: every throw does it.
+  // An estimate above the probability of a natural throw, by chance, counts as every throw.
   EXPECT_EQ(odds_of({.value = 1, .error = 0}, 0).log10_throws, 0);
 }
 
@@ -87,11 +87,10 @@ TEST(ThrowOdds, InWords) {
   EXPECT_EQ(words(1), "one throw in 1.0 (error unknown)");
   EXPECT_EQ(words(2.44e9), "one throw in 2.4 billion (error unknown)");
   EXPECT_EQ(words(2.44e10), "one throw in 24 billion (error unknown)");
-  // Rounding may change the unit.
   EXPECT_EQ(words(999'999), "one throw in 1.0 million (error unknown)");
   EXPECT_EQ(words(999.9), "one throw in 1,000 (error unknown)");
   EXPECT_EQ(words(9.99), "one throw in 10 (error unknown)");
-  // Beyond all doubles.
+  // Beyond the range of doubles.
   EXPECT_EQ(in_words({400.3, k_nan, k_nan}), "one throw in 2.0e400 (error unknown)");
 }
 

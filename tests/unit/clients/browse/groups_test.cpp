@@ -1,6 +1,6 @@
-// Goal: groups are those of the stated methods, whatever the order of animations. Method: medoids
-// beside all choices and all single exchanges, hierarchies beside the plain algorithm, sets in
-// random orders.
+// Goal: groups follow their stated methods, whatever the order of animations. Method: compare
+// medoids with all choices and all single exchanges, hierarchies with the plain algorithm, and sets
+// in random orders.
 #include "clients/browse/groups.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using testing::random_index;
 
 constexpr std::uint64_t k_seed = 28;
 
-/// Distances of points in a plane, in clumps or not.
+/// Returns distances of points in a plane, clumped or not.
 std::vector<float> matrix_of(std::size_t size, random::Stream& stream) {
   std::vector<math::Vec3> points;
   const std::size_t clumps = 1 + below(stream, 4);
@@ -72,7 +72,7 @@ TEST(Groups, NoExchangeOfOneMedoidHelps) {
         EXPECT_GE(cost_of(matrix, size, exchanged), cost - 1e-6);
       }
     }
-    // All choices of k.
+    // Try all choices of k.
     std::vector<char> chosen(size, 0);
     std::fill_n(chosen.begin(), k, 1);
     double least = cost;
@@ -86,13 +86,13 @@ TEST(Groups, NoExchangeOfOneMedoidHelps) {
     ++cases;
     if (cost <= least + 1e-6) ++best;
   }
-  // Exchanges end in a local optimum, which is mostly the best of all.
+  // Exchanges end in a local optimum, usually the global one.
   if (property::all_cases()) {
     EXPECT_GE(best, cases * 9 / 10);
   }
 }
 
-/// Whether two divisions of a set are one, whatever the labels.
+/// Returns whether two divisions of a set are equal, whatever their labels.
 bool is_same_division(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j)
@@ -101,7 +101,7 @@ bool is_same_division(const std::vector<std::size_t>& a, const std::vector<std::
   return a.size() == b.size();
 }
 
-/// Average linkage without any cleverness.
+/// Average linkage by the plain algorithm.
 std::vector<std::size_t> plain_hierarchy(const std::vector<float>& matrix, std::size_t size,
                                          std::size_t k) {
   std::vector<std::vector<std::size_t>> groups(size);
@@ -145,7 +145,7 @@ TEST(Groups, HierarchyJoinsTheNearest) {
     const std::vector<std::size_t> found = hierarchy_of(matrix, size, k);
     EXPECT_EQ(std::set<std::size_t>(found.begin(), found.end()).size(), k);
     EXPECT_TRUE(is_same_division(found, plain_hierarchy(matrix, size, k)));
-    // Nested: what is together in k groups is so in k - 1.
+    // Nested: members of one of k groups stay together in k - 1 groups.
     if (k == 1) continue;
     const std::vector<std::size_t> wider = hierarchy_of(matrix, size, k - 1);
     std::map<std::size_t, std::size_t> into;
@@ -154,7 +154,7 @@ TEST(Groups, HierarchyJoinsTheNearest) {
   }
 }
 
-/// Groups as sets of draws, with who stands for each.
+/// Returns groups as sets of draws, by representative.
 std::map<std::uint64_t, std::set<std::uint64_t>> named(const Groups& groups,
                                                        const std::vector<const Entry*>& entries) {
   std::map<std::uint64_t, std::set<std::uint64_t>> all;
@@ -171,7 +171,7 @@ TEST(Groups, AreTheSameInAnyOrder) {
   for (const std::size_t size : {1UL, 3UL, 40UL, 505UL}) {
     const Index index = random_index(size, stream);
     for (const Grouping by : {Grouping::medoids, Grouping::hierarchy}) {
-      if (size > k_full_matrix_max && by == Grouping::hierarchy) continue;  // it takes seconds
+      if (size > k_full_matrix_max && by == Grouping::hierarchy) continue;  // too slow
       std::vector<const Entry*> entries = entries_of(index);
       const Groups first = groups_of(entries, index.scene, {.groups = 7, .by = by});
       EXPECT_EQ(first.is_approximate, size > k_full_matrix_max);
@@ -192,7 +192,7 @@ TEST(Groups, AreTheSameInAnyOrder) {
 }
 
 TEST(Groups, OfClumpsAreTheClumps) {
-  // Four kinds of animations, 30 of each, that differ by much less than the kinds do.
+  // Four kinds of animations, 30 of each, that vary much less within a kind than between kinds.
   random::Stream stream = testing::stream_of(k_seed, 2);
   const Index kinds = random_index(4, stream);
   Index index = kinds;
@@ -240,7 +240,7 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
   const NeighbourTest far = test_of(5);
   EXPECT_EQ(far.share, 1);
   EXPECT_NEAR(far.p_value, 1.0 / (k_deals + 1), 1e-12);
-  // Of sets that are alike p is uniform, or a little more.
+  // For similar sets, p is uniform or slightly larger.
   int small = 0;
   for (int i = 0; i < 100; ++i) {
     const NeighbourTest same = test_of(0);
@@ -251,9 +251,9 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
 }
 
 TEST(AlikeSets, AreGroupedAgainAsTheFirstTime) {
-  // Goal: what is kept from one grouping to the next changes none of them. Method: numbers of
-  // groups up and down, both ways, of a set with a full matrix and of one that is sampled, each
-  // against a grouping from scratch; distances against a set of sketches.
+  // Goal: state stored between groupings doesn't change them. Method: increasing and decreasing
+  // numbers of groups by both methods, for a set with a full matrix and for a sampled set, compared
+  // with a grouping from scratch; distances compared with Sketches.
   random::Stream stream = testing::stream_of(k_seed, 27);
   for (const std::size_t size : {60UL, 505UL}) {
     const Index index = random_index(size, stream);
@@ -261,7 +261,7 @@ TEST(AlikeSets, AreGroupedAgainAsTheFirstTime) {
     const AlikeSet set(entries, index.scene, 2);
     for (const std::size_t k : {7U, 3U, 7U, 1U, 12U}) {
       for (const Grouping by : {Grouping::medoids, Grouping::hierarchy}) {
-        if (size > k_full_matrix_max && k != 3) continue;  // it takes seconds
+        if (size > k_full_matrix_max && k != 3) continue;  // too slow
         const Groups again = set.groups(k, by);
         const Groups once = groups_of(entries, index.scene, {.groups = k, .by = by});
         ASSERT_EQ(again.groups.size(), once.groups.size());

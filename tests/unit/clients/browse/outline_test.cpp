@@ -1,4 +1,4 @@
-// Outlines: what is kept of an index without its motions.
+// Goal: an outline is an index without motions. Method: random indexes.
 #include "clients/browse/outline.h"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ Outline outline_of_many() {
 }
 
 TEST(Outline, IsTheIndexWithoutMotions) {
-  // Goal: all of an entry but its motion is there. Method: a random index's entries, by hand
-  // without.
+  // Goal: an outline has everything of an entry but its motion. Method: remove motions of a random
+  // index by hand.
   random::Stream stream = testing::stream_of(5, 0);
   const Index index = testing::random_index(40, stream);
   const Outline outline = outline_of_many();
@@ -43,9 +43,8 @@ TEST(Outline, IsTheIndexWithoutMotions) {
 }
 
 TEST(Outline, ComesBackFromItsBytesOrNotAtAll) {
-  // Goal: what comes back is what was kept; nothing comes of bytes that were cut or changed, or of
-  // another version. Method: every cut, and a bit of every byte; cuts that get a right sum again
-  // are none of ours, but groups of entries that are not there are tried with one.
+  // Goal: an outline reads back equal; damaged bytes, or another version's, give nothing. Method:
+  // cuts, flipped bits, and groups with missing entries under a valid checksum.
   const Outline outline = outline_of_many();
   const base::Bytes bytes = bytes_of(outline, "1.2");
   const auto back = outline_of_bytes(bytes, "1.2");

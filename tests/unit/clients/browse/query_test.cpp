@@ -1,6 +1,6 @@
-// Goal: a query means what it says, and its fast answer is the slow one's. Method: random queries
-// on random animations beside tests/browse, which looks at every piece of every body; small cases
-// with known answers; and the check itself with answers that are wrong.
+// Goal: a query means what its text states, and the fast answer equals the slow one. Method: random
+// queries on random animations, compared with tests/browse, which tests every segment of every
+// body; small cases with known answers; wrong answers, which the comparison must notice.
 #include "clients/browse/query.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(Queries, AreAnsweredAsSlowlyAndPlainly) {
     }
   }
   if (property::all_cases()) {
-    // About as many yes as no, or the comparison says little; few answers are rounding's.
+    // The comparison needs about as many hits as misses, with few decided by rounding.
     EXPECT_GT(met, asked / 10);
     EXPECT_LT(met, asked - asked / 10);
     EXPECT_LT(close, asked / 1000);
@@ -50,13 +50,13 @@ TEST(Queries, AreAnsweredAsSlowlyAndPlainly) {
 }
 
 TEST(Queries, TheComparisonNoticesAnswersThatAreWrong) {
-  // Were paths sampled instead of solved, as at 30 frames a second, it would be seen.
+  // Sampling paths at 30 frames a second would give wrong answers.
   std::uint64_t missed = 0;
   for (std::uint64_t n = 0; n < 300; ++n) {
     random::Stream stream = testing::stream_of(k_seed, n);
     const Index index = random_index(1, stream);
     const Entry& entry = index.entries.front();
-    // About a place on some way.
+    // A region around a point of some path.
     const double t_s = entry.end_s * stream.uniform();
     const auto middle_m = centre_at(entry.pieces_of(0), t_s);
     if (!middle_m) continue;
@@ -75,8 +75,8 @@ TEST(Queries, TheComparisonNoticesAnswersThatAreWrong) {
   EXPECT_GT(missed, 50U);
 }
 
-/// A ball thrown up from 1 m to the right, that rests at 1.5 s; it hits the table twice. Another
-/// enters at 1 s and rests.
+/// A ball thrown up from 1 m and to the right comes to rest at 1.5 s after hitting the table twice.
+/// Another ball enters at 1 s and rests.
 Index known() {
   Index index{.run_id = "run", .world = "made up", .scene = testing::small_scene()};
   index.numbers = own_numbers();
@@ -107,33 +107,32 @@ bool is_met(const std::string& text) {
 }
 
 TEST(Queries, MeanWhatTheySay) {
-  // The top of the throw, at 2.25 m and 0.5 s, belongs to the box; what is above does not.
+  // The top of the throw, at 2.25 m and 0.5 s, belongs to the region; points above don't.
   EXPECT_TRUE(is_met("ball 1 in z 2.25.."));
   EXPECT_FALSE(is_met("ball 1 in z 2.251.."));
   EXPECT_TRUE(is_met("ball 1 in z 2.2.. during 400..450ms"));
   EXPECT_FALSE(is_met("ball 1 in z 2.2.. during 0..300ms"));
   EXPECT_TRUE(is_met("ball 1: x 49..51cm z 2.2.."));
   EXPECT_FALSE(is_met("ball 1: x 80..90cm z 2.2.."));
-  // After rest it stays; before it enters it is nowhere; what never enters is never anywhere.
+  // A ball stays where it rests, and has no position before it enters.
   EXPECT_TRUE(is_met("ball 1 in x 1.5..1.5 during 100s.."));
   EXPECT_FALSE(is_met("ball 2 in x -2..2 during ..0.99"));
   EXPECT_TRUE(is_met("ball 2 in x -2..2 during ..1"));
   EXPECT_FALSE(is_met("\"odd \\\"one\\\"\" in x -9..9"));
-  // any, every, any of a kind.
   EXPECT_TRUE(is_met("any in x -1..-1"));
   EXPECT_FALSE(is_met("every in x -1..-1"));
   EXPECT_TRUE(is_met("any body in x -1..-1"));
   EXPECT_FALSE(is_met("every body in x -1..-1"));
   EXPECT_TRUE(is_met("every ball ends in z 0.2..1"));
   EXPECT_FALSE(is_met("every ball ends in z 0.5..1"));
-  // Hits are both sides'; none of them before or after its time.
+  // A hit belongs to both sides and to its time only.
   EXPECT_TRUE(is_met("ball 1 touches table"));
   EXPECT_TRUE(is_met("ball 2 touches ball 1"));
   EXPECT_TRUE(is_met("ball 2 touches any"));
   EXPECT_FALSE(is_met("ball 2 touches table"));
   EXPECT_TRUE(is_met("ball 1 touches table during 1..1s"));
   EXPECT_FALSE(is_met("ball 1 touches table during 1001ms.."));
-  // Order; the same hit is not its own successor.
+  // In "then", a hit is not its own successor.
   EXPECT_TRUE(is_met("ball 1 touches table then ball 1 touches ball 2"));
   EXPECT_FALSE(is_met("ball 1 touches ball 2 then ball 1 touches table"));
   EXPECT_FALSE(is_met("ball 1 touches table then ball 1 touches table"));
@@ -141,7 +140,7 @@ TEST(Queries, MeanWhatTheySay) {
   EXPECT_TRUE(is_met("ball 1 touches table then ball 1 in z ..9 then ball 1 touches ball 2"));
   EXPECT_TRUE(is_met("ball 1 in z 2.2.. then ball 1 touches table then ball 1 in x 1.4.."));
   EXPECT_FALSE(is_met("ball 1 touches table then ball 1 in z 2.."));
-  // Numbers and connectives: not before and before or.
+  // "not" binds more tightly than "and", and "and" more tightly than "or".
   EXPECT_TRUE(is_met("log_prior -3..-3 and rest_s > 1499ms"));
   EXPECT_FALSE(is_met("log_prior < -3"));
   EXPECT_TRUE(is_met("log_prior <= -3"));
@@ -186,10 +185,9 @@ TEST(Queries, ErrorsPointAtThePlace) {
   nested.append("log_prior = 0").append(101, ')');
   fails(nested, 100);
   fails(std::string(k_query_bytes_max + 1, ' '), k_query_bytes_max);
-  // The mark is under the column.
   EXPECT_EQ(with_mark({.column = 4, .message = "what?"}, "any dye"),
             "column 5: what?\n  any dye\n      ^");
-  // Of a long text what is about the place; signs of several bytes have one column.
+  // A long text is cut around the error; a multi-byte character takes one column.
   const std::string e = "\xc3\xa9";
   EXPECT_EQ(with_mark({.column = 3, .message = "what?"}, e + " x"),
             "column 3: what?\n  " + e + " x\n    ^");

@@ -1,8 +1,8 @@
-// Random animations of a made-up scene: two twin balls, one other, a table and a wall.
+// Random animations of a made-up scene with two twin balls, another ball, a table and a wall.
 //
-// Pieces are what recordings hold: parabolas, straight lines and rests, of which some begin where
-// the one before ended and some elsewhere; a body enters late or never; hits are with features or
-// bodies, two now and then at one moment.
+// Segments are like those of recordings: parabolas, straight lines and rests, some starting where
+// the last one ended, some elsewhere. A body enters late or never. Hits are with fixed features or
+// bodies, sometimes two at once.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ inline scene::Scene small_scene() {
           .high_m = {1, 1, 1}};
 }
 
-/// The nth stream of a test's cases.
+/// Returns the stream of a test's nth case.
 inline random::Stream stream_of(std::uint64_t seed, std::uint64_t n) {
   return {{.seed = seed, .purpose = random::Purpose::prior}, n};
 }
@@ -69,7 +69,7 @@ inline Entry random_entry(std::uint64_t draw, random::Stream& stream) {
       if (stream.uniform() < 0.1) position_m = random_vector(stream, 1);
       entry.pieces.push_back(piece);
       if (i > 0) {
-        // Any feature but itself and the target.
+        // Any feature but the body itself and the goal.
         auto partner = static_cast<std::uint32_t>(below(stream, 4));
         if (partner >= body) ++partner;
         entry.contacts.push_back({.time_s = start_s, .body = body, .partner = partner});

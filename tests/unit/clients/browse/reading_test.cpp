@@ -1,6 +1,6 @@
-// Goal: an index says what its archive says, also when it grew out of an earlier one, and comes
-// back from its bytes or not at all. Method: the made-up world's archives in memory; longer ones of
-// the same run; bytes that are changed.
+// Goal: an index agrees with its archive, even if it extends an earlier index, and reads back from
+// its bytes or not at all. Method: in-memory archives of the made-up world; longer archives of the
+// same run; changed bytes.
 #include "clients/browse/reading.h"
 
 #include <gmock/gmock.h>
@@ -30,7 +30,7 @@ using archive::testing::FakeRunOptions;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// All kept, so that a longer run's animations begin with a shorter one's.
+/// Keeps all animations, so that a longer run's begin with a shorter run's.
 void write(archive::MemoryArchive& memory, std::uint64_t scans, std::uint64_t seed = 1,
            std::uint64_t finds = 0) {
   const FakeRunOptions run{.seed = seed, .chains = 1, .scans = scans, .finds = finds};
@@ -82,7 +82,7 @@ TEST(Reading, SaysWhatTheArchiveSays) {
     contacts += entry.contacts.size();
     EXPECT_EQ(entry.end_s, animation.value().end_s());
     EXPECT_EQ(entry.pieces.size(), animation.value().segment_count());
-    // Paths are the recording's, at any time.
+    // Paths equal the recording at any time.
     for (std::uint32_t body = 0; body < index.scene.bodies(); ++body) {
       for (double t_s = 0; t_s < 6; t_s += 0.37) {
         const auto centre = centre_at(entry.pieces_of(body), t_s);
@@ -123,7 +123,7 @@ TEST(Reading, GrowsWithItsRun) {
   EXPECT_GT(grown.value().index.entries.size(), before.entries.size());
   EXPECT_EQ(read_to, grown.value().index.entries.size());
   expect_same(grown.value().index, index_of(longer));
-  // Of the same file all is taken over.
+  // An index of the same file is reused completely.
   Index kept = grown.value().index;
   auto again = read_index(longer, {.of_this_file = &kept});
   ASSERT_TRUE(again.ok());
@@ -136,7 +136,7 @@ TEST(Reading, TakesNothingOfAFileThatOthersMayHaveChanged) {
   archive::MemoryArchive memory;
   write(memory, 80);
   const Index before = index_of(memory);
-  // As other programs do: numbers and the digest stay.
+  // As other programs would write it, with unchanged numbers and digest.
   auto& places = std::get<std::vector<double>>(memory.values(archive::k_animations, "position_m"));
   for (double& place : places)
     place += 1;
@@ -169,7 +169,7 @@ TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
   archive::MemoryArchive memory;
   write(memory, 150);
   const Index whole = index_of(memory);
-  // As if the earlier archive had begun some draws before.
+  // As if the earlier archive had begun at other draws.
   Index shifted = whole;
   shifted.digest = "another";
   shifted.entries.erase(shifted.entries.begin(), shifted.entries.begin() + 2);
@@ -177,7 +177,8 @@ TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(read.value().taken_over, 0U);
   expect_same(read.value().index, whole);
-  // Another run, another world's numbers, contacts with what isn't there: nothing is taken.
+  // Nothing is reused from another run, from another world's numbers, or with contacts of missing
+  // features.
   for (int damage = 0; damage < 3; ++damage) {
     Index other = whole;
     if (damage == 0) other.run_id = "another";
@@ -203,7 +204,7 @@ TEST(IndexBytes, ComeBackOrNotAtAll) {
   const auto by_three = browse::index_of(bytes, 3);
   ASSERT_TRUE(by_three.has_value());
   expect_same(*by_three, index);
-  // Any flipped bit, any cut, anything behind it.
+  // Any flipped bit, cut or appended byte makes the bytes invalid.
   for (std::size_t i = 0; i < bytes.size(); i += 1 + i / 16) {
     base::Bytes other = bytes;
     other[i] ^= std::byte{1} << (i % 8);

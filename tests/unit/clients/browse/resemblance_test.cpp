@@ -1,5 +1,5 @@
-// Goal: resemblance is the stated distance. Method: its formula written out plainly, known cases,
-// matchings beside all permutations.
+// Goal: resemblance is the stated distance. Method: compare with its plain formula, known cases,
+// and matchings over all permutations.
 #include "clients/browse/resemblance.h"
 
 #include <gtest/gtest.h>
@@ -21,12 +21,12 @@ using testing::random_index;
 constexpr std::uint64_t k_seed = 27;
 
 TEST(Resemblance, MatchesBodiesAsCheaplyAsAllPermutationsAllow) {
-  CheapestMatching matching;  // one for all sizes, as it is used
+  CheapestMatching matching;  // one object for all sizes, as in use
   for (const std::uint64_t n : property::cases(400)) {
     random::Stream stream = testing::stream_of(k_seed, n);
     const std::size_t size = 1 + testing::below(stream, 6);
     std::vector<double> costs;
-    // Few different costs: many matchings are equally cheap.
+    // With few different costs, many matchings are equally cheap.
     const bool is_coarse = n % 2 == 0;
     for (std::size_t i = 0; i < size * size; ++i)
       costs.push_back(is_coarse ? static_cast<double>(testing::below(stream, 4))
@@ -70,8 +70,7 @@ TEST(Resemblance, IsSymmetricAndZeroOfOneself) {
   EXPECT_EQ(one, sketches.matrix(3));
 }
 
-/// Two animations of the scene's first two balls, that are twins, and nothing else: straight ways
-/// of 1 s.
+/// Two animations that differ only in the straight paths (1 s) of the scene's two twin balls.
 Index two_ways(const std::vector<std::vector<math::Vec3>>& ways) {
   Index index{.run_id = "run", .scene = testing::small_scene()};
   for (const std::vector<math::Vec3>& way : ways) {
@@ -97,18 +96,18 @@ Resemblance between(const Index& index) {
 }
 
 TEST(Resemblance, IsWhatTheFormulaSays) {
-  // A ball that goes 1 m to the right, and one that stays: on average half of that apart, at 64
-  // times from 0 to 1 s and at rest. The other two bodies are as far apart in both, 0.
+  // One ball moves 1 m to the right and one stays, so they are half of that apart on average, over
+  // 64 times from 0 to 1 s and at rest. The other two bodies don't differ.
   const Resemblance of_one = between(two_ways({{{0, 0, 0}, {1, 0, 0}}, {{0, 0, 0}, {0, 0, 0}}}));
   EXPECT_NEAR(of_one.greatest_m, 1, 1e-6);
   EXPECT_NEAR(of_one.mean_m, 33.0 / 65.0 / 3, 1e-2);
   EXPECT_EQ(of_one.order, 0);
-  // Twins that have changed places are the same to look at.
+  // Twins that change places look the same.
   const math::Vec3 left{-1, 0, 0};
   const math::Vec3 right{1, 0, 0};
   const math::Vec3 up{0, 0, 1};
   EXPECT_EQ(between(two_ways({{left, up, right, right}, {right, right, left, up}})).value_m(), 0);
-  // What is not its twin may not.
+  // Bodies that aren't twins don't.
   Index apart = two_ways({{left, up, right, right}, {right, right, left, up}});
   apart.scene.features[1].twin_of = 1;
   EXPECT_GT(between(apart).value_m(), 1);
@@ -130,23 +129,23 @@ TEST(Resemblance, OfContactsCountsTheOrderOfTheFirst) {
   contacts(0, {{0, 3}, {0, 4}, {1, 3}, {1, 4}});
   contacts(1, {{0, 3}, {0, 4}, {1, 3}, {1, 4}});
   EXPECT_EQ(between(index).order, 0);
-  // Hits after the first of two things don't count, whoever's they are.
+  // Only a pair's first hit counts.
   contacts(1, {{0, 3}, {0, 3}, {0, 4}, {1, 3}, {0, 3}, {1, 4}});
   EXPECT_EQ(between(index).order, 0);
-  // One of four is elsewhere.
+  // One hit of four is elsewhere.
   contacts(1, {{1, 4}, {0, 3}, {0, 4}, {1, 3}});
   EXPECT_EQ(between(index).order, 0.25);
   EXPECT_NEAR(between(index).value_m(), 1.25 * same, 1e-9);
-  // Backwards: one is always in order.
+  // In reverse order, one hit is still in order.
   contacts(1, {{1, 4}, {1, 3}, {0, 4}, {0, 3}});
   EXPECT_EQ(between(index).order, 0.75);
-  // None on one side.
+  // One animation has no hits.
   contacts(1, {});
   EXPECT_EQ(between(index).order, 1);
 }
 
 TEST(Resemblance, OfPlacesThatNoSceneHasIsFinite) {
-  // What a hostile archive may say: its squares are no floats. Places end at 1e18 m.
+  // Places of a hostile archive, whose squares overflow a float. Valid places end at 1e18 m.
   const math::Vec3 far = math::Vec3::Constant(1e27);
   const math::Vec3 here{0, 0, 0};
   const Index index = two_ways({{here, far, far, here}, {far, here, here, -far}});

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file of a page, in memory for good.
+/// Maps a file of one page and never unmaps it.
 void map_file(const fs::path& path) {
   std::ofstream(path) << std::string(4096, 'x');
   const int file = open(path.c_str(), O_RDONLY);
@@ -29,8 +29,8 @@ void map_file(const fs::path& path) {
   close(file);
 }
 
-/// Maps files as a rank has them, and many others beside; then the parent is gone, which several
-/// threads hear at once.
+/// Maps files like a rank's, and many others; then several threads get the signal of the parent's
+/// death at once.
 [[noreturn]] void be_a_rank(const fs::path& folder) {
   for (int i = 0; i < 40; ++i)
     map_file(folder / ("other." + std::to_string(i)));
@@ -51,9 +51,9 @@ void map_file(const fs::path& path) {
 }
 
 TEST(EndWithMpirunDeathTest, TakesItsMemoryAlongAndNothingElse) {
-  // Goal: of all files that a rank has in memory, its own program's among them, those of Open MPI's
-  // shared memory are removed and no other, also when several threads get the signal. Method: a
-  // process that maps some and signals itself from four threads, again and again.
+  // Goal: when mpirun dies, a rank removes Open MPI's shared-memory files and no other mapped file,
+  // even if several threads get the signal. Method: a process that maps files and signals itself
+  // from four threads, repeatedly.
   GTEST_FLAG_SET(death_test_style, "fast");
   const fs::path folder = fs::temp_directory_path() / ("sleight-ranks-" + std::to_string(getpid()));
   const fs::path here = fs::read_symlink("/proc/self/exe");

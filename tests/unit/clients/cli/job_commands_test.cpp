@@ -1,5 +1,5 @@
-// Goal: the commands that name jobs ask what they were told to, print what came back and return the
-// code that stands for it. Method: a real server on a real socket, whose handler is scripted.
+// Goal: commands that name jobs make the right calls, print the answers and exit with the right
+// code. Method: a real server on a real socket, with a scripted handler.
 #include "clients/cli/job_commands.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace {
 
 using Json = json::Value;
 
-/// A service with jobs 17 (done) and 18 (running) of group g5, and 19 (failed), cancelled 20.
+/// A service with jobs 17 (done) and 18 (running) of group g5, 19 (failed) and 20 (cancelled).
 class JobCommands : public testing::Test {
  protected:
   JobCommands() {
@@ -42,7 +42,7 @@ class JobCommands : public testing::Test {
             .bytes = 1'500'000};
   }
 
-  /// Two numbered events and the state's change, then settled where the job is.
+  /// Returns two numbered events and the change of state; settled if the job has ended.
   base::Result<rpc::Batch, rpc::Refusal> batch_of(const rpc::WatchPoint& point) {
     const auto job = std::ranges::find(handler_.jobs, point.job, &rpc::JobView::id);
     if (job == handler_.jobs.end()) return no_such_job(point.job);
@@ -59,7 +59,7 @@ class JobCommands : public testing::Test {
     return socket_;
   }
 
-  /// What a command printed; its exit code is kept in code_.
+  /// Returns a command's output and stores its exit code in code_.
   std::string out(const std::function<int()>& command) {
     testing::internal::CaptureStdout();
     try {
@@ -90,8 +90,8 @@ WatchOptions watched(std::vector<std::string> jobs, bool json = false, std::uint
 const rpc::ChangeAsk k_cancel{.kind = rpc::ChangeKind::cancel};
 
 TEST_F(JobCommands, ListShowsPagesAndFilters) {
-  // Goal: filters reach the service, pages are put together, and a page that is not the last says
-  // how to go on. Method: a service that gives two jobs a page, by a cursor.
+  // Goal: filters reach the service, pages are joined, and a limited list prints the command for
+  // the next page. Method: a service with two jobs per page and a cursor.
   std::vector<rpc::ListAsk> asks;
   const std::vector<rpc::JobView> jobs = handler_.jobs;
   handler_.on_list = [&](rpc::ListAsk ask, rpc::Reply<rpc::JobPage> reply) {
@@ -131,7 +131,7 @@ TEST_F(JobCommands, ListShowsPagesAndFilters) {
 }
 
 TEST_F(JobCommands, ListRefusesFiltersThatAreNone) {
-  // Goal: exit code 2 before the service is asked: there is none here.
+  // Goal: usage errors give exit code 2 before any call. Method: no service.
   for (const ListOptions& options :
        {ListOptions{.states = {"finished"}}, ListOptions{.user = "no such user"},
         ListOptions{.mine = true, .user = "root"}, ListOptions{.group = "17"}}) {
@@ -141,7 +141,7 @@ TEST_F(JobCommands, ListRefusesFiltersThatAreNone) {
 }
 
 TEST_F(JobCommands, CompletionIsSilentWithoutAServer) {
-  // Goal: a shell that completes gets ids and words, or nothing at all.
+  // Goal: shell completion prints ids and words, or nothing.
   EXPECT_EQ(out([&] { return list_jobs(socket_, {.complete = true}); }), "");
   EXPECT_EQ(code_, 0);
   serve();
@@ -150,7 +150,7 @@ TEST_F(JobCommands, CompletionIsSilentWithoutAServer) {
 }
 
 TEST_F(JobCommands, RefusalsHaveTheirExitCodes) {
-  // Goal: the exit code says what kind of refusal it was, its words what to do. Method: each kind.
+  // Goal: the exit code states the kind of refusal, and the message the remedy. Method: each kind.
   const std::vector<std::pair<rpc::RefusalKind, int>> kinds{
       {rpc::RefusalKind::not_found, 2},   {rpc::RefusalKind::gone, 2},
       {rpc::RefusalKind::not_allowed, 9}, {rpc::RefusalKind::bad_request, 3},
@@ -169,7 +169,7 @@ TEST_F(JobCommands, RefusalsHaveTheirExitCodes) {
 }
 
 TEST_F(JobCommands, NamesReachTheServiceAsTargets) {
-  // Goal: a group is one call, a range one a job; jobs of a range that are not there are left out.
+  // Goal: a group is one call, a range one call per job; a range skips missing jobs.
   std::vector<rpc::Target> targets;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     const rpc::Target& target = ask.target;
@@ -187,7 +187,7 @@ TEST_F(JobCommands, NamesReachTheServiceAsTargets) {
   EXPECT_EQ(targets,
             (std::vector{rpc::Target::of(rpc::GroupId{5}), rpc::Target::of(rpc::JobId{20}),
                          rpc::Target::of(rpc::JobId{21}), rpc::Target::of(rpc::JobId{22})}));
-  // Of several, one that is refused keeps no other from its call, and is named.
+  // A refused job is named and doesn't stop the others.
   EXPECT_EQ(out([&] {
               return change(socket_, {.jobs = {"21", "17", "22"}}, k_cancel);
             }),
@@ -217,8 +217,8 @@ TEST_F(JobCommands, StatusOfAGroupIsAList) {
 }
 
 TEST_F(JobCommands, WatchAndWaitEndAsTheJobsDid) {
-  // Goal: 0 done, 10 failed, 11 cancelled; of several jobs the worst; a job that is not there is an
-  // error, but the others are watched to their end.
+  // Goal: exit codes are 0 done, 10 failed, 11 cancelled, and the worst for several jobs. A missing
+  // job is an error, but the others are watched to their end.
   serve();
   const auto code_of = [&](const std::vector<std::string>& jobs) {
     out([&] { return watch(socket_, watched(jobs)); });
@@ -244,8 +244,8 @@ TEST_F(JobCommands, WaitPrintsTheEndAlone) {
 }
 
 TEST_F(JobCommands, WatchTellsEachEventOnALine) {
-  // Goal: a line an event, from a number on; the change of state and the end are lines too. Method:
-  // JSON of a job with two events, from the second on.
+  // Goal: each event from a number on, each change of state and the end is one line. Method: JSON
+  // of a job with two events, from the second on.
   serve();
   const std::string text = out([&] { return watch(socket_, watched({"17"}, true, 2)); });
   std::vector<Json> lines;
@@ -266,8 +266,8 @@ TEST_F(JobCommands, WatchTellsEachEventOnALine) {
 }
 
 TEST_F(JobCommands, CtrlCLeavesTheJob) {
-  // Goal: exit code 130, and the words say how to come back; nothing is cancelled. Method: SIGINT
-  // while a running job is watched, which has no news.
+  // Goal: an interrupted watch exits with 130, prints how to resume watching, and cancels nothing.
+  // Method: SIGINT while watching a running job without news.
   serve();
   handler_.on_events = [&](const rpc::WatchPoint& point) {
     if (point.change > 0) {
@@ -285,8 +285,8 @@ TEST_F(JobCommands, CtrlCLeavesTheJob) {
 }
 
 TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
-  // Goal: where one of them has not ended, none is deleted. Method: a group with a running job,
-  // then what has ended.
+  // Goal: if one of several jobs has not ended, none is deleted. Method: a group with a running
+  // job, then ended jobs.
   std::vector<rpc::Target> erased;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     EXPECT_EQ(ask.kind, rpc::ChangeKind::erase);
@@ -311,8 +311,8 @@ TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
 }
 
 TEST_F(JobCommands, ChangesReachTheServiceWithTheirWords) {
-  // Goal: all that a change says arrives; what the job's state does not show has the command's own
-  // words, anything else the service's.
+  // Goal: a change arrives whole. The output has the command's text for changes that the state
+  // doesn't show, and otherwise the service's.
   std::vector<rpc::ChangeAsk> asks;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     asks.push_back(ask);
@@ -336,7 +336,7 @@ TEST_F(JobCommands, ChangesReachTheServiceWithTheirWords) {
 }
 
 TEST(ExtendOptions, TakeOneRule) {
-  // Goal: exactly one of the rules, with its number.
+  // Goal: exactly one rule with its number is required.
   ExtendOptions options;
   EXPECT_THROW(extension_of(options), base::Error);
   options.scans = 1'000'000'000'000;
@@ -346,8 +346,8 @@ TEST(ExtendOptions, TakeOneRule) {
 }
 
 TEST_F(JobCommands, LogsFollowsToTheEnd) {
-  // Goal: all bytes come once, in whole lines, until the log is over. Method: a log that grows by
-  // pieces cut inside a line and inside a character, with an escape sequence in it.
+  // Goal: a log's bytes are printed once, in whole lines, until its end. Method: a log that grows
+  // by pieces cut inside a line and inside a character, with an escape sequence.
   const std::string log = "first\nse\x1b[2Jcond ü\nlast without an end";
   std::size_t written = 8;
   handler_.on_logs = [&](rpc::LogAsk ask, rpc::Reply<rpc::LogPiece> reply) {
@@ -366,8 +366,8 @@ TEST_F(JobCommands, LogsFollowsToTheEnd) {
 }
 
 TEST(LogLines, ComeWholeHoweverTheyAreCut) {
-  // Goal: the lines do not depend on where pieces are cut, and a line without an end is bounded.
-  // Method: a text byte by byte against at once; a long line.
+  // Goal: output doesn't depend on where pieces are cut, and a line without an end is bounded.
+  // Method: print a text byte by byte and at once; a long line.
   const std::string text = "a\tb\r\nü\xff\n\nrest";
   LogLines at_once;
   LogLines bytewise;
@@ -409,7 +409,7 @@ class Fetching : public JobCommands {
 
   std::string archive_ = std::string(3'000'000, 'a');
   std::vector<rpc::FetchAsk> asks_;
-  std::vector<std::string> checked_;  ///< content of what was looked at
+  std::vector<std::string> checked_;  ///< contents of the checked archives
   bool is_damaged_ = false;
   ArchiveCheck check_ = [this](const std::string& path, const rpc::JobView& job) {
     EXPECT_EQ(job.id.value, 17U);
@@ -419,7 +419,7 @@ class Fetching : public JobCommands {
 };
 
 TEST_F(Fetching, BringsTheFileWhole) {
-  // Goal: the bytes, and nothing else in the folder.
+  // Goal: a fetch creates the file and nothing else in the folder.
   const std::string path = scratch_ / "hi.h5";
   EXPECT_EQ(fetch_to(path), 0);
   EXPECT_EQ(base::read_text_file(path, 10'000'000), archive_);
@@ -428,8 +428,8 @@ TEST_F(Fetching, BringsTheFileWhole) {
 }
 
 TEST_F(Fetching, LeavesOtherFilesAlone) {
-  // Goal: a file that is there with other content stays without --force; the same content is no
-  // error; no part lies about afterwards.
+  // Goal: without --force, a fetch accepts an existing file only if its content is the same. No
+  // partial file is left.
   const std::string path = scratch_ / "hi.h5";
   base::PosixFileSystem files;
   base::write_text_file(files, path, "mine");
@@ -444,8 +444,8 @@ TEST_F(Fetching, LeavesOtherFilesAlone) {
 }
 
 TEST_F(Fetching, DamagedArchivesTakeNoPlace) {
-  // Goal: an archive is looked at before it takes its place; a damaged one does not, and leaves
-  // nothing: neither a part nor a loss of what was there.
+  // Goal: an archive is checked before it is put in place; a damaged one leaves no partial file and
+  // doesn't replace the old file.
   const std::string path = scratch_ / "hi.h5";
   base::PosixFileSystem files;
   base::write_text_file(files, path, "mine");
@@ -462,8 +462,8 @@ TEST_F(Fetching, DamagedArchivesTakeNoPlace) {
 }
 
 TEST_F(Fetching, AGroupFillsAFolder) {
-  // Goal: each job's archive under its own name; one that has none is told, and keeps the others'
-  // from nobody.
+  // Goal: each job's archive gets its own name; a job without an archive is reported and doesn't
+  // stop the others.
   const std::string folder = scratch_ / "deep/g5";
   testing::internal::CaptureStderr();
   const Json json = Json::parse(out(
@@ -485,7 +485,7 @@ TEST_F(Fetching, FailuresGoIntoAFolder) {
 }
 
 TEST(FetchAsk, IdsAreNumbersAndRanges) {
-  // Goal: what is no list of ids is refused, and no list is longer than the service takes.
+  // Goal: invalid lists of ids, and lists longer than the service's limit, are refused.
   EXPECT_EQ(recording_ids_of("7,3,5..6,3"), (std::vector<std::uint64_t>{3, 5, 6, 7}));
   EXPECT_EQ(recording_ids_of("0"), (std::vector<std::uint64_t>{0}));
   EXPECT_EQ(recording_ids_of("18446744073709551615..18446744073709551615")->size(), 1U);
@@ -508,7 +508,8 @@ TEST(FetchAsk, PlacesAreNamedByJobs) {
 }
 
 TEST_F(JobCommands, ServerCommandsTellOfTheServer) {
-  // Goal: pid in JSON, words for people; without a server `status` is exit code 12, `stop` is done.
+  // Goal: JSON has the pid, text is for people; without a server `status` exits with 12, and `stop`
+  // succeeds.
   out([&] { return show_server(socket_, false); });
   EXPECT_EQ(code_, 12);
   out([&] { return stop_server(socket_, false); });

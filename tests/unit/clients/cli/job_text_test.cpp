@@ -1,5 +1,5 @@
-// Goal: lists and views of jobs fit a terminal, tell counts apart, and hide nothing. Method: views
-// with values of all kinds, their lines compared.
+// Goal: lists and views of jobs fit a terminal, separate the counts, and omit nothing. Method:
+// compare the lines of views with values of all kinds.
 #include "clients/cli/job_text.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Times are shown in the local time zone, which is this one.
+/// Sets the local time zone, in which times are shown.
 class JobText : public testing::Test {
  protected:
   JobText() {
@@ -70,8 +70,8 @@ rpc::JobView queued_job() {
 }
 
 TEST_F(JobText, TableHasWhatPeopleAskFor) {
-  // Goal: place and why not yet, time left by scans and by solutions, finds and solutions in
-  // proportion apart, failures by kind. Method: the table of a running and a queued job.
+  // Goal: a table shows place in the queue with its reason, time left by scans and by solutions,
+  // finds and draws separately, and failures by kind. Method: a running and a queued job.
   const std::vector<rpc::JobView> jobs{running_job(), queued_job()};
   EXPECT_EQ(job_table(jobs, {}),
             "ID  NAME    GROUP  STATE    PLACE              SCANS  FOUND  IN PROPORTION  SIMS/S  "
@@ -83,7 +83,7 @@ TEST_F(JobText, TableHasWhatPeopleAskFor) {
 }
 
 TEST_F(JobText, TableNamesUsersWhereAsked) {
-  // Goal: users by name. Method: a table of names.
+  // Goal: users appear by name. Method: a table of names.
   const std::vector<rpc::JobView> jobs{queued_job()};
   const std::string text =
       job_table(jobs, {.width = 60, .with_users = true, .user_name = [](std::uint32_t uid) {
@@ -95,7 +95,7 @@ TEST_F(JobText, TableNamesUsersWhereAsked) {
 }
 
 TEST_F(JobText, StatusOfAFailedJobSaysWhatRepeatsIt) {
-  // Goal: reason, the log's last lines and the command that repeats it are there.
+  // Goal: a failed job shows the reason, the log's last lines and the command to repeat it.
   rpc::JobView job = queued_job();
   job.state = rpc::JobState::failed;
   job.place = 0;
@@ -115,9 +115,9 @@ TEST_F(JobText, StatusOfAFailedJobSaysWhatRepeatsIt) {
 }
 
 TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
-  // Goal: names, reasons, log lines and everything else that other people or programs wrote are
-  // harmless. Method: escape sequences, line ends and marks that reorder text in every field; no
-  // text has a byte below a space but its own line ends and tabs, nor the marks.
+  // Goal: text from other people or programs is harmless. Method: put escape sequences, line ends
+  // and bidirectional marks into every field; the output may contain no control characters but its
+  // own line ends and tabs, and no such marks.
   const std::string evil = "a\x1b[2Jb\nc\rd\te\u202ef\u0085g\x7f";
   rpc::JobView job = running_job();
   job.name = job.world = job.reason = job.not_yet = job.digest = job.end_words = evil;
@@ -147,7 +147,7 @@ TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
 }
 
 TEST_F(JobText, NumbersOfABrokenServiceAreShownAsNothing) {
-  // Goal: no time or rate, however wild, breaks a line. Method: infinities and NaN.
+  // Goal: no time or rate breaks a line. Method: infinities and NaN.
   rpc::JobView job = queued_job();
   for (const double wild : {1e300, -1e300, 0.0 / 0.0}) {
     job.simulations_per_s = wild;

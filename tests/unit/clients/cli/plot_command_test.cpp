@@ -1,6 +1,6 @@
-// Goal: a world's own plots come from the list of them: what can be asked for, the help, whose
-// trace is drawn, and what is said of a picture that an archive can't have. Method: two made-up
-// worlds and archives of them and of a third world.
+// Goal: the list of a world's own plots determines the available names, the help, the trace, and
+// the error for a plot that an archive lacks. Method: two made-up worlds, with archives of both and
+// of a third world.
 #include "clients/cli/plot_command.h"
 
 #include <gmock/gmock.h>
@@ -38,7 +38,7 @@ class MadeUpPlots final : public pictures::WorldPlots {
   std::vector<Kind> kinds_;
 };
 
-/// Marbles have smoke and a trace of their own, rods smoke and mirrors.
+/// Marbles have smoke and their own trace; rods have smoke and mirrors.
 pictures::PlotsOfWorlds two_worlds() {
   pictures::PlotsOfWorlds worlds;
   worlds.push_back(std::make_unique<MadeUpPlots>(
@@ -74,7 +74,7 @@ TEST(PlotCommand, AWorldDrawsWhatItHas) {
   EXPECT_EQ(title("marbles", "trace"), "marbles's trace");
   EXPECT_EQ(title("marbles", "smoke"), "marbles's smoke");
   EXPECT_EQ(title("rods", "mirrors"), "rods's mirrors");
-  // A trace that is everyone's.
+  // The common trace.
   EXPECT_EQ(title("rods", "trace"), "rods");
   EXPECT_EQ(title("gas", "trace"), "gas");
   EXPECT_EQ(picture_of(archive::BareArchive("rods"), asking_for("mirrors"), true, worlds).words,

@@ -1,6 +1,7 @@
-// A service of a few scripted jobs behind a real socket, for tests of the commands: a loop and a
-// server in a thread of their own. Each call is a function that a test may replace before it makes
-// a client; unless it does, `list`, `status` and `info` answer from `jobs`, all else is refused.
+// A service of a few scripted jobs behind a real socket, for tests of commands, with a loop and a
+// server in their own thread. Each call is a function that a test may replace before it creates a
+// client. By default `list`, `status` and `info` answer from `jobs`, and all other calls are
+// refused.
 #pragma once
 
 #include <unistd.h>
@@ -26,7 +27,7 @@
 
 namespace sleight::cli {
 
-/// A folder that goes with the test.
+/// A folder that the destructor removes.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -49,7 +50,7 @@ inline rpc::Refusal no_such_job(rpc::JobId job) {
           .what_to_do = "`sleight list` shows the jobs."};
 }
 
-/// A file in memory.
+/// A Source that reads from a string.
 class TextSource final : public rpc::Source {
  public:
   TextSource(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {}
@@ -147,7 +148,7 @@ class ScriptedHandler final : public rpc::Handler {
   }
 };
 
-/// Serves a handler at a path while it lives; more than one after another may.
+/// Serves a handler at a path during its lifetime. Several may follow one another.
 class ServingThread {
  public:
   ServingThread(const std::string& path, ScriptedHandler& handler) {
@@ -169,7 +170,7 @@ class ServingThread {
   ServingThread(const ServingThread&) = delete;
   ServingThread& operator=(const ServingThread&) = delete;
 
-  /// On the server's thread.
+  /// Runs `work` on the server's thread.
   void post(std::function<void()> work) { loop_->post(std::move(work)); }
   void news(rpc::JobId job) {
     loop_->post([this, job] { server_->news(job); });

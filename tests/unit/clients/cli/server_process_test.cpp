@@ -1,5 +1,5 @@
-// Goal: a server in the background answers when its start returns, and one that can't begin says
-// why. Method: small scripts in the server's place.
+// Goal: starting a background server returns once the server answers, or reports why it can't
+// start. Method: small scripts in place of the server.
 #include "clients/service_client/server_process.h"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ bool ends(service_client::ServerProcess& process) {
 }
 
 TEST(ServerProcess, LeavesItsWordsInTheLog) {
-  // Goal: a daemon that ends at once is heard of: its exit code and the lines it wrote this time,
-  // the folder its owner's alone. Method: a shell in its place, twice.
+  // Goal: if the daemon exits at once, the error has its exit code and this start's log lines; only
+  // the owner can open the folder. Method: a shell in place of the daemon, twice.
   const ScratchFolder scratch;
   const std::string folder = scratch / "deep/state";
   service_client::ServerProcess first({"/bin/sh", "-c", "echo first; exit 0"}, folder);
@@ -42,8 +42,8 @@ TEST(ServerProcess, LeavesItsWordsInTheLog) {
 }
 
 TEST(ServerProcess, IsASessionOfItsOwnWithNothingInherited) {
-  // Goal: no end of a terminal reaches the daemon, and no descriptor of ours is open in it. Method:
-  // a shell tells its session and its descriptors, beside a pipe that is open here.
+  // Goal: the daemon has its own session and inherits no descriptor. Method: a shell prints its
+  // session and descriptors while a pipe is open here.
   const ScratchFolder scratch;
   int ends_of_pipe[2];
   ASSERT_EQ(::pipe(ends_of_pipe), 0);
@@ -60,8 +60,8 @@ TEST(ServerProcess, IsASessionOfItsOwnWithNothingInherited) {
 }
 
 TEST(ServerProcess, SaysWhatIsMissing) {
-  // Goal: no daemon beside this program, and a state folder that can't be made, are errors with the
-  // path in them.
+  // Goal: a missing daemon program, or a state folder that can't be created, is an error with its
+  // path.
   try {
     static_cast<void>(service_client::program_beside("no-such-daemon"));
     FAIL() << "no error";

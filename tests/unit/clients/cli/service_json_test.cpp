@@ -1,5 +1,5 @@
-// Goal: what machines read of the service has the fields and types that the document names. Method:
-// views with values of all kinds, their JSON compared.
+// Goal: JSON about the service has the documented fields and types. Method: compare the JSON of
+// views with values of all kinds.
 #include "clients/cli/service_json.h"
 
 #include "clients/cli/server_commands.h"
@@ -14,7 +14,7 @@ namespace sleight::cli {
 namespace {
 
 TEST(ServiceJson, SubmittedHasTheIdThatCommandsTake) {
-  // Goal: `.id` of a submission works in every other command. Method: a job and a group.
+  // Goal: a submission's `.id` works in every other command. Method: a job and a group.
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}}})),
             R"({"id":17,"group":null,"ids":[17]})");
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}, rpc::JobId{18}},
@@ -23,7 +23,7 @@ TEST(ServiceJson, SubmittedHasTheIdThatCommandsTake) {
 }
 
 TEST(ServiceJson, AJobTellsWhatIsNotKnownAsNull) {
-  // Goal: times and places that are not there are null, not zero; counts are apart.
+  // Goal: missing times and places are null, not zero; counts are separate.
   const Json json = to_json(
       rpc::JobView{.id = {17},
                    .state = rpc::JobState::queued,
@@ -44,7 +44,8 @@ TEST(ServiceJson, AJobTellsWhatIsNotKnownAsNull) {
 }
 
 TEST(ServiceJson, OneJobAloneIsAnObject) {
-  // Goal: `status 17 --json | jq .state`, and a list for everything else.
+  // Goal: one job is an object, so that `status 17 --json | jq .state` works; other queries give a
+  // list.
   const std::vector<rpc::JobView> jobs{{.id = {17}}};
   EXPECT_TRUE(jobs_json(jobs, true).is_object());
   EXPECT_TRUE(jobs_json(jobs, false).is_array());
@@ -52,8 +53,8 @@ TEST(ServiceJson, OneJobAloneIsAnObject) {
 }
 
 TEST(ServiceJson, AnEventKeepsItsFields) {
-  // Goal: an event's object as the run wrote it, fields of later versions too, with the job before
-  // it; a line that is none gives none. Method: an unknown kind, and texts that are no objects.
+  // Goal: an event is printed as the run wrote it, with unknown fields and its job's id; an invalid
+  // line gives nothing. Method: an unknown kind, and texts that aren't objects.
   EXPECT_EQ(on_one_line(event_json({17}, R"({"number":3,"kind":"later","job":99,"x":[1]})")),
             R"({"job":17,"number":3,"kind":"later","x":[1]})");
   for (const char* line : {"", "[1]", "17", "{\"number\":", "\xff"})
@@ -61,8 +62,8 @@ TEST(ServiceJson, AnEventKeepsItsFields) {
 }
 
 TEST(ServiceJson, IsHarmlessOnATerminal) {
-  // Goal: JSON has no byte that steers a terminal, whatever the texts hold. Method: control
-  // characters of C0 and C1, a mark that reorders text, bytes that are no UTF-8.
+  // Goal: JSON can't control a terminal, whatever its texts. Method: C0 and C1 control characters,
+  // a bidirectional mark, invalid UTF-8.
   const rpc::JobView job{.id = {17}, .name = "\x1b[2J\u009b\u202e\x7f\xff\n"};
   for (const std::string& text : {indented(to_json(job, true)), on_one_line(to_json(job, true))}) {
     EXPECT_TRUE(std::ranges::all_of(text, [](char c) {

@@ -1,6 +1,5 @@
-// Goal: a submission has the request's text with what was set, once for each combination, and
-// refusals read like those of `sleight check`. Method: a real server on a real socket, whose
-// handler is scripted.
+// Goal: a submission has the request's text with its sets, once per combination, and refusals read
+// like those of `sleight check`. Method: a real server on a real socket, with a scripted handler.
 #include "clients/cli/submit_command.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +20,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Texts in place of worlds: a normalised text has what it was made of.
+/// Returns stand-ins for the worlds' texts; a normalised text shows its input.
 RequestTexts texts() {
   return {.normalised = [](std::string_view text, std::string_view file,
                            std::span<const request::KeySet> sets,
@@ -44,8 +43,8 @@ rpc::Submission made(const SubmitOptions& options, const GivenRequest& given) {
 }
 
 TEST(Submit, AnUnchangedRequestGoesAsItIsWritten) {
-  // Goal: the service's errors have the file's own lines, and all options arrive. Method: a file's
-  // text, and each option.
+  // Goal: the service's errors have the file's line numbers, and all options arrive. Method: a
+  // file's text, and each option.
   const rpc::Submission submission =
       made({.request_path = "requests/hi.toml",
             .cores = 4,
@@ -67,7 +66,7 @@ TEST(Submit, AnUnchangedRequestGoesAsItIsWritten) {
 }
 
 TEST(Submit, SetsAndNumberAreApplied) {
-  // Goal: keys that are set reach the text that is sent, as does -n of a file; a word has its
+  // Goal: sets change the text that is sent, as does -n for a file; a word's text contains its
   // number already.
   const rpc::Submission of_file = made({.request_path = "hi.toml",
                                         .asked = request::Asked{.number = 7},
@@ -85,7 +84,7 @@ TEST(Submit, SetsAndNumberAreApplied) {
 }
 
 TEST(Submit, ARangeMakesAGroup) {
-  // Goal: one job a value, named by what tells them apart; also a range of one value is a group.
+  // Goal: each value gives one job, named by its value; even a range of one value is a group.
   // Method: a range beside a plain set.
   const rpc::Submission group = made(
       {.request_path = "hi.toml", .sets = {"sampler.seed=1..3", "stop.scans=9"}, .name = "try"},
@@ -99,7 +98,7 @@ TEST(Submit, ARangeMakesAGroup) {
 }
 
 TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
-  // Goal: what `sleight check` says, before anything is sent; -n is named beside the file.
+  // Goal: a bad request gives the errors of `sleight check` before anything is sent, with -n named.
   const auto bad = submission_of(
       {.request_path = "hi.toml", .asked = request::Asked{.number = 7}, .asked_by = "-n 7"},
       {"hi.toml", "bad"}, texts());
@@ -110,7 +109,8 @@ TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
 }
 
 TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
-  // Goal: neither holds in silence. Method: --word and -n beside sets of theirs, and beside others.
+  // Goal: a set that contradicts an option is refused. Method: --word and -n with such sets, and
+  // with other sets.
   const auto is_taken = [](const SubmitOptions& options) {
     return submission_of(options, {"x", "text"}, texts()).ok();
   };
@@ -128,7 +128,7 @@ TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
 }
 
 TEST(Submit, MoreThanASubmissionTakesIsRefused) {
-  // Goal: bounds of jobs and bytes are told before the service is asked. Method: one beyond each.
+  // Goal: limits of jobs and bytes are checked before any call. Method: exceed each by one.
   const auto throws = [](const SubmitOptions& options, const std::string& text) {
     EXPECT_THROW(static_cast<void>(submission_of(options, {"hi.toml", text}, texts())),
                  base::Error);
@@ -143,9 +143,9 @@ TEST(Submit, MoreThanASubmissionTakesIsRefused) {
 }
 
 TEST(Submit, NamesFitTheService) {
-  // Goal: whatever a file is called, the name is printable and within the service's bound. Method:
-  // a long name of wide characters, and a group that lengthens it; one with an escape in it. A name
-  // that is given is not cut in silence.
+  // Goal: a job's default name is printable and within the service's limit, whatever the file's
+  // name; an explicit name is never cut silently. Method: a long name of wide characters, alone and
+  // in a group; a name with an escape.
   std::string name;
   for (int i = 0; i < 200; ++i)
     name += "ü";
@@ -158,7 +158,7 @@ TEST(Submit, NamesFitTheService) {
   EXPECT_THROW((void)made({.request_path = "a.toml", .name = name}, {"x", "text"}), base::Error);
 }
 
-/// A command's exit code, and what it printed.
+/// A command's exit code and output.
 struct Printed {
   int code = 0;
   std::string out;
@@ -176,8 +176,8 @@ Printed submit_to(const std::string& socket, const SubmitOptions& options) {
 }
 
 TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
-  // Goal: exit code 3 and lines with the file's name, whatever the service calls the text. Method:
-  // a service that refuses with diagnostics, one of which would steer the terminal.
+  // Goal: a refused request exits with 3 and lines that name the file, whatever the service calls
+  // the text. Method: a service with diagnostics, one with control characters.
   const ScratchFolder scratch;
   const std::string file = scratch / "hi.toml";
   std::ofstream(file) << "text";
@@ -195,8 +195,8 @@ TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
   EXPECT_EQ(printed.err, file + ":12:9: unknown key 'lamda'\n" + file + ":13:1: \\u{1b}[2J\n");
 }
 
-/// A server in a process of its own that is killed by the first submission. What it was given, the
-/// submission's key, can be read from it; that ends with the process.
+/// A server in its own process, killed by the first submission. The submission's key can be read
+/// afterwards.
 class DyingServer {
  public:
   explicit DyingServer(const std::string& socket) {
@@ -217,7 +217,7 @@ class DyingServer {
   DyingServer(const DyingServer&) = delete;
   DyingServer& operator=(const DyingServer&) = delete;
 
-  /// Returns when the process is dead.
+  /// Waits until the process is dead.
   std::string key() const {
     std::string key;
     char letter = 0;
@@ -246,9 +246,9 @@ class DyingServer {
 };
 
 TEST(Submit, ALostAnswerSubmitsNothingTwice) {
-  // Goal: a server that dies after it took a submission and before it answered is asked again with
-  // the same key. Method: the first server is killed by the submission; then a second one comes to
-  // the same place.
+  // Goal: if a server dies between accepting a submission and answering, the client repeats the
+  // call with the same key. Method: the submission kills the first server; a second one takes its
+  // place.
   const ScratchFolder scratch;
   const std::string socket = scratch / "socket";
   const DyingServer first(socket);
@@ -273,7 +273,7 @@ TEST(Submit, ALostAnswerSubmitsNothingTwice) {
 }
 
 TEST(Submit, WithoutAServerSaysHowToStartOne) {
-  // Goal: exit code 12, and the words name the command.
+  // Goal: without a service, the exit code is 12 and the message names the command to start one.
   const ScratchFolder scratch;
   try {
     static_cast<void>(submit(scratch / "socket", {.word = "HI"}, texts()));

@@ -1,6 +1,6 @@
-// Goal: tokens are asked for as they were wished, shown once, and a file of one is nobody else's;
-// what is known of a server is its owner's alone. Method: a real server on a real socket, whose
-// handler is scripted; folders of the test's own.
+// Goal: tokens are requested with the given options, shown once, and stored in private files; so is
+// what is known of a server. Method: a real server on a real socket with a scripted handler;
+// scratch folders.
 #include "clients/cli/token_commands.h"
 
 #include <gtest/gtest.h>
@@ -84,14 +84,14 @@ TEST_F(TokenCommands, AFileOfATokenIsNewAndItsOwners) {
   std::getline(std::ifstream(file()), text);
   EXPECT_EQ(text, handler_.asked_token.token);
   EXPECT_EQ(failure([&] { create_token(socket(), options); }), base::ExitCode::conflict);
-  // Of a token that the service did not take no file is left.
+  // A refused token leaves no file.
   serving_.reset();
   options.output = folder_ / "other.token";
   EXPECT_EQ(failure([&] { create_token(socket(), options); }), base::ExitCode::no_server);
   EXPECT_FALSE(std::filesystem::exists(options.output));
 }
 
-// What an unset variable of a script gives is nobody, and not whoever runs the script.
+// An empty user, as from a script's unset variable, doesn't mean the caller.
 TEST_F(TokenCommands, AUserIsOneThatThereIs) {
   for (const char* user : {"", " ", "no such user", "4294967295", "4294967296", "-1", "1.5"}) {
     TokenCreateOptions options{.name = "laptop", .user = user};
@@ -133,10 +133,10 @@ TEST_F(TokenCommands, OnlyIdsAreRevoked) {
   EXPECT_NE(
       out([&] { return revoke_tokens(socket(), {.ids = {"0123456789"}}); }).find("is revoked"),
       std::string::npos);
-  // A whole token given by mistake is not sent, and not shown.
+  // A whole token given by mistake is neither sent nor shown.
   const std::string token = access::text_of(access::draw_token());
   EXPECT_EQ(failure([&] { revoke_tokens(socket(), {.ids = {token}}); }), base::ExitCode::usage);
-  // One that is not there keeps no other from being revoked.
+  // A missing token doesn't stop others from being revoked.
   handler_.tokens.push_back({.id = "1123456789", .name = "other"});
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();

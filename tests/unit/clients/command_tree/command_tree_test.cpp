@@ -1,6 +1,6 @@
-// Goal: the tree has all that the help has, and nothing hidden. Method: the tree of a toy program
-// against what was put in; that scripts made of it work is tried in real shells
-// (tests/programs/test_completion.py).
+// Goal: the tree has everything that the help has, and nothing hidden. Method: compare a toy
+// program's tree with its definition; tests/programs/test_completion.py tries the generated scripts
+// in real shells.
 #include "clients/command_tree/command_tree.h"
 
 #include <gmock/gmock.h>
@@ -38,7 +38,7 @@ TEST(CommandTree, CutsFooters) {
   const Command& run = tree.commands[0];
   EXPECT_THAT(run.paragraphs, ElementsAre(".Goes on where it stopped. Twice."));
   EXPECT_THAT(run.examples, ElementsAre("toy run x.toml -o 'a b.h5'", "toy run \\ -o x.h5"));
-  // A command without a footer of its own has none, though its help shows the program's.
+  // A command without its own footer has none, although its help shows the program's.
   EXPECT_EQ(tree.commands[1].exit_codes, "");
 }
 

@@ -1,6 +1,6 @@
-// Goal: files are sound glTF, say what their documents say, and are the same bytes each time; names
-// and texts from anywhere do no harm. Method: small scenes; files read back by a reader of the
-// tests' own (read_glb.h).
+// Goal: files are sound glTF, match their documents, and have the same bytes each time; hostile
+// names and texts do no harm. Method: small scenes; files are read back by the tests' own reader
+// (read_glb.h).
 #include "clients/export/document.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 using namespace std::string_literals;
 using testing::Json;
 
-/// Two dice of one look, a ball, a table of the animation's own height, a goal.
+/// Two equal dice, a ball, a table with the animation's own heights, a goal.
 scene::Scene table_scene() {
   scene::Scene scene;
   scene.features = {{.name = "die 1"},
@@ -57,7 +57,7 @@ Clip clip_of(const std::string& name, double table_m, const std::vector<Segment>
           .extras = {{"id", name}, {"log_prior", -1.5}}};
 }
 
-/// In the first clip the ball enters late and the second die never; in the second all are there.
+/// In the first clip the ball enters late and the second die never; the second clip has all.
 Document two_clips() {
   const Segment rest{.start_s = 1, .mode = motion::Mode::resting, .position_m = {0.5, 0, 0.4}};
   Segment ball = rest;
@@ -106,7 +106,7 @@ TEST(Document, HoldsBodiesSceneAndMotion) {
   EXPECT_LT(math::norm(Vec3(testing::z_up(testing::played(places, 0.5)) - Vec3(0.25, 0, 0.4))),
             1e-6);
   EXPECT_TRUE(testing::track_of(file, 0, die, "scale").times_s.empty());
-  // The ball is not there before it enters.
+  // The ball is invisible before it enters.
   const auto scale = testing::track_of(file, 0, testing::node_named(file, "ball"), "scale");
   EXPECT_EQ(scale.interpolation, "STEP");
   EXPECT_EQ(testing::played(scale, 0.24), (std::vector<double>{0, 0, 0}));
@@ -116,7 +116,7 @@ TEST(Document, HoldsBodiesSceneAndMotion) {
 TEST(Document, HoldsClipsTogether) {
   const File file = file_of(two_clips());
   ASSERT_EQ(file.json["animations"].size(), 2U);
-  // Equal dice share a mesh; the table has a node for each of its heights.
+  // Equal dice share a mesh; the table has a node per animation.
   EXPECT_EQ(file.json["nodes"][testing::node_named(file, "die 1")]["mesh"],
             file.json["nodes"][testing::node_named(file, "die 2")]["mesh"]);
   EXPECT_FALSE(testing::has_node(file, "table"));
@@ -134,10 +134,10 @@ TEST(Document, HoldsClipsTogether) {
   EXPECT_EQ(shown("die 2", 1, 0.5), there);
   EXPECT_EQ(shown("ball", 0, 0.1), away);
   EXPECT_EQ(shown("ball", 1, 0.1), there);
-  // Without a clip a player shows the first one's beginning.
+  // Without a clip, players show the beginning of the first.
   EXPECT_EQ(file.json["nodes"][testing::node_named(file, "table (c1.3)")]["scale"],
             Json({0, 0, 0}));
-  // A goal stays as it is in both.
+  // The goal is the same in both clips.
   EXPECT_TRUE(
       testing::track_of(file, 0, testing::node_named(file, "goal 1"), "scale").times_s.empty());
 }
@@ -184,14 +184,13 @@ TEST(Document, MakesNamesAndTextsHarmless) {
 }
 
 TEST(Document, OfNothingThatMovesIsAFileToo) {
-  // Nobody enters: the scene alone; glTF wants a channel in each clip.
+  // No body enters, but glTF requires a channel in each clip.
   Document document = only(two_clips(), 0);
   document.clips[0].motion = animation_of({}, 3);
   const File file = file_of(document);
   EXPECT_FALSE(testing::has_node(file, "die 1"));
   EXPECT_TRUE(testing::has_node(file, "table"));
   EXPECT_EQ(file.json["animations"][0]["channels"].size(), 1U);
-  // Not even a scene.
   const File bare = file_of({.clips = {{.name = "c0.0", .motion = animation_of({}, 0)}}});
   EXPECT_EQ(bare.json["nodes"].size(), 1U);
 }
@@ -227,7 +226,7 @@ TEST(Document, HoldsAHundredBodies) {
       EXPECT_LT(math::norm(Vec3(testing::z_up(testing::played(places, t_s)) - true_m)), 1e-4);
     }
   }
-  // Balls of other colours are other meshes, whose vertices are stored once.
+  // Balls of other colours are other meshes with shared vertices.
   EXPECT_EQ(file.json["meshes"].size(), 100U);
   EXPECT_EQ(file.json["meshes"][0]["primitives"][0]["attributes"],
             file.json["meshes"][99]["primitives"][0]["attributes"]);
@@ -242,7 +241,7 @@ TEST(Document, SaysWhyThereIsNone) {
   ASSERT_FALSE(glb.ok());
   EXPECT_THAT(glb.error(), HasSubstr("keys"));
 
-  // A table each: channels grow with the square of the clips.
+  // With a table per clip, channels grow with the square of the clips.
   document = only(two_clips(), 0);
   const Clip clip = document.clips[0];
   document.clips.clear();

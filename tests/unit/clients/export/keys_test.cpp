@@ -1,7 +1,7 @@
-// Goal: what players show between keys is what the archive says, to 0.1 mm and 0.2 degrees, with
-// every sort of motion. Method: random motions made of segments that go on from each other, played
-// at random times both ways that players turn things, against the closed forms; a coarse set of
-// keys, of which the same comparison says that it is too far off.
+// Goal: between keys, players show the archive's motion to 0.1 mm and 0.2 degrees, for every kind
+// of motion. Method: compare random continuous motions, played at random times with both
+// interpolations that players use, with the closed forms; a coarse set of keys must fail the
+// comparison.
 #include "clients/export/keys.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ Vec3 random_vector(random::Stream& stream, double size) {
           size * (2 * stream.uniform() - 1)};
 }
 
-/// The next segment of a motion, which goes on where the one before ends.
+/// Returns the next segment, which starts where the last one ends.
 Segment after(Segment before, double start_s) {
   Segment next = before;
   next.start_s = start_s;
@@ -83,7 +83,7 @@ struct Off {
   double turn_rad = 0;
 };
 
-/// The most that a player is off at so many random times.
+/// Returns a player's largest error at `times` random times.
 Off most_off(const motion::Path& path, const BodyKeys& keys, double end_s, int times,
              random::Stream& stream) {
   const Track places = track_of(keys.translation);
@@ -131,7 +131,7 @@ TEST(Keys, KeepPlacesAndTurnsWithinTheTolerance) {
     const Off off = most_off(path, keys.value(), end_s, 100, stream);
     EXPECT_LT(off.place_m, k_place_m);
     EXPECT_LT(off.turn_rad, k_turn_off);
-    // Frames of film are no such keys: the comparison can fail.
+    // Negative control: keys at film frames are too coarse.
     if (end_s < 0.5) continue;
     const Off of_frames = most_off(path, keys_of(path, end_s, 10).value(), end_s, 100, stream);
     EXPECT_GT(of_frames.place_m, k_place_m);
@@ -150,7 +150,7 @@ TEST(Keys, FollowALongFastSpin) {
   const Off off = most_off(path, keys.value(), 20.5, 500, stream);
   EXPECT_LT(off.place_m, k_place_m);
   EXPECT_LT(off.turn_rad, k_turn_off);
-  // The place is that of the events alone.
+  // Positions need keys at events only.
   EXPECT_EQ(keys.value().translation.times_s.size(), 3U);
 }
 
@@ -163,7 +163,7 @@ TEST(Keys, AreAtTheRoundedTimesOfEvents) {
   EXPECT_EQ(keys.enters_s, 0.1F);
   EXPECT_EQ(keys.translation.times_s, (std::vector<float>{0.1F, 0.7F, 0.9F}));
   EXPECT_NEAR(keys.translation.values[1][0], 1.6, 1e-7);
-  // Of one event that is of several segments the last counts.
+  // If several segments start at once, the last one counts.
   path.append({.start_s = 0.9, .mode = motion::Mode::resting, .position_m = {1.8, 0, 0}});
   EXPECT_EQ(keys_of(path, 0.9).value().translation.times_s, keys.translation.times_s);
 }
@@ -185,7 +185,7 @@ TEST(Keys, AreTwoWhereABodyJumps) {
 }
 
 TEST(Keys, OfWhatHardlyMovesAreFew) {
-  // It rests from its beginning.
+  // The body rests from its start.
   motion::Path resting(0);
   resting.append({.start_s = 2, .mode = motion::Mode::resting, .position_m = {1, 2, 3}});
   const auto rests = keys_of(resting, 5).value();
@@ -193,7 +193,7 @@ TEST(Keys, OfWhatHardlyMovesAreFew) {
   EXPECT_EQ(rests.translation.values, (std::vector<Float3>{{1, 3, -2}}));
   EXPECT_EQ(rests.rotation.times_s, std::vector<float>{2});
 
-  // A motion of one tick, which is less than times of single precision can tell from its end.
+  // A motion of one tick, shorter than single precision resolves.
   motion::Path tick(0);
   tick.append({.start_s = 2, .velocity_mps = {1, 0, 0}, .angular_velocity_radps = {1, 0, 0}});
   tick.append(after(tick.segments()[0], 2 + 0x1p-30));
@@ -202,7 +202,7 @@ TEST(Keys, OfWhatHardlyMovesAreFew) {
   expect_in_order(short_one);
   EXPECT_EQ(short_one.translation.times_s, std::vector<float>{2});
 
-  // What happens before the beginning isn't there.
+  // Motion before time 0 is cut off.
   motion::Path early(0);
   early.append({.start_s = -3, .velocity_mps = {1, 0, 0}});
   early.append({.start_s = 1, .mode = motion::Mode::resting, .position_m = {4, 0, 0}});

@@ -1,6 +1,6 @@
 // Goal: each shape is where the scene has it, closed and lit from outside, and goals follow the
-// table. Method: known numbers of triangles, normals against the triangles' own, heights and slopes
-// against common/scene's surface.
+// table. Method: known numbers of triangles; compare normals with the triangles' own, and heights
+// and slopes with common/scene's surface.
 #include "clients/export/look.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ using math::Vec3;
 using scene::FeatureKind;
 using scene::Shape;
 
-/// In the scene's axes again.
+/// Converts back to the scene's axes.
 Vec3 back(const Float3& v) {
   return {v[0], -v[2], v[1]};
 }
@@ -34,7 +34,7 @@ Look look_of_part(scene::Part part, FeatureKind kind = FeatureKind::body,
   return look_of(scene, 0, own, {});
 }
 
-/// By triangle: its middle, and a normal as long as twice its area.
+/// A triangle's middle, and a normal as long as twice its area.
 struct Face {
   Vec3 middle_m;
   Vec3 normal;
@@ -47,7 +47,7 @@ std::vector<Face> faces_of(const Primitive& primitive) {
     const Vec3 b = back(primitive.places.at(primitive.corners[i + 1]));
     const Vec3 c = back(primitive.places.at(primitive.corners[i + 2]));
     faces.push_back({Vec3((a + b + c) / 3), math::cross(Vec3(b - a), Vec3(c - a))});
-    // Each corner's normal is on the side that the triangle is seen from.
+    // Each corner's normal points to the visible side.
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 normal = back(primitive.normals.at(primitive.corners[i + k]));
       EXPECT_NEAR(math::norm(normal), 1, 1e-6);
@@ -57,7 +57,7 @@ std::vector<Face> faces_of(const Primitive& primitive) {
   return faces;
 }
 
-/// What closed faces around a place hold, by the divergence theorem.
+/// Returns the volume within closed faces, by the divergence theorem.
 double volume_m3(const std::vector<Face>& faces) {
   double sum = 0;
   for (const Face& face : faces)
@@ -93,7 +93,7 @@ TEST(Look, DiceHavePipsAboveTheirFaces) {
   ASSERT_EQ(die.size(), 2U);
   EXPECT_EQ(die[0].material.name, "ivory");
   EXPECT_NEAR(volume_m3(faces_of(die[0])), 8e-6, 1e-11);
-  // A pip has ten triangles of twelve corners; opposite faces add up to 7, with 1, 2, 3 on +x, +y,
+  // A pip has ten triangles of twelve corners. Opposite faces add up to 7, with 1, 2, 3 on +x, +y,
   // +z.
   EXPECT_EQ(die[1].material.name, "ink");
   std::map<std::pair<int, bool>, int> corners;
@@ -130,14 +130,14 @@ TEST(Look, SurfacesHaveTheHeightsAndSlopesOfTheirPoints) {
     const Vec3 at = back(look[0].places[i]);
     constexpr double k_step_m = 1e-6;
     const auto height_m = [&](double x_m, double y_m) {
-      // At the rim there is a surface on one side alone.
+      // At the rim, the surface exists on one side only.
       const auto found = surface.height_m(x_m, y_m);
       return found ? *found : std::nan("");
     };
     const double inside_x_m = at.x() > 0.07 ? -k_step_m : k_step_m;
     const double inside_y_m = at.y() > 0.02 ? -k_step_m : k_step_m;
     const double here_m = height_m(at.x() + inside_x_m, at.y() + inside_y_m);
-    EXPECT_NEAR(at.z(), here_m, 5e-6);  // a step aside, on slopes up to 2
+    EXPECT_NEAR(at.z(), here_m, 5e-6);  // at a step aside, with slopes up to 2
     const double along_x =
         (height_m(at.x() + 2 * inside_x_m, at.y() + inside_y_m) - here_m) / inside_x_m;
     const double along_y =
@@ -145,7 +145,7 @@ TEST(Look, SurfacesHaveTheHeightsAndSlopesOfTheirPoints) {
     const Vec3 normal = math::normalized(Vec3(-along_x, -along_y, 1));
     EXPECT_LT(math::norm(Vec3(back(look[0].normals[i]) - normal)), 1e-3);
   }
-  // A spacing that no table has makes nothing of it, and does no harm.
+  // An invalid spacing gives an empty look.
   EXPECT_TRUE(look_of_part({.shape = Shape::surface, .size_m = {1, 1, 0}}, FeatureKind::fixed, own)
                   .empty());
 }
@@ -175,7 +175,7 @@ TEST(Look, GoalsLieOnTheTable) {
     EXPECT_NEAR(at.z(), *surface.height_m(at.x(), at.y()) + 0.2e-3, 1e-6);
     EXPECT_LE(std::hypot(at.x(), at.y()), 0.03 + 1e-6);
   }
-  // Where any body may be is tinted, and one sees through it.
+  // The region for any body is tinted and transparent.
   const Look tint = look_of(scene, 3, own, {});
   ASSERT_EQ(tint.size(), 1U);
   EXPECT_LT(tint[0].material.color.opacity, 1);
@@ -189,7 +189,7 @@ TEST(Look, MeshesAreMovedByOffsets) {
                     {.place_m = {1, 0, 0}},
                     {.place_m = {0, 1, 0}, .offset = 0},
                     {.place_m = {0, 0, 0}, .offset = 7}};
-  // The second has no area.
+  // The second triangle has no area.
   scene.triangles = {{0, 1, 2}, {0, 1, 3}};
   const std::vector<Vec3> offsets_m{{0, 0, 0.25}};
   const Look look = look_of(scene, 0, {}, offsets_m);

@@ -1,7 +1,7 @@
-// Reads .glb files and plays their animations, for tests: by the specification (Khronos Group,
-// "glTF 2.0 Specification") and by none of the exporter's code.
+// Reads .glb files and plays their animations, for tests, following the specification (Khronos
+// Group, "glTF 2.0 Specification") without any of the exporter's code.
 //
-// Pure functions; expectations of GoogleTest say what a file has wrong.
+// Pure functions that report faults as GoogleTest failures.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ inline std::uint32_t word_at(const std::string& bytes, std::size_t offset) {
   return word;
 }
 
-/// Header and chunks.
+/// Reads the header and the chunks.
 inline File read_glb(const std::string& bytes) {
   File file;
   EXPECT_EQ(bytes.substr(0, 4), "glTF");
@@ -54,7 +54,7 @@ inline File read_glb(const std::string& bytes) {
   return file;
 }
 
-/// Of one accessor: its vectors, as doubles.
+/// Returns an accessor's vectors as doubles.
 inline std::vector<std::vector<double>> vectors_of(const File& file, const Json& accessor) {
   const Json& what = file.json["accessors"].at(accessor.get<std::size_t>());
   const Json& view = file.json["bufferViews"].at(what["bufferView"].get<std::size_t>());
@@ -83,7 +83,7 @@ inline std::vector<std::vector<double>> vectors_of(const File& file, const Json&
   return vectors;
 }
 
-/// Nothing unused, bounds that are those of the numbers, finite numbers, times that ascend.
+/// Checks that nothing is unused, bounds fit the numbers, numbers are finite, and times ascend.
 inline void expect_sound(const File& file) {
   const auto listed = [&](const char* name) {
     return file.json.value(name, Json::array()).elements();
@@ -158,7 +158,7 @@ struct Track {
   std::string interpolation{};
 };
 
-/// Empty where the clip has no such channel.
+/// Returns an empty track if the clip has no such channel.
 inline Track track_of(const File& file, std::size_t clip, std::size_t node,
                       const std::string& path) {
   const Json& animation = file.json["animations"].at(clip);
@@ -176,7 +176,8 @@ inline Track track_of(const File& file, std::size_t clip, std::size_t node,
 
 enum class Turning { slerp, normalised };
 
-/// What a player shows at a time; quaternions (four numbers) the shortest way.
+/// Returns the value that a player shows at a time; quaternions (four numbers) turn the shortest
+/// way.
 inline std::vector<double> played(const Track& track, double t_s,
                                   Turning turning = Turning::slerp) {
   const auto next = std::ranges::upper_bound(track.times_s, t_s);
@@ -210,7 +211,7 @@ inline std::vector<double> played(const Track& track, double t_s,
   return between;
 }
 
-// From glTF's axes back to the scene's, by the specification: y up, z towards the viewer.
+// Converts from glTF's axes (y up, z towards the viewer) to the scene's.
 inline math::Vec3 z_up(const std::vector<double>& place) {
   return {place[0], -place[2], place[1]};
 }

@@ -1,6 +1,6 @@
-// Goal: the page is answered what the archive says, by number and name alone, and whatever else is
-// asked is refused with a sentence. Method: an archive of the made-up world; each address; wrong
-// ones; questions of every wrong form.
+// Goal: answers agree with the archive and are addressed by number and name only; any other request
+// is refused with a message. Method: an archive of the made-up world; each address; wrong
+// addresses; malformed questions.
 #include "clients/gallery_server/answers.h"
 
 #include <gmock/gmock.h>
@@ -64,8 +64,8 @@ class AnswersTest : public archive::testing::Scratch {
 };
 
 TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
-  // Goal: table, scene, looks and animations fit one another. Method: names out of the table; each
-  // is answered alone, and several together the same.
+  // Goal: table, scene, looks and animations agree. Method: take names from the table; fetch
+  // animations alone and together.
   const web::Answer table_answer = get("/api/archives/0/table");
   const Unpacked table = unpacked(table_answer.content.text());
   const auto entries = table.head["entries"].get<std::size_t>();
@@ -99,7 +99,8 @@ TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
 }
 
 TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
-  // Goal: questions are answered by the browser's own functions. Method: against these.
+  // Goal: questions are answered by the functions of `browse`. Method: compare with these
+  // functions.
   const browse::Index& index = snapshot->index();
   const std::string query = "bounces >= 2";
   const Json found = posted("/api/find", {{"query", query}, {"archives", Json::array({at()})}});
@@ -131,7 +132,7 @@ TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
 }
 
 TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
-  // Goal: no address leads to anything but what was read. Method: others, among them paths.
+  // Goal: no address leads outside the archives. Method: wrong addresses, including paths.
   for (const char* place :
        {"/api", "/api/", "/api/archives", "/api/archives/1/table", "/api/archives/-1/table",
         "/api/archives/0", "/api/archives/0/", "/api/archives/0/table/x", "/api/archives/00x/table",
@@ -151,7 +152,7 @@ TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
 }
 
 TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
-  // Goal: no JSON breaks anything. Method: wrong types and numbers in each place; an old
+  // Goal: malformed JSON does no harm. Method: wrong types and numbers in each place; an old
   // generation.
   const Json good = at();
   const auto status = [&](const char* place, const Json& question) {
@@ -196,8 +197,8 @@ TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
 }
 
 TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
-  // Goal: traces are /sample_stats, marks are where it says, and histograms are of all draws.
-  // Method: against the archive's own columns.
+  // Goal: traces show /sample_stats with its marks, and histograms cover all draws. Method: compare
+  // with the archive's columns.
   const Json titles = Json::parse(get("/api/archives/0/series").content.text());
   EXPECT_GT(titles.size(), 5U);
   const web::Answer answer = get("/api/archives/0/series/trace.lp", {{"chain", "0"}});
@@ -219,7 +220,7 @@ TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
       if (satisfied[i - 1] != 0 && satisfied[i] == 0) falls.push_back(i);
     EXPECT_EQ(trace.column<std::uint32_t>("fall"), falls);
     EXPECT_FALSE(falls.empty());
-    // Two kinds of proposals, of which the first changes everything.
+    // Two kinds of proposals; the first changes everything.
     const auto accepted = std::get<std::vector<std::int32_t>>(
         source.read(archive::k_sample_stats, "accepted", 0, 2 * 101));
     std::vector<std::uint32_t> changes_of_all;
@@ -237,7 +238,7 @@ TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
   EXPECT_NEAR(sum, 1, 1e-12);
 }
 
-/// What is changed in an archive: a dataset taken out, or without its last dimension.
+/// The change to an archive: a dataset removed, or its last dimension.
 struct Damage {
   std::string_view group;
   std::string_view dataset;
@@ -261,7 +262,7 @@ class Damaged final : public archive::Source {
   const std::vector<archive::Group>& groups() const override { return groups_; }
   archive::Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
                        std::uint64_t count) const override {
-    // A file's reader ends the program where these don't hold.
+    // A file's reader ends the program if these don't hold.
     const archive::Group* found = archive::find_group(*this, group);
     const archive::DatasetSpec* spec =
         found == nullptr ? nullptr : archive::find_dataset(*found, dataset);
@@ -276,9 +277,9 @@ class Damaged final : public archive::Source {
 };
 
 TEST_F(AnswersTest, AnArchiveThatLacksSomethingIsRefusedInWords) {
-  // Goal: a file that isn't ours never ends the server, which reads nothing that isn't there.
-  // Method: columns of draws and of the prior taken out or cut: either the archive is refused as a
-  // whole, or each plot that is offered is answered, but for that of the column; both happen.
+  // Goal: a foreign file never crashes the server, which reads only existing data. Method: remove
+  // or cut columns of draws and of the prior. Either the archive is refused, or all offered plots
+  // but the damaged column's are answered; both must occur.
   int refused = 0;
   int answered = 0;
   for (const std::string_view group : {archive::k_sample_stats, archive::k_sample_stats_prior}) {

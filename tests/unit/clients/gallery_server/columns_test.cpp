@@ -1,5 +1,5 @@
-// Goal: columns hold what they are made of, bit for bit, where the page looks for them. Method:
-// take the answers apart again; an archive of the made-up world against its motions and its index.
+// Goal: columns hold their values bit for bit, where the page expects them. Method: unpack the
+// answers; compare an archive of the made-up world with its motions and its index.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ using testing::Unpacked;
 using testing::unpacked;
 
 TEST(PackedAnswer, GivesBackItsColumns) {
-  // Goal: all types, odd lengths, none, NaN and text of every kind come back. Method: one of each.
+  // Goal: all types, odd lengths, empty columns, NaN and any text read back. Method: one of each.
   Packed packed;
   packed.add("d", std::vector<double>{1.5, std::numeric_limits<double>::quiet_NaN(), -0.0});
   packed.add("f", std::vector<float>{0.25F});
@@ -82,7 +82,7 @@ TEST(Columns, HoldEachSegment) {
           ++row;
         }
       }
-      // Its own looks: the surface and the goal upon it, with as many normals as places.
+      // The animation's own surface and goal have as many normals as points.
       for (const json::Value& mesh : back.head["meshes"].elements()) {
         const auto places = back.column<float>(mesh["places"].get<std::string>());
         EXPECT_EQ(places.size(), back.column<float>(mesh["normals"].get<std::string>()).size());
@@ -95,7 +95,7 @@ TEST(Columns, HoldEachSegment) {
 }
 
 TEST(Columns, FeaturesAreAllCommonOrAnAnimationsOwn) {
-  // Goal: each feature is shown once. Method: those of the made-up world's animations.
+  // Goal: each feature is shown once. Method: the made-up world's animations.
   const archive::MemoryArchive memory = made_up(101, 3);
   const auto scene = archive::scene_of(memory);
   ASSERT_TRUE(scene.ok());

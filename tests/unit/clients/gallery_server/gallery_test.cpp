@@ -1,6 +1,6 @@
-// Goal: the page always has what can be had: archives that grow, go, are damaged and come back cost
-// nothing that was read. Method: files that are replaced, deleted and damaged under a gallery that
-// looks at them.
+// Goal: the page always has all available data; archives that grow, vanish, are damaged or return
+// lose nothing that was read. Method: replace, delete and damage files while a gallery watches
+// them.
 #include "clients/gallery_server/gallery.h"
 
 #include <gmock/gmock.h>
@@ -37,7 +37,7 @@ class GalleryTest : public archive::testing::Scratch {
             .changed = [this] { ++changes; },
             .open = files.opener()};
   }
-  /// The archive's state, once it says this of itself.
+  /// Waits for an archive's state to satisfy `is` and returns the state.
   static json::Value waited(const Gallery& gallery, std::size_t archive,
                             const std::function<bool(const json::Value&)>& is) {
     for (int i = 0; i < 2000; ++i) {
@@ -58,8 +58,8 @@ class GalleryTest : public archive::testing::Scratch {
 };
 
 TEST_F(GalleryTest, AGrowingArchiveIsReadAnew) {
-  // Goal: a replaced archive's new animations are there, under a higher generation, and those who
-  // hold the old snapshot keep it. Method: a longer run in its place.
+  // Goal: a replaced archive's new animations appear under a higher generation; old snapshots stay
+  // valid. Method: replace the archive by a longer run.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
   Gallery gallery(options({archive}));
@@ -84,9 +84,8 @@ TEST_F(GalleryTest, AGrowingArchiveIsReadAnew) {
 }
 
 TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
-  // Goal: the first 500 animations are there before the others, told as a beginning; then all,
-  // under a higher generation. With its index kept all are there at once. Method: what is said at
-  // each change.
+  // Goal: the first 500 animations appear early, marked as a beginning, then all under a higher
+  // generation. With a stored index all appear at once. Method: record the state at each change.
   const std::string archive = path("a.h5");
   std::vector<json::Value> said;
   std::atomic<Gallery*> telling = nullptr;
@@ -95,7 +94,7 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
     telling = nullptr;
     GalleryOptions asked = options({archive});
     asked.changed = [&] {
-      if (telling == nullptr) return;  // nothing can have been opened
+      if (telling == nullptr) return;  // no archive can be open yet
       const auto state = telling.load()->state();
       for (const auto& shown : state["archives"].elements())
         if (shown["state"] == "ready") said.push_back(shown);
@@ -120,7 +119,7 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
     const bool is_large = finds > 500;
     auto gallery = std::make_unique<Gallery>(start());
     const auto whole = all_of(*gallery, finds);
-    gallery.reset();  // nothing more is said
+    gallery.reset();  // ends all reports
     ASSERT_FALSE(said.empty());
     EXPECT_EQ(said.front()["is_beginning"], is_large);
     EXPECT_EQ(entries_of(said.front()) == 500, is_large);
@@ -135,8 +134,7 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
 }
 
 TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
-  // A page that is open asks on by what it has: entries of another reading must not be taken for
-  // its own.
+  // An open page must not take another reading's entries for its own.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
   std::vector<json::Value> said;
@@ -150,8 +148,8 @@ TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
 }
 
 TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
-  // Goal: a deleted or damaged file is said, what was read stays, and it is read again when it is
-  // back. Method: one after the other.
+  // Goal: a deleted or damaged file is reported, its data stays, and the restored file is read
+  // again. Method: one after the other.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
   Gallery gallery(options({archive}));
@@ -168,8 +166,8 @@ TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
 }
 
 TEST_F(GalleryTest, AFolderShowsWhatLiesInItAndNothingElse) {
-  // Goal: archives of a folder are shown, those that come later too; a damaged one costs itself; a
-  // link that leads out is named and not opened. Method: a folder of these.
+  // Goal: a folder's archives are shown, including later ones. A damaged archive affects only
+  // itself; a link that leads outside is named and not opened. Method: a folder with one of each.
   std::filesystem::create_directories(path("runs"));
   std::filesystem::create_directories(path("elsewhere"));
   files.put(path("runs/b.h5"), made_up(50));

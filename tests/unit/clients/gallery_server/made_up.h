@@ -1,4 +1,4 @@
-// Archives of the made-up world, in memory.
+// In-memory archives of the made-up world.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sleight::gallery::testing {
 
-/// One chain's; all kept, so that a longer run's animations begin with a shorter one's.
+/// Archive of one chain; keeps all animations, so that a longer run's begin with a shorter run's.
 inline archive::MemoryArchive made_up(std::uint64_t scans, std::uint64_t finds = 0) {
   using namespace archive::testing;
   const FakeRunOptions run{.seed = 1, .chains = 1, .scans = scans, .finds = finds};

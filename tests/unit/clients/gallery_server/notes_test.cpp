@@ -1,6 +1,5 @@
-// Goal: what people say of animations is kept as it was said, by whoever may write, and nothing
-// else gets into a file. Method: a folder of its own; files that are changed, full of nonsense, not
-// writable.
+// Goal: notes about animations are stored as written, for those who may write, and nothing else
+// enters a file. Method: a scratch folder; files that are changed, invalid or not writable.
 #include "clients/gallery_server/notes.h"
 
 #include <fmt/format.h>
@@ -26,7 +25,7 @@ namespace fs = std::filesystem;
 using Json = json::Value;
 using ::testing::HasSubstr;
 
-/// One animation's note is changed; returns it as it is then.
+/// Changes one animation's note and returns the new note.
 Json changed(Notes& notes, const std::string& run, const std::string& animation,
              const Json& patch) {
   return notes.change(run, {{animation, patch}})[animation];
@@ -40,7 +39,7 @@ class NotesTest : public archive::testing::Scratch {
 };
 
 TEST_F(NotesTest, AreThereAgainTheNextTime) {
-  // Goal: a note outlives the gallery, is private, and goes when it says nothing. Method: one after
+  // Goal: a note outlives the gallery, is private, and is deleted when empty. Method: one after
   // another.
   {
     Notes notes(path("notes"));
@@ -56,7 +55,7 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
   EXPECT_EQ(kept["c0.250"]["note"], "näher");
   EXPECT_EQ(kept["c0.250"]["tags"], Json::array({"calm"}));
   EXPECT_EQ(kept["find.3"]["star"], true);
-  // As older galleries wrote names.
+  // The name format of older galleries.
   base::PosixFileSystem files;
   const std::string file = path("notes/" + run + ".json");
   std::string text = base::read_text_file(file, 10'000);
@@ -70,8 +69,8 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
 }
 
 TEST_F(NotesTest, NothingElseGetsIn) {
-  // Goal: what is no note of an animation of a run is refused, and no file is written for it.
-  // Method: other types, too much, names that lead elsewhere.
+  // Goal: invalid notes are refused and create no file. Method: wrong types, excessive sizes, names
+  // that lead elsewhere.
   Notes notes(path("notes"));
   const auto refused = [&](const std::string& of, const std::string& name, const Json& note) {
     EXPECT_THROW(changed(notes, of, name, note), base::Error) << of << " " << name << " " << note;
@@ -94,9 +93,8 @@ TEST_F(NotesTest, NothingElseGetsIn) {
 }
 
 TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
-  // Goal: all that a person does at once is in the file, or nothing of it. Method: thousands; the
-  // same with one wrong; too many; as many as may be, which takes seconds, and with sanitizers half
-  // a minute.
+  // Goal: a bulk change is stored whole or not at all. Method: thousands of notes; the same with
+  // one wrong; too many; the maximum number, which takes seconds (half a minute with sanitizers).
   Notes notes(path("notes"));
   Json stars = Json::object();
   for (int i = 0; i < 5000; ++i)
@@ -124,7 +122,7 @@ TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
 }
 
 TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
-  // Goal: two people's changes of one note are both there. Method: each changes something else.
+  // Goal: changes of one note by two people are both stored. Method: each changes another field.
   Notes mine(path("notes"));
   Notes yours(path("notes"));
   changed(mine, run, "c0.1", {{"note", "this one"}, {"tags_on", {"film"}}});
@@ -140,8 +138,8 @@ TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
 }
 
 TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
-  // Goal: where nothing can be kept, notes work and a sentence says so; a file that isn't one is
-  // left as it is. Method: a file where the folder should be; a file of nonsense; no folder.
+  // Goal: if notes can't be stored, they still work and a message reports it; an invalid file stays
+  // as it is. Method: a file in place of the folder; a file of nonsense; no folder.
   std::ofstream(path("taken")) << "a file";
   Notes notes(path("taken/notes"));
   changed(notes, run, "c0.250", starred);
@@ -165,8 +163,8 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
 }
 
 TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
-  // Goal: one file that can't be read costs its own run alone. Method: nonsense for one, a note for
-  // another, which is there the next time; the trouble is still said.
+  // Goal: an unreadable file affects only its own run. Method: nonsense for one run, a note for
+  // another, which is there next time; the error is still reported.
   fs::create_directories(path("notes"));
   std::ofstream(path("notes/3f2a9c01.json")) << "[]";
   Notes notes(path("notes"));
@@ -177,13 +175,13 @@ TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
 }
 
 TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
-  // Goal: a folder "sleight-notes" beside the archive shares notes; else they are the person's own.
-  // Method: with it and without.
+  // Goal: a folder "sleight-notes" beside the archive shares notes; otherwise they are personal.
+  // Method: with and without the folder.
   ::setenv("XDG_DATA_HOME", path("data").c_str(), 1);
   EXPECT_EQ(notes_folder(path("a.h5")), path("data/sleight/notes"));
   fs::create_directories(path("sleight-notes"));
   EXPECT_EQ(notes_folder(path("a.h5")), path("sleight-notes"));
-  // Each run's beside its own archive, the others where the person has hers.
+  // Shared notes are stored beside their archive, others in the person's folder.
   Notes notes(path("data/own"));
   notes.keep_in(run, path("sleight-notes"));
   notes.keep_in(run, path("elsewhere"));

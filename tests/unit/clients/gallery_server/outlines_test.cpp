@@ -1,6 +1,6 @@
-// Goal: an archive that was browsed before is shown at once by its outline, which says what the
-// whole says; what needs motions waits for these. Method: galleries of one file whose second
-// reading is held back, is damaged, or is of another file.
+// Goal: an archive that was browsed before is shown at once by its outline, which agrees with the
+// whole; questions about motions wait. Method: galleries of one file whose second reading is
+// delayed, is damaged, or finds another file.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -47,7 +47,7 @@ class OutlinesTest : public archive::testing::Scratch {
     ::unsetenv("XDG_CACHE_HOME");
   }
 
-  /// As a gallery does with a large archive.
+  /// Stores an outline, as a gallery does for a large archive.
   void keep_outline() {
     const Snapshot whole(archive_, {.open = files_.opener()});
     browse::keep_cached(
@@ -55,7 +55,7 @@ class OutlinesTest : public archive::testing::Scratch {
         browse::bytes_of(browse::outline_of(whole.index(), whole.first_groups()), base::version()));
   }
 
-  /// Whatever is opened after the first time is held back until it is let go.
+  /// Starts a gallery whose openings after the first wait for let_go().
   std::unique_ptr<Gallery> begun() {
     opened_ = 0;
     held_ = true;
@@ -72,7 +72,7 @@ class OutlinesTest : public archive::testing::Scratch {
     held_.notify_all();
   }
 
-  /// What a page asks of archive 0 before anything else, and what it is answered.
+  /// Returns the answers to a page's first questions about archive 0.
   static std::string first_answers(const Answers& answers, const Snapshot& snapshot) {
     std::string all;
     const std::string at = "/api/archives/0/";
@@ -117,7 +117,7 @@ TEST_F(OutlinesTest, SayWhatTheWholeSays) {
   const Answers answers(*gallery, notes_, rules_, "1.2");
   const std::string before = first_answers(answers, *outline);
 
-  // What needs motions waits for them.
+  // Questions about motions wait.
   const Json find{{"query", "any in x 0..1m"},
                   {"archives", {{{"id", 0}, {"generation", outline->generation()}}}}};
   const Json alike{
@@ -160,8 +160,9 @@ TEST_F(OutlinesTest, AQuestionDoesNotWaitForEver) {
 }
 
 TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
-  // Goal: what an outline has stays to be seen, what needs motions is refused at once and in words,
-  // and all is there when the archive is. Method: damage and removal before the second reading.
+  // Goal: if the archive can't be read, the outline stays visible, questions about motions are
+  // refused at once, and everything works once the archive is back. Method: damage or remove the
+  // file before the second reading.
   for (const bool is_removed : {false, true}) {
     const auto gallery = begun();
     ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
@@ -178,7 +179,7 @@ TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
     const Answers answers(*gallery, notes_, rules_, "1.2");
     EXPECT_EQ(asked(answers, "/api/groups", groups_of(*outline, 12)).status, 200U);
     EXPECT_EQ(answers({.path = "/api/archives/0/table"}).status, 200U);
-    // At once: after waiting in vain it would be 503.
+    // A refusal after a wait would be 503.
     EXPECT_EQ(asked(answers, "/api/groups", groups_of(*outline, 5)).status, 502U);
     files_.put(archive_, made_up(101, 30));
     ASSERT_TRUE(holds_soon([&] { return !gallery->snapshot(0)->is_outline(); }));
@@ -189,21 +190,21 @@ TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
 }
 
 TEST_F(OutlinesTest, WhatCannotBeHadIsNotLookedForWithoutPause) {
-  // Goal: no thread is busy with a damaged archive. Method: processor time beside time, a while.
+  // Goal: a damaged archive keeps no thread busy. Method: compare processor time with elapsed time.
   const auto gallery = begun();
   ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
   files_.damage(archive_);
   let_go();
   ASSERT_TRUE(holds_soon([&] { return gallery->state()["archives"][0]["state"] == "damaged"; }));
   const auto begin = std::chrono::steady_clock::now();
-  const std::clock_t used = std::clock();  // of the processor
+  const std::clock_t used = std::clock();  // processor time
   std::this_thread::sleep_for(std::chrono::milliseconds(400));
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
   EXPECT_LT(static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC, 0.5 * passed.count());
 }
 
 TEST_F(OutlinesTest, AreOfOneStateOfOneFile) {
-  // Another file in the place, and the same bytes under a wrong digest: both are read whole.
+  // Another file, and the same bytes with a wrong digest, are both read whole.
   files_.put(archive_, made_up(60, 10));
   {
     const auto gallery = begun();

@@ -1,6 +1,6 @@
-// Goal: a saved gallery holds what a server would answer, nothing else, and is there as a whole or
-// not at all. Method: the made-up world's archive, saved; each file against the answer; other
-// things in its place and in it; work that is broken off. Also what the command says and leaves.
+// Goal: a saved gallery holds exactly a server's answers and is complete or absent. Method: save
+// the made-up world's archive and compare each file with the answer; put other files in its place;
+// interrupt the work; check the command's output.
 #include "clients/gallery_server/saved_gallery.h"
 
 #include <fcntl.h>
@@ -39,8 +39,8 @@ namespace fs = std::filesystem;
 using Json = json::Value;
 
 TEST(Base64, IsThatOfTheStandard) {
-  // Goal: the text is what browsers take apart. Method: the test vectors of RFC 4648, section 10,
-  // and all digits.
+  // Goal: base64 is what browsers decode. Method: the test vectors of RFC 4648, section 10, and all
+  // digits.
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");
@@ -57,7 +57,7 @@ std::string text_of_file(const fs::path& path) {
   return text.str();
 }
 
-/// The three texts of sleightSaved("path", "kind", "text").
+/// Returns the three arguments of sleightSaved("path", "kind", "text").
 Json call_of(const fs::path& path) {
   const std::string script = text_of_file(path);
   const std::string begin = "sleightSaved(";
@@ -111,7 +111,7 @@ class SavedGallery : public archive::testing::Scratch {
   }
 
   testing::ShownFiles files;
-  // No plot of the made-up world is judged but by the diagnosis.
+  // Only the diagnosis judges; plots of the made-up world don't.
   analysis::Rules rules{
       .draws_min = 4,
       .ess_wanted = [](std::size_t) { return 400.0; },
@@ -120,7 +120,7 @@ class SavedGallery : public archive::testing::Scratch {
 };
 
 TEST_F(SavedGallery, HoldsWhatAServerAnswers) {
-  // Goal: files are the answers. Method: each kind, taken apart; all animations are in some file.
+  // Goal: files are the answers. Method: decode each kind; every animation is in some file.
   const std::uint64_t bytes = save(options("saved"));
   std::uint64_t found = 0;
   for (const auto& item : fs::recursive_directory_iterator(path("saved"))) {
@@ -153,7 +153,7 @@ TEST_F(SavedGallery, HoldsWhatAServerAnswers) {
   EXPECT_TRUE(fs::exists(path("saved/data/0/series-trace.lp-0.js")));
 }
 
-/// Its exit code and words where it is refused; code ok otherwise.
+/// Returns the exit code and message of a refusal, otherwise code ok.
 template <typename Work>
 std::pair<base::ExitCode, std::string> refusal_of(const Work& work) {
   try {
@@ -164,7 +164,7 @@ std::pair<base::ExitCode, std::string> refusal_of(const Work& work) {
   return {base::ExitCode::ok, ""};
 }
 
-/// The files of a folder and all below it, with their content.
+/// Returns all files below a folder with their content.
 std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> found;
   for (const auto& item : fs::recursive_directory_iterator(folder)) {
@@ -174,7 +174,7 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
   return found;
 }
 
-/// An archive whose datasets can't be read from some time on.
+/// An archive whose datasets become unreadable at some time.
 class Spoilt final : public archive::Source {
  public:
   Spoilt(archive::MemoryArchive whole, const bool& is_spoilt)
@@ -193,8 +193,8 @@ class Spoilt final : public archive::Source {
 };
 
 TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
-  // Goal: a caller that saves several learns which one to leave out, and nothing is left behind.
-  // Method: the second of two can't be read any more after it was looked at.
+  // Goal: the error names the unreadable archive of several, and nothing is left behind. Method:
+  // the second of two becomes unreadable after it was opened.
   files.put(path("b.h5"), testing::made_up(102, 3));
   bool is_spoilt = false;
   const auto second = std::make_shared<const Snapshot>(
@@ -214,8 +214,8 @@ TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
 }
 
 TEST_F(SavedGallery, TakesNothingElsesPlace) {
-  // Goal: only a saved gallery, or nothing, is replaced. Method: a folder with a file; a file; an
-  // empty folder; a gallery; a name with a slash behind it; a link, which stays.
+  // Goal: a save replaces only a saved gallery or an empty place. Method: a folder with a file; a
+  // file; an empty folder; a gallery; a name with a slash at the end; a link, which stays.
   fs::create_directories(path("mine"));
   std::ofstream(path("mine/letter.txt")) << "dear";
   EXPECT_EQ(refusal_of([&] { save(options("mine")); }).first, base::ExitCode::conflict);
@@ -237,9 +237,9 @@ TEST_F(SavedGallery, TakesNothingElsesPlace) {
 }
 
 TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
-  // Goal: what people put into a saved gallery is never deleted; the refusal names it. Method: a
-  // file and folders of each sort, and a link in a file's place, each in a gallery that is saved
-  // again; then without it.
+  // Goal: a save never deletes files that people put into a saved gallery, and names them. Method:
+  // save again over a gallery with a file, folders of each kind, or a link in a file's place; then
+  // without them.
   const std::map<std::string, std::string> others = {{"hi.h5", "hi.h5"},
                                                      {"CNAME", "CNAME"},
                                                      {".git/HEAD", ".git"},
@@ -266,8 +266,8 @@ TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
 }
 
 TEST_F(SavedGallery, IsKnownByWhatItsManifestSays) {
-  // Goal: no file's name makes a folder ours. Method: a stranger's data/gallery.js; manifests of
-  // other content, and ones that name what no gallery writes.
+  // Goal: a file's name alone doesn't identify a folder as a gallery. Method: a foreign
+  // data/gallery.js; manifests with other content, or with names that no gallery writes.
   fs::create_directories(path("photos/data"));
   std::ofstream(path("photos/data/gallery.js")) << "mine";
   EXPECT_EQ(refusal_of([&] { save(options("photos")); }).first, base::ExitCode::conflict);
@@ -288,8 +288,8 @@ TEST_F(SavedGallery, IsKnownByWhatItsManifestSays) {
 }
 
 TEST_F(SavedGallery, LeavesNoFileOfTheOneBefore) {
-  // Goal: the manifest names all files, and those that a new gallery lacks go. Method: a gallery of
-  // two archives, then of one.
+  // Goal: the manifest names all files, and files that a new gallery lacks are removed. Method: a
+  // gallery of two archives, then of one.
   const SavedArchive archive{.name = "a.h5", .snapshot = snapshot};
   save_gallery({archive, archive}, options("saved"), rules);
   const Json manifest = Json::parse(text_of_file(path("saved/sleight-gallery.json")));
@@ -304,8 +304,8 @@ TEST_F(SavedGallery, LeavesNoFileOfTheOneBefore) {
 }
 
 TEST_F(SavedGallery, KeepsTheFolderItself) {
-  // Goal: a mount point, a current folder and a link's target are replaced as folders are. Method:
-  // the folder is the same one, by its number, after saves as "." and by a link.
+  // Goal: a mount point, the current folder and a link's target are replaced in place. Method: the
+  // folder's inode stays the same after saves as "." and by a link.
   save(options("saved"));
   struct stat before {};
   ASSERT_EQ(::stat(path("saved").c_str(), &before), 0);
@@ -328,7 +328,7 @@ TEST_F(SavedGallery, KeepsTheFolderItself) {
   EXPECT_EQ(after.st_ino, before.st_ino);
 }
 
-/// The folder that a save works in.
+/// Returns the temporary folder of a save.
 fs::path work_in(const fs::path& folder) {
   for (const auto& item : fs::directory_iterator(folder)) {
     if (item.path().filename().string().starts_with(".sleight-saving-")) return item.path();
@@ -338,9 +338,9 @@ fs::path work_in(const fs::path& folder) {
 }
 
 TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
-  // Goal: work that is broken off leaves nothing, and an earlier gallery as it was. Method: a
-  // progress that throws in the middle; one that spoils what is about to be put in place, so that
-  // a rename in the middle fails; a file that comes while it is written.
+  // Goal: an interrupted save leaves nothing but the earlier gallery. Method: a progress that
+  // throws halfway; a progress that spoils a file, so that a rename fails halfway; a file that
+  // appears during the save.
   save(options("saved"));
   std::ofstream(path("saved/index.html")) << "the first";
   const auto before = files_in(path("saved"));
@@ -373,8 +373,8 @@ TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
 }
 
 TEST(NamedArchives, AbandonedFoldersAreRemoved) {
-  // Goal: what a killed gallery left goes, what another one holds stays. Method: folders of the
-  // name with and without a lock, and folders and files of other names.
+  // Goal: a killed gallery's temporary folder is removed, and a running gallery's stays. Method:
+  // folders of that name with and without a lock, and other files and folders.
   std::string form = (fs::temp_directory_path() / "sleight-test-XXXXXX").string();
   const fs::path temporary = ::mkdtemp(form.data());
   for (const char* name : {"sleight-gallery-aaaaaa", "sleight-gallery-bbbbbb", "sleight-gallery-c",
@@ -401,8 +401,8 @@ TEST(NamedArchives, AbandonedFoldersAreRemoved) {
 }
 
 TEST(NothingToShow, IsSaidWhereNothingIsOrMayCome) {
-  // Goal: a line where nothing is shown, none where something is or may come. Method: states as a
-  // gallery says them.
+  // Goal: a message appears only if no archive is shown and none is being read. Method: states of a
+  // gallery.
   using Ordered = json::Value;
   const auto is_said = [](const std::string& archives) {
     return !gallery::nothing_to_show(

@@ -1,4 +1,4 @@
-// Files whose content is a made-up archive in memory: a gallery looks at the files, and reads the
+// Files that stand for made-up archives in memory: a gallery watches the files and reads the
 // memory.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace sleight::gallery::testing {
 
 class ShownFiles {
  public:
-  /// As the archive writer does: beside its place, and renamed.
+  /// Replaces the file by renaming, as the archive writer does.
   void put(const std::string& path, archive::MemoryArchive archive) {
     {
       const std::lock_guard lock(mutex_);

@@ -1,4 +1,4 @@
-// Takes a packed answer apart, as the page does.
+// Unpacks a packed answer, as the page does.
 #pragma once
 
 #include <gtest/gtest.h>

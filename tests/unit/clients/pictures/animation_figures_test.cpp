@@ -1,6 +1,6 @@
-// Goal: pictures of animations show what a scene and its motions say, whatever the world: each body
-// where its motion puts it, goals where they are, nothing outside of its panel. Method: made-up
-// scenes of few and of many bodies; the figure's series are counted and measured.
+// Goal: pictures show any world's scene and motions with bodies and goals in their places and
+// inside the panel. Method: made-up scenes of few and of many bodies; count and measure the
+// figure's series.
 #include "clients/pictures/animation_figures.h"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ using scene::FeatureKind;
 using scene::Shape;
 using ::testing::HasSubstr;
 
-/// Two dice over a surface; the place of the first one is a disc, of which the second has none.
+/// Two dice over a surface, with a disc as the goal of the first die.
 scene::Scene dice_scene() {
   return {.features = {{.name = "die 1", .twin_of = 0},
                        {.name = "die 2", .twin_of = 1},
@@ -44,8 +44,8 @@ scene::Scene dice_scene() {
           .has_own_points = true};
 }
 
-/// Die 1 flies for half a second, turning by a quarter about y, which brings its 6 up, and lies at
-/// (50, 0) mm; die 2 lies at (0, y) with its 3 up.
+/// Die 1 flies for half a second, with a quarter turn about y that brings its 6 up, and rests at
+/// (50, 0) mm; die 2 rests at (0, y) with its 3 up.
 ShownAnimation throw_of(double y_m = 0.04) {
   const double half_root = std::sqrt(0.5);
   const std::vector<motion::Segment> segments{
@@ -63,7 +63,7 @@ ShownAnimation throw_of(double y_m = 0.04) {
   return {.title = "chain 1, scan 3", .motion = motion::Animation::of(segments, 2).value()};
 }
 
-/// So many balls that drop one after the other into a box without a lid.
+/// Balls that drop one after the other into a box without a lid.
 scene::Scene box_scene(std::uint32_t balls) {
   scene::Scene scene;
   for (std::uint32_t ball = 0; ball < balls; ++ball) {
@@ -112,14 +112,14 @@ std::vector<plot::Polygon> squares_of(const plot::Panel& panel) {
 }
 
 TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
-  // Goal: dice lie where they lie, with the pips of the upper face, and a ring where one is wanted.
+  // Goal: dice are drawn where they rest, with the upper face's pips and a ring at the goal.
   // Method: the view from above alone, which is in millimetres.
   const plot::Figure figure = animation_figure("dice", dice_scene(), {throw_of()}, false);
   ASSERT_EQ(figure.panels.size(), 1U);
   const plot::Panel& panel = figure.panels.front();
   EXPECT_THAT(panel.title, HasSubstr("chain 1, scan 3; up: 6, 3; 3.0 mm from the place, at rest "
                                      "after 0.50 s"));
-  // Two faces, and nine pips.
+  // Two faces and nine pips.
   EXPECT_EQ(all_of<plot::Polygon>(panel).size(), 2U + 6 + 3);
   const auto squares = squares_of(panel);
   ASSERT_EQ(squares.size(), 2U);
@@ -143,8 +143,8 @@ TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
 }
 
 TEST(AnimationFigures, PatchesAreShadedByTheirHeights) {
-  // Goal: where control points are known the table is darker where it is lower. Method: a slope of
-  // two patches.
+  // Goal: with control points, the table is darker where it is lower. Method: a slope of two
+  // patches.
   ShownAnimation animation = throw_of();
   for (std::int32_t j = -1; j <= 2; ++j) {
     for (std::int32_t i = -1; i <= 3; ++i)
@@ -161,8 +161,8 @@ TEST(AnimationFigures, PatchesAreShadedByTheirHeights) {
 }
 
 TEST(AnimationFigures, ManyBodiesAreShownAtInstants) {
-  // Goal: of many bodies each is numbered where it lies; eight frames show more of them, one after
-  // the other. Method: eight balls; filled discs by frame.
+  // Goal: many bodies are numbered where they rest; eight frames show more and more of them.
+  // Method: count filled discs per frame for eight balls.
   const scene::Scene scene = box_scene(8);
   const plot::Figure above = animation_figure("balls", scene, {drops(8)}, false);
   std::vector<plot::Point> centres;
@@ -186,8 +186,8 @@ TEST(AnimationFigures, ManyBodiesAreShownAtInstants) {
 }
 
 TEST(AnimationFigures, FitTheirPanels) {
-  // Goal: nothing is cut off, animations stand beside each other, and a panel's units are pixels.
-  // Method: extents of all that is drawn, for wide and deep scenes and flat ones; the SVG's frames.
+  // Goal: nothing is cut off, animations are side by side, and a panel's units are pixels. Method:
+  // measure everything drawn for wide, deep and flat scenes; the SVG's frames.
   for (const double y_m : {0.0, 0.04, 0.4, 4.0}) {
     for (const std::size_t count : {1U, 2U, 3U}) {
       const plot::Figure figure =
@@ -210,7 +210,7 @@ TEST(AnimationFigures, FitTheirPanels) {
   }
 }
 
-/// Of which every animation moves something.
+/// Every animation moves a body.
 class MovingReader final : public archive::testing::FakeReader {
  public:
   archive::Motion play(base::BytesView state) const override {
@@ -221,9 +221,8 @@ class MovingReader final : public archive::testing::FakeReader {
 };
 
 TEST(AnimationFigures, AreDrawnFromAnArchiveAlone) {
-  // Goal: a world that nobody here knows is drawn from its archive; an animation that moves nothing
-  // is refused, and an archive without a scene says so. Method: the made-up world of the archive's
-  // tests.
+  // Goal: an unknown world is drawn from its archive; an animation without motion, and an archive
+  // without a scene, are refused. Method: the made-up world of the archive's tests.
   const archive::testing::FakeRunOptions options;
   archive::ArchiveOptions archive_options = archive::testing::options_for(options);
   archive_options.request_text = "[world]\nname = \"fake\"\n[sampler]\nchains = 3\n";

@@ -1,6 +1,6 @@
-// Goal: a film of an animation shows its bodies where its motion has them, whole and at the same
-// scale in all frames; files are whole or not there. Method: made-up scenes and motions, whose
-// frames are measured; folders; programs in ffmpeg's place, and the real one where there is one.
+// Goal: a film shows bodies at their motion's positions, whole and at the same scale in all frames;
+// files are complete or absent. Method: measure frames of made-up motions; folders; scripts in
+// place of ffmpeg, and ffmpeg if installed.
 #include "clients/pictures/animation_frames.h"
 
 #include <gmock/gmock.h>
@@ -37,7 +37,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Two balls over a bin to fill, whose middle is at (30, 10, 0) mm.
+/// Two balls above a bin to fill, whose middle is at (30, 10, 0) mm.
 scene::Scene two_balls() {
   scene::Scene scene;
   for (std::uint32_t ball = 0; ball < 2; ++ball) {
@@ -68,7 +68,7 @@ ShownAnimation falling(double y_mps = 0.05) {
   return {.title = "chain 1, scan 3", .motion = motion::Animation::of(segments, 2).value()};
 }
 
-/// A frame's discs that are balls, in the order of views and depths.
+/// Returns a frame's balls in the order of views and depths.
 std::vector<plot::Disc> balls_of(const plot::Figure& frame) {
   std::vector<plot::Disc> balls;
   for (const plot::Disc& disc : all_of<plot::Disc>(frame.panels.front())) {
@@ -84,7 +84,7 @@ std::vector<std::string> texts_of(const plot::Figure& frame) {
   return texts;
 }
 
-/// The middle of the bin, seen from above, in a frame.
+/// Returns the bin's middle in the view from above.
 plot::Point bin_in(const plot::Figure& frame) {
   plot::Point sum;
   const plot::Polygon bin = all_of<plot::Polygon>(frame.panels.front()).at(0);
@@ -106,7 +106,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
-/// For a scope, PATH begins with, or is, another folder.
+/// Replaces PATH, or prepends a folder, during its lifetime.
 class OtherPath {
  public:
   explicit OtherPath(const std::string& programs) : before_(std::getenv("PATH")) {
@@ -122,7 +122,7 @@ class OtherPath {
 
 class Frames : public archive::testing::Scratch {
  protected:
-  /// A program called ffmpeg in a folder of its own, first on PATH.
+  /// Returns a PATH whose first folder contains only this script as ffmpeg.
   std::string path_with_ffmpeg(const std::string& script) const {
     const fs::path folder = path("bin");
     fs::create_directories(folder);
@@ -137,8 +137,8 @@ class Frames : public archive::testing::Scratch {
 };
 
 TEST_F(Frames, ShowBodiesWhereTheirMotionHasThem) {
-  // Goal: at any time each ball is where it is, and one that has not entered nowhere; all frames
-  // are alike in size and scale. Method: the distance to the bin's middle, measured in radii.
+  // Goal: each ball is at its place at any time, and absent before it enters; all frames have the
+  // same size and scale. Method: measure the distance to the bin's middle in radii.
   const plot::Figure first = frame_figure(scene, animation, 0);
   const plot::Point bin = bin_in(first);
   for (const double t_s : {0.0, 0.1, 0.2, 0.37, 0.5, 2.0}) {
@@ -163,7 +163,7 @@ TEST_F(Frames, ShowBodiesWhereTheirMotionHasThem) {
       };
       EXPECT_EQ(std::ranges::count_if(balls, is_at), 1) << t_s;
     }
-    // From the front heights differ as they do.
+    // The view from the front shows differences in height.
     if (expected_m.size() == 2) {
       std::vector<double> heights_px;
       for (const plot::Disc& ball : std::span(balls).last(2))
@@ -187,12 +187,13 @@ TEST_F(Frames, SayWhichAnimationAndWhen) {
   };
   EXPECT_THAT(views(FrameViews::above, animation), ElementsAre("from above"));
   EXPECT_THAT(views(FrameViews::front, animation), ElementsAre("from the front"));
-  // What moves in a plane is seen from the front.
+  // A motion in a plane is shown from the front.
   EXPECT_THAT(views(FrameViews::both, falling(0)), ElementsAre("from the front"));
 }
 
 TEST_F(Frames, FitTheirSizes) {
-  // Goal: frames are no larger than asked, and all is within them. Method: several sizes and views.
+  // Goal: frames are no larger than requested and contain everything. Method: several sizes and
+  // views.
   for (const double width_px : {100.0, 480.0, 1920.0}) {
     for (const double height_px : {100.0, 360.0, 1080.0}) {
       for (const FrameViews views : {FrameViews::both, FrameViews::above, FrameViews::front}) {
@@ -233,8 +234,8 @@ TEST_F(Frames, AreCounted) {
 }
 
 TEST_F(Frames, AreWrittenAsPngFiles) {
-  // Goal: each file is the picture of its time; the folder is made and holds nothing else; progress
-  // is told. Method: the same pictures drawn whole, byte by byte.
+  // Goal: each file is the picture of its time; the new folder holds nothing else; progress is
+  // reported. Method: compare with the same pictures drawn whole, byte by byte.
   const std::string folder = path("frames");
   std::vector<std::pair<std::size_t, std::size_t>> told;
   const std::size_t count = write_png_frames(
@@ -256,8 +257,8 @@ TEST_F(Frames, AreWrittenAsPngFiles) {
 }
 
 TEST_F(Frames, NothingOfOthersIsOverwritten) {
-  // Goal: a folder with something in it stays as it is, and work that fails leaves nothing behind.
-  // Method: such a folder; a progress that throws.
+  // Goal: a folder with files stays unchanged, and a failure leaves nothing behind. Method: such a
+  // folder; a progress that throws.
   const fs::path folder = path("mine");
   fs::create_directory(folder);
   std::ofstream(folder / "frame-0001.png") << "dear";
@@ -271,15 +272,15 @@ TEST_F(Frames, NothingOfOthersIsOverwritten) {
   EXPECT_THROW(write_png_frames(scene, animation, path("new"), {.progress = stopped}),
                std::runtime_error);
   EXPECT_THAT(names_in(folder.parent_path()), ElementsAre("mine"));
-  // An empty one is taken.
+  // An empty folder is accepted.
   fs::remove(folder / "frame-0001.png");
   EXPECT_EQ(write_png_frames(scene, animation, folder.string(), {.fps = 2}), 2U);
   EXPECT_EQ(names_in(folder).size(), 2U);
 }
 
 TEST_F(Frames, GoToFfmpegAsPixels) {
-  // Goal: the encoder is told what comes, and gets all of it; its file gets its name once it is
-  // whole. Method: a program in its place writes down its arguments and counts bytes.
+  // Goal: the encoder gets the right arguments and all bytes; its file gets its name once complete.
+  // Method: a script that records its arguments and counts bytes.
   const std::string output = path("a film.mp4");
   {
     const OtherPath path(
@@ -309,8 +310,8 @@ TEST_F(Frames, GoToFfmpegAsPixels) {
 }
 
 TEST_F(Frames, FfmpegsFailureIsShown) {
-  // Goal: what ffmpeg says is said, without what steers a terminal; no file is left. Method:
-  // programs that fail at once, at the end, by a signal, and without a word; none at all.
+  // Goal: ffmpeg's messages are shown without control characters, and no file is left. Method:
+  // scripts that fail at once, at the end, by a signal, or silently; no ffmpeg.
   const std::string output = path("film.mp4");
   const auto refused = [&](const std::string& programs, const std::string& words) {
     const OtherPath other(programs);
@@ -324,7 +325,7 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
   refused(path_with_ffmpeg("cat > /dev/null; echo 'disk full' >&2; exit 3\n"),
           "video:\n  disk full");
   refused(path_with_ffmpeg("cat > /dev/null; kill -9 $$\n"), "printed no reason");
-  // As on a full disk: it ends well, and its file is cut off, in a box or before the index.
+  // As on a full disk, ffmpeg succeeds with a file cut in a box or before the index.
   for (const char* film : {"\\0\\0\\0\\010moov\\0\\0\\0\\020mdat", "\\0\\0\\0\\010mdat"}) {
     refused(path_with_ffmpeg(fmt::format("cat > /dev/null; for last; do :; done\n"
                                          "printf '{}' > \"${{last#file:}}\"\n",
@@ -337,15 +338,15 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
 }
 
 TEST_F(Frames, TheRealFfmpegMakesAFilm) {
-  // Goal: the command is one that ffmpeg takes, and gives the same file again. Method: ffmpeg; an
-  // MP4 begins with a box `ftyp` and has the frames' size and number in it.
+  // Goal: ffmpeg accepts the command and produces the same file again. Method: run ffmpeg; an MP4
+  // begins with the box `ftyp` and contains the frames' size and number.
   if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "there is no ffmpeg on PATH: apt-get install ffmpeg";
   const std::string output = path("film.mp4");
   ASSERT_EQ(write_mp4(scene, animation, output, {}), 13U);
   const std::string film = text_of(output);
   EXPECT_EQ(film.substr(4, 4), "ftyp");
-  // The box stsz: version, sample size 0 for various ones, and how many there are.
+  // Box stsz: version, sample size 0 for varying sizes, number of samples.
   const std::size_t sizes = film.find("stsz");
   ASSERT_NE(sizes, std::string::npos);
   EXPECT_EQ(film.substr(sizes + 12, 4), std::string("\0\0\0\x0d", 4));

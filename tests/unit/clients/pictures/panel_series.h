@@ -1,4 +1,4 @@
-// What a drawn panel shows.
+// Access to the series of a drawn panel.
 #pragma once
 
 #include <variant>
@@ -8,7 +8,7 @@
 
 namespace sleight::pictures {
 
-/// Its series of one kind, in order.
+/// Returns a panel's series of one kind, in order.
 template <class Kind>
 std::vector<Kind> all_of(const plot::Panel& panel) {
   std::vector<Kind> found;

@@ -1,4 +1,4 @@
-// Goal: a die is drawn as it lies: outline, numbering and pips. Method: cubes in known poses.
+// Goal: a die is drawn in its pose, with outline, numbering and pips. Method: cubes in known poses.
 #include "clients/pictures/scene_view.h"
 
 #include <gmock/gmock.h>
@@ -16,12 +16,12 @@ using math::Quat;
 using math::Vec3;
 using ::testing::ElementsAre;
 
-/// Turned by so many degrees about an axis.
+/// Returns the rotation by an angle about an axis.
 Quat turned(const Vec3& axis, double angle_deg) {
   return math::quaternion_of_rotation_vector(axis * (angle_deg * M_PI / 180));
 }
 
-/// The faces of a die that are seen, by number.
+/// Returns a die's visible faces by number.
 std::vector<FlatPiece> seen_faces(const motion::Pose& pose, double side_mm, Seen seen) {
   scene::Part die{.shape = scene::Shape::die, .size_m = Vec3::Constant(side_mm / k_mm_per_m)};
   std::vector<FlatPiece> faces = flat_pieces({}, die, pose, seen, {});
@@ -45,7 +45,7 @@ plot::Point middle_of(const auto& corners) {
   return middle;
 }
 
-/// By the shoelace formula, without sign.
+/// Returns the absolute area, by the shoelace formula.
 double area_of(const auto& corners) {
   double twice = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -57,8 +57,8 @@ double area_of(const auto& corners) {
 }
 
 TEST(SceneView, ADieThatIsNotTurnedShowsItsThree) {
-  // Goal: without a turn the 3 is on top, the 5 in front (1 on +x, 2 on +y). Method: the square
-  // from either side, whose corners are half a side off the centre.
+  // Goal: without rotation the 3 is on top and the 5 in front (1 on +x, 2 on +y). Method: check the
+  // square's corners from both sides, half a side from the centre.
   const motion::Pose pose{.centre_m = {0.010, 0.020, 0.008}};
   const auto above = seen_faces(pose, 16, Seen::from_above);
   ASSERT_THAT(numbers_of(above), ElementsAre(3));
@@ -74,8 +74,8 @@ TEST(SceneView, ADieThatIsNotTurnedShowsItsThree) {
 }
 
 TEST(SceneView, EveryFaceComesUp) {
-  // Goal: each face is on top in the pose that brings it there, shows as many pips, and its
-  // opposite, on the other side, adds up to 7. Method: quarter turns about x and y.
+  // Goal: each face is on top in its pose and shows as many pips; its opposite adds up to 7.
+  // Method: quarter turns about x and y.
   const std::vector<std::pair<Quat, std::uint32_t>> poses{
       {turned({0, 1, 0}, -90), 1}, {turned({1, 0, 0}, 90), 2},  {turned({1, 0, 0}, 0), 3},
       {turned({1, 0, 0}, 180), 4}, {turned({1, 0, 0}, -90), 5}, {turned({0, 1, 0}, 90), 6}};
@@ -90,8 +90,8 @@ TEST(SceneView, EveryFaceComesUp) {
 }
 
 TEST(SceneView, OneTwoThreeGoRoundAnticlockwise) {
-  // Goal: the numbering is not mirrored. Method: the corner of 1, 2 and 3 is turned up; from above
-  // their middles go round it anticlockwise.
+  // Goal: the numbering is not mirrored. Method: turn the corner of 1, 2 and 3 up; from above their
+  // middles go round it anticlockwise.
   const Vec3 axis = Vec3(1, -1, 0) / std::sqrt(2.0);
   const Quat corner_up = turned(axis, std::acos(1 / std::sqrt(3.0)) * 180 / M_PI);
   const auto seen = seen_faces({.orientation = corner_up}, 16, Seen::from_above);
@@ -105,8 +105,8 @@ TEST(SceneView, OneTwoThreeGoRoundAnticlockwise) {
 }
 
 TEST(SceneView, OutlineOfATiltedDie) {
-  // Goal: a die on its edge is drawn by two faces, each as wide as its cosine has it. Method: turns
-  // about y, which bring the 6, on -x, up beside the 3.
+  // Goal: a die on its edge shows two faces, each as wide as its cosine. Method: turns about y,
+  // which bring the 6, on -x, up beside the 3.
   for (const double angle_deg : {20.0, 45.0, 70.0}) {
     const double angle = angle_deg * M_PI / 180;
     const auto seen =
@@ -118,8 +118,8 @@ TEST(SceneView, OutlineOfATiltedDie) {
 }
 
 TEST(SceneView, PipsLieApartWithinTheirFace) {
-  // Goal: pips are where dice have them: within the face, apart, mirrored at its middle. Method:
-  // each face from above.
+  // Goal: pips are within the face, apart, and symmetric about its middle. Method: each face from
+  // above.
   for (std::uint32_t face = 1; face <= 6; ++face) {
     const Quat up = face == 1   ? turned({0, 1, 0}, -90)
                     : face == 6 ? turned({0, 1, 0}, 90)

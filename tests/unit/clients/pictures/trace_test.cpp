@@ -1,5 +1,5 @@
 // Goal: long traces are thinned in bounded memory without losing a spike; archives of a wrong shape
-// are refused by name. Method: a source that computes its values and remembers the longest read.
+// are refused by name. Method: a source that computes its values and records its longest read.
 #include "clients/pictures/trace.h"
 #include "clients/analysis/archive_rows.h"
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t k_chains = 2;
 
-/// /sample_stats with one variable `lp`, whose values a function of (chain, draw) gives.
+/// /sample_stats with one variable `lp`, whose values a function of (chain, draw) computes.
 class ComputedSource final : public archive::Source {
  public:
   using Value = std::function<double(std::uint64_t chain, std::uint64_t draw)>;

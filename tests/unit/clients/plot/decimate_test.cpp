@@ -12,9 +12,9 @@ namespace sleight::plot {
 namespace {
 
 TEST(Decimation, KeepsTheExtremesOfEachColumn) {
-  // Goal: thinning is not seen: per column the lowest, highest, first and last values stay, in
-  // order, at most four. Method: a million made-up points with rare spikes on 800 columns, against
-  // the extremes found by plain search.
+  // Goal: thinning is invisible: each column keeps its lowest, highest, first and last values, in
+  // order, so at most four. Method: a million made-up points with rare spikes on 800 columns,
+  // compared with a plain search.
   MadeUp made_up(5);
   std::vector<Point> points;
   constexpr std::size_t k_count = 1'000'000;
@@ -41,8 +41,8 @@ TEST(Decimation, KeepsTheExtremesOfEachColumn) {
 }
 
 TEST(Decimation, LeavesShortLinesAndPathsThatTurnBack) {
-  // Goal: what can be seen stays point by point. Method: a sparse line, a path to and fro, a
-  // vertical stroke, none and one point.
+  // Goal: sparse lines keep every point. Method: a sparse line, a path to and fro, a vertical
+  // stroke, no point and one point.
   const std::vector<Point> sparse = {{0, 0}, {1, 5}, {2, -5}, {3, 0}};
   EXPECT_EQ(decimated_line(sparse, 1.0), sparse);
   const std::vector<Point> back = {{0, 0}, {3, 1}, {0, 2}, {3, 3}};
@@ -56,7 +56,7 @@ TEST(Decimation, LeavesShortLinesAndPathsThatTurnBack) {
 }
 
 TEST(Decimation, BoundsMarkersByTheArea) {
-  // Goal: a million dots on a small picture stay few, and each cell with a dot keeps one. Method:
+  // Goal: a million dots on a small picture become few, and each cell with a dot keeps one. Method:
   // made-up points on 100 x 50 pixels.
   MadeUp made_up(9);
   std::vector<Point> points;
@@ -68,8 +68,8 @@ TEST(Decimation, BoundsMarkersByTheArea) {
 }
 
 TEST(Runs, AreWhatLiesBetweenGaps) {
-  // Goal: a NaN or an infinity splits a line and belongs to no run. Method: gaps at both ends, two
-  // together, none.
+  // Goal: a NaN or an infinity splits a line and belongs to neither part. Method: gaps at both
+  // ends, two together, none.
   const std::vector<Point> points = {{k_nan, 0},      {1, 1}, {2, 2},    {3, k_nan},
                                      {4, -1.0 / 0.0}, {5, 5}, {6, k_nan}};
   const auto runs = drawable_runs(points);
@@ -80,7 +80,7 @@ TEST(Runs, AreWhatLiesBetweenGaps) {
 }
 
 TEST(Steps, HoldEachValueToTheNext) {
-  // Goal: corners where a repeated sample changes, none across a gap. Method: a known series.
+  // Goal: a repeated sample's change is a corner, except across a gap. Method: a known series.
   const auto corners = stepped(std::vector<Point>{{0, 1}, {1, 2}, {2, k_nan}, {3, 4}});
   ASSERT_EQ(corners.size(), 5U);
   EXPECT_EQ(corners[1], (Point{1, 1}));

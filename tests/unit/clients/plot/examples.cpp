@@ -9,7 +9,7 @@ namespace sleight::plot {
 
 namespace {
 
-// One path of arcs from height 4.5 to the table, drifting towards the target at x = 1.
+// A path of arcs from height 4.5 to the table that drifts towards the target at x = 1.
 struct Path {
   std::vector<Point> points;
   std::vector<Arrow> normals;

@@ -1,4 +1,4 @@
-// Figures like those that Sleight draws, of made-up data, for the tests and for looking at.
+// Figures of made-up data, similar to Sleight's, for the tests and for viewing.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace sleight::plot {
 
-/// Numbers that look random: a linear congruential generator, the same on every machine.
+/// A linear congruential generator, the same on every machine.
 class MadeUp {
  public:
   explicit MadeUp(std::uint64_t seed) : state_(seed) {}
@@ -28,10 +28,10 @@ class MadeUp {
   std::uint64_t state_;
 };
 
-/// Landing position over iterations with its band, above log p, as the thesis's figure 2.4.
+/// Landing position over iterations with its band, above log p, as in the thesis's figure 2.4.
 Figure landing_figure();
 
-/// Three bouncing paths with normals and a target, as the thesis's figure 2.3.
+/// Three bouncing paths with normals and a target, as in the thesis's figure 2.3.
 Figure paths_figure();
 
 /// Hostile input: gaps, infinities, huge and constant values, markup in labels.

@@ -13,15 +13,15 @@
 namespace sleight::plot {
 namespace {
 
-// Pictures to look at land in the folder that SLEIGHT_PICTURES names, otherwise in a temporary one.
+// Returns a path in the folder SLEIGHT_PICTURES, or in a temporary folder.
 std::string picture_path(const std::string& name) {
   const char* folder = std::getenv("SLEIGHT_PICTURES");
   return (folder != nullptr ? std::string(folder) + "/" : testing::TempDir()) + name;
 }
 
 TEST(Examples, AreDrawnToFiles) {
-  // Goal: the figures that the project needs come out as SVG and PNG files. Method: made-up data
-  // of the same form, saved; the files are there and not empty, and nothing half-written is left.
+  // Goal: the project's kinds of figures are saved as SVG and PNG. Method: save made-up figures;
+  // files exist, are not empty, and no partial file is left.
   const std::pair<const char*, Figure> k_figures[] = {
       {"landing", landing_figure()}, {"paths", paths_figure()}, {"hostile", hostile_figure()}};
   for (const auto& [name, figure] : k_figures) {
@@ -35,8 +35,8 @@ TEST(Examples, AreDrawnToFiles) {
 }
 
 TEST(Png, RefusesWhatIsNoPicture) {
-  // Goal: bad SVG and absurd sizes are errors with a reason, not crashes. Method: broken documents
-  // and a scale that would need gigabytes.
+  // Goal: invalid SVG and absurd sizes are errors with a reason, not crashes. Method: broken
+  // documents, and a scale that would need gigabytes.
   EXPECT_THROW(svg_to_png("", 1), base::Error);
   EXPECT_THROW(svg_to_png("<svg", 1), base::Error);
   EXPECT_THROW(svg_to_png("<html/>", 1), base::Error);
@@ -44,8 +44,8 @@ TEST(Png, RefusesWhatIsNoPicture) {
 }
 
 TEST(Save, ExplainsWhatIsWrong) {
-  // Goal: a wrong ending and a folder that does not exist are told apart by exit code, name the
-  // path and leave nothing behind. Method: both, caught.
+  // Goal: a wrong ending and a missing folder have different exit codes, name the path and leave no
+  // file. Method: catch both errors.
   const Figure figure{.panels = {Panel{}}};
   try {
     save(figure, "trace.jpeg");
@@ -72,8 +72,8 @@ TEST(Save, ExplainsWhatIsWrong) {
 }
 
 TEST(Save, TellsOfAFullDisk) {
-  // Goal: a short write is an error. Method: Linux's /dev/full behind a link; skipped where the
-  // system has none.
+  // Goal: a short write is an error. Method: Linux's /dev/full behind a link; skipped if the system
+  // has none.
   const std::string path = testing::TempDir() + "full.svg";
   std::error_code failure;
   std::filesystem::remove(path, failure);

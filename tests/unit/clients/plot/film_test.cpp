@@ -1,6 +1,5 @@
-// Goal: a frame of a film is the still picture with the moving series upon it, and nothing of the
-// frame before; both its forms are the same pixels. Method: small figures; PNG images read by
-// cairo.
+// Goal: a film's frame is the still picture with its moving series, without traces of the last
+// frame; both forms have the same pixels. Method: small figures; cairo reads the PNG images.
 #include "clients/plot/film.h"
 
 #include <cairo.h>
@@ -28,7 +27,7 @@ Figure with_disc_at(double x, Color color) {
                       .series = {Disc{.center = {x, 5}, .radius_x = 2, .color = color}}}}};
 }
 
-/// Blue, green and red of each pixel, row by row.
+/// Returns blue, green and red of each pixel, row by row.
 std::vector<std::byte> colors_of(base::BytesView pixels) {
   std::vector<std::byte> colors;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -74,7 +73,7 @@ TEST(Film, AFrameIsTheStillPictureAndWhatMoves) {
   const std::vector<std::byte> with_six = colors_of_film();
   EXPECT_EQ(with_six, colors_of(Film(both).pixels()));
   EXPECT_NE(with_six, alone);
-  // Nothing stays of it.
+  // No trace of this frame remains.
   film.show(with_disc_at(8, palette::k_sky));
   EXPECT_NE(colors_of_film(), with_six);
   film.show(with_disc_at(6, palette::k_sky));
@@ -91,7 +90,7 @@ TEST(Film, SidesAreEvenAndBothFormsAreThoseOfAPicture) {
     EXPECT_EQ(image.columns, static_cast<int>(film.columns()));
     EXPECT_EQ(image.rows, static_cast<int>(film.rows()));
     EXPECT_EQ(image.colors, colors_of(film.pixels()));
-    // The picture of the same figure is the frame, but for a white row and column.
+    // The figure's picture equals the frame, except for a white row and column.
     const Image picture = read_png(to_png(figure, scale));
     ASSERT_LE(picture.columns, image.columns);
     for (int row = 0; row < picture.rows; ++row) {

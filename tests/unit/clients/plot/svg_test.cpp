@@ -12,7 +12,7 @@
 namespace sleight::plot {
 namespace {
 
-// Empty where the text is well-formed, otherwise GLib's complaint.
+// Returns GLib's complaint about an XML text, empty if it is well-formed.
 std::string xml_complaint(const std::string& text) {
   const GMarkupParser parser{};
   GMarkupParseContext* context =
@@ -41,8 +41,8 @@ std::string svg_of(Series series) {
 }
 
 TEST(Svg, IsWellFormedXml) {
-  // Goal: any figure is an XML document without "nan" or "inf" in it. Method: GLib's parser on the
-  // examples, an empty figure and a panel of nothing; and the parser does complain of a broken one.
+  // Goal: any figure is valid XML without "nan" or "inf". Method: GLib's parser on the examples, an
+  // empty figure and an empty panel; the parser must reject broken XML.
   for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure(), Figure{},
                                Figure{.panels = {Panel{}}}}) {
     const std::string svg = to_svg(figure);
@@ -54,7 +54,7 @@ TEST(Svg, IsWellFormedXml) {
 }
 
 TEST(Svg, EscapesWhatPeopleWrite) {
-  // Goal: labels can't become markup. Method: markup in every place that takes text.
+  // Goal: labels can't become markup. Method: markup in every text.
   const std::string evil = "</text><script>x</script>&\"'";
   const Panel panel{.title = evil,
                     .x_label = evil,
@@ -66,8 +66,8 @@ TEST(Svg, EscapesWhatPeopleWrite) {
 }
 
 TEST(Svg, SaysWhereItComesFrom) {
-  // Goal: notes stand in the metadata, escaped, one a line, and change nothing else. Method: a
-  // hostile figure with notes and without; the document with its metadata cut out.
+  // Goal: notes appear in the metadata, escaped, one per line, and change nothing else. Method:
+  // compare a hostile figure with and without notes, metadata cut out.
   const Notes notes =
       notes_of(std::vector<std::string>{"command=draw </metadata> & more", "seed=7"});
   const std::string svg = to_svg(hostile_figure(), notes);
@@ -83,8 +83,7 @@ TEST(Svg, SaysWhereItComesFrom) {
 }
 
 TEST(Notes, RefusesWhatIsNone) {
-  // Goal: a note has a name and one line of value, and each name comes once. Method: texts with one
-  // fault each.
+  // Goal: a note has a unique name and a value of one line. Method: texts with one fault each.
   using Texts = std::vector<std::string>;
   EXPECT_EQ(notes_of(Texts{"a_b=c=d"}), (Notes{{.name = "a_b", .value = "c=d"}}));
   for (const Texts& bad : {Texts{""}, Texts{"a"}, Texts{"=b"}, Texts{"a="}, Texts{"A=b"},
@@ -93,7 +92,7 @@ TEST(Notes, RefusesWhatIsNone) {
 }
 
 TEST(Svg, StaysSmallForAMillionPoints) {
-  // Goal: a long chain makes a small file that still shows its one spike. Method: a million noisy
+  // Goal: a long chain makes a small file that still shows its only spike. Method: a million noisy
   // points; the file's size, and the spike's height among the coordinates.
   MadeUp made_up(2);
   Line line;
@@ -110,8 +109,8 @@ TEST(Svg, StaysSmallForAMillionPoints) {
 }
 
 TEST(Svg, LeavesGapsAndMarksInfinities) {
-  // Goal: NaN splits a line, a lone point is a dot, minus infinity a triangle. Method: elements
-  // counted in small figures; each has one axis line of its own.
+  // Goal: NaN splits a line, a lone point is a dot, minus infinity a triangle. Method: count
+  // elements of small figures; each has one axis line.
   EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, 1}, {2, k_nan}, {3, 1}, {4, 0}}}),
                         "<polyline"),
             3U);
@@ -122,7 +121,8 @@ TEST(Svg, LeavesGapsAndMarksInfinities) {
 }
 
 TEST(Svg, DrawsEachKindOfSeries) {
-  // Goal: every kind leaves its own element. Method: one panel each; labels appear in the legend.
+  // Goal: every kind of series has its own element. Method: one panel each; labels appear in the
+  // legend.
   EXPECT_EQ(occurrences(svg_of(Steps{.points = {{0, 0}, {1, 1}}}), "<polyline"), 2U);
   EXPECT_EQ(occurrences(svg_of(Markers{.points = {{0, 0}, {1, 1}}}), "h0"), 2U);
   EXPECT_EQ(occurrences(svg_of(HorizontalBand{.low = 1, .high = 2}), "fill-opacity"), 1U);

@@ -20,8 +20,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 TEST(Terminal, NeverExceedsItsSize) {
-  // Goal: no line wraps and nothing scrolls, for all example panels at many sizes, Unicode or not.
-  // Method: every line's code points and the number of lines; the documented least size below it.
+  // Goal: no line wraps and nothing scrolls, for all example panels at many sizes, with and without
+  // Unicode. Method: count each line's code points and the lines, down to the documented minimum
+  // size.
   for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure()}) {
     for (const Panel& panel : figure.panels) {
       for (const std::size_t columns : {1U, 24U, 40U, 80U, 200U}) {
@@ -42,7 +43,8 @@ TEST(Terminal, NeverExceedsItsSize) {
 }
 
 TEST(Terminal, IsPureAsciiWhereAsked) {
-  // Goal: nothing beyond ASCII and no escape without colours. Method: every byte, labels included.
+  // Goal: without Unicode and colours, output is ASCII without escapes. Method: every byte, labels
+  // included.
   for (const Panel& panel : hostile_figure().panels) {
     for (const char c : to_terminal(panel, {.unicode = false})) {
       ASSERT_TRUE((c >= ' ' && c <= '~') || c == '\n') << static_cast<int>(c);
@@ -51,8 +53,7 @@ TEST(Terminal, IsPureAsciiWhereAsked) {
 }
 
 TEST(Terminal, DrawsARisingLine) {
-  // Goal: the picture, as a person would check it. Method: a diagonal on the least canvas in ASCII,
-  // compared whole.
+  // Goal: the whole picture is right. Method: compare a diagonal on the smallest ASCII canvas.
   const Panel panel{.x_range = Range{0, 10},
                     .y_range = Range{0, 1},
                     .series = {Line{.points = {{0, 0}, {10, 1}}}}};
@@ -67,7 +68,7 @@ TEST(Terminal, DrawsARisingLine) {
 }
 
 TEST(Terminal, UsesBraille) {
-  // Goal: dots stand in the Unicode pattern. Method: one marker in each corner of a canvas.
+  // Goal: dots are in the right Unicode pattern. Method: one marker in each corner of a canvas.
   const Panel panel{.x_range = Range{0, 1},
                     .y_range = Range{0, 1},
                     .series = {Markers{.points = {{0, 0}, {0, 1}, {1, 0}, {1, 1}}}}};
@@ -79,7 +80,7 @@ TEST(Terminal, UsesBraille) {
 }
 
 TEST(Terminal, DrawsVerticalLines) {
-  // Goal: a line over the whole height at its x. Method: one at the right edge, drawn through.
+  // Goal: a vertical line takes the whole height at its x. Method: a line at the right edge.
   const Panel panel{.x_range = Range{0, 1},
                     .y_range = Range{0, 1},
                     .series = {VerticalLine{.x = 1, .dashed = false}}};
@@ -89,7 +90,7 @@ TEST(Terminal, DrawsVerticalLines) {
 }
 
 TEST(Terminal, MarksInfinitiesAndSurvivesNothing) {
-  // Goal: minus infinity shows at the lower edge; an empty panel is axes alone. Method: both.
+  // Goal: minus infinity appears at the lower edge; an empty panel has only axes. Method: both.
   const Panel panel{
       .series = {Line{.points = {{0, 0}, {1, -std::numeric_limits<double>::infinity()}, {2, 1}}}}};
   EXPECT_NE(to_terminal(panel, {}).find("↓"), std::string::npos);
@@ -97,7 +98,7 @@ TEST(Terminal, MarksInfinitiesAndSurvivesNothing) {
 }
 
 TEST(Terminal, ColorsAndResets) {
-  // Goal: escapes only where asked, every line leaves the terminal's own colour behind. Method: a
+  // Goal: escapes appear only if requested, and every line resets the terminal's colour. Method: a
   // coloured line; each line with an escape ends in the reset.
   const Panel panel{.series = {Line{.points = {{0, 0}, {1, 1}}}}};
   EXPECT_EQ(to_terminal(panel, {}).find('\x1b'), std::string::npos);
@@ -109,7 +110,7 @@ TEST(Terminal, ColorsAndResets) {
 }
 
 TEST(Terminal, KnowsUtf8Locales) {
-  // Goal: Unicode only where the locale's name says so. Method: the names in use.
+  // Goal: Unicode is used only if the locale's name has UTF-8. Method: common locale names.
   EXPECT_TRUE(names_utf8("en_GB.UTF-8"));
   EXPECT_TRUE(names_utf8("C.utf8"));
   EXPECT_FALSE(names_utf8("C"));
@@ -118,8 +119,7 @@ TEST(Terminal, KnowsUtf8Locales) {
 }
 
 TEST(Terminal, TakesAFileForNoTerminal) {
-  // Goal: redirected output gets the default size and no colours. Method: a descriptor that is
-  // none.
+  // Goal: redirected output gets the default size and no colours. Method: an invalid descriptor.
   const TerminalOptions options = detect_terminal(-1);
   EXPECT_EQ(options.columns, 80U);
   EXPECT_EQ(options.rows, 24U);

@@ -30,8 +30,8 @@ std::size_t longest_line(const std::string& text) {
 }
 
 TEST(TextTable, AlignsColumnsAndLeavesEmptyOnesOut) {
-  // Goal: numbers end in one column, texts begin in one, characters of several bytes count once.
-  // Method: the whole text.
+  // Goal: numbers are right-aligned, texts left-aligned, and multi-byte characters count once.
+  // Method: compare the whole text.
   EXPECT_EQ(to_text(example(), std::nullopt),
             "  ID  NAME    RATE  WHY\n"
             "   7  hi    85,200  waits for four cores that others have\n"
@@ -39,8 +39,8 @@ TEST(TextTable, AlignsColumnsAndLeavesEmptyOnesOut) {
 }
 
 TEST(TextTable, FitsEveryWidth) {
-  // Goal: no line is longer than the terminal, where the columns that stay allow it, and the least
-  // important column goes first. Method: all widths.
+  // Goal: no line exceeds the terminal if the required columns fit; the least important column is
+  // dropped first. Method: all widths.
   const TextTable table = example();
   for (std::size_t width = 10; width < 80; ++width) {
     const std::string text = to_text(table, width);
@@ -57,7 +57,7 @@ TEST(TextTable, FitsEveryWidth) {
 }
 
 TEST(TextTable, OfNothingIsNothing) {
-  // Goal: no heads without rows.
+  // Goal: a table without rows has no heads.
   EXPECT_EQ(to_text({.columns = {{.head = "ID"}}, .rows = {}}, 80), "");
 }
 

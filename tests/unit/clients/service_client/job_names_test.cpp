@@ -9,7 +9,7 @@ namespace sleight::service_client {
 namespace {
 
 TEST(JobNames, AreNumbersRangesAndGroups) {
-  // Goal: what people type is understood, and shown again alike. Method: one of each.
+  // Goal: job names are parsed and printed alike. Method: one of each form.
   const std::vector<std::string> texts{"17", "3..8", "g5"};
   const auto names = job_names_of(texts);
   ASSERT_TRUE(names);
@@ -19,8 +19,8 @@ TEST(JobNames, AreNumbersRangesAndGroups) {
 }
 
 TEST(JobNames, OtherTextsAreNone) {
-  // Goal: no slip of the keyboard names a job. Method: texts close to names; the error has the text
-  // made printable.
+  // Goal: a typing error never names a job. Method: similar texts; the error shows the text in
+  // printable form.
   for (const char* text : {"",
                            "0",
                            "-1",
@@ -53,14 +53,14 @@ TEST(JobNames, OtherTextsAreNone) {
 }
 
 TEST(JobNames, ARangeIsBounded) {
-  // Goal: the largest range is taken and the next one is not. Method: both.
+  // Goal: ranges up to the limit are accepted. Method: the largest range and the next.
   EXPECT_TRUE(job_names_of(std::vector<std::string>{"1..10000"}));
   EXPECT_FALSE(job_names_of(std::vector<std::string>{"2..10002"}));
 }
 
 TEST(JobNames, OnlyANumberAloneIsASingleJob) {
-  // Goal: the shape of JSON follows from the words alone. Method: a group and a range of one job
-  // are lists all the same.
+  // Goal: the arguments alone determine the shape of JSON. Method: a group and a range of one job
+  // are lists.
   const auto is_single = [](const std::vector<std::string>& texts) {
     return is_single_job(job_names_of(texts).value());
   };

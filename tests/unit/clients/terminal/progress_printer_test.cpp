@@ -27,8 +27,8 @@ TEST(ProgressPrinter, WritesPlainLinesNowAndThen) {
 }
 
 TEST(ProgressPrinter, WritesPhasesThatLast) {
-  // Goal: a log file hears of the writing of an archive if that takes its time, and not of one that
-  // is over at once. Method: a file in place of a terminal; lines at any time, and seldom.
+  // Goal: a log file gets lines about writing an archive only if that takes long. Method: a file in
+  // place of a terminal; frequent and rare lines.
   for (const double every_s : {0.0, k_plain_line_every_s}) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
     ASSERT_NE(file, nullptr);

@@ -28,7 +28,7 @@ std::string trimmed(std::string_view text) {
   return std::string(text);
 }
 
-/// Lines up to an empty one; advances beyond it. None where there is no empty one.
+/// Returns the lines up to an empty line and advances past it; none if there is no empty line.
 std::optional<std::vector<std::string>> take_lines(std::string_view& bytes) {
   std::vector<std::string> lines;
   while (true) {
@@ -37,7 +37,7 @@ std::optional<std::vector<std::string>> take_lines(std::string_view& bytes) {
     const std::string_view line = bytes.substr(0, end);
     bytes.remove_prefix(end + 2);
     if (line.empty()) return lines;
-    // A line that begins with a blank goes on with the one before.
+    // A line that begins with a blank continues the line before.
     if ((line.front() == ' ' || line.front() == '\t') && lines.size() > 1) {
       lines.back() += " " + trimmed(line);
     } else {
@@ -94,7 +94,7 @@ std::vector<PlainRequest> read_plainly(std::string_view bytes) {
 
 namespace {
 
-/// What a handler might answer.
+/// Returns a handler's possible answer.
 Answer answer_to(const Passed& passed, const Guard& guard) {
   if (passed.way != Way::answer) return answer_of(passed.way, guard.cookie());
   return {.content = "{}", .etag = "\"a\""};
@@ -109,7 +109,8 @@ void check_head(std::string_view head) {
     CHECK_EQ(is_end, head[i + 1] == '\n');
     if (is_end) ++lines;
   }
-  // Nothing comes in by a line's end: three lines of a kind at most are added to what all have.
+  // A line end in a value would add lines: the common lines and at most three optional ones are
+  // allowed.
   CHECK_LE(lines, 14U);
 }
 
@@ -188,7 +189,7 @@ void check_passed(const Taken& taken, const PlainRequest& plain) {
   CHECK_EQ(between.find("/../"), std::string::npos);
   CHECK_EQ(between.find("/./"), std::string::npos);
 
-  // By a cookie, or by a link to "/" alone.
+  // Authorized by a cookie, or by a token in a link to "/".
   const bool has_cookie =
       plain.cookies.size() == 1 && plain.cookies.front().find(k_secret) != std::string::npos;
   const bool is_link = passed.way == Way::let_in || passed.way == Way::let_in_by_page;
@@ -208,7 +209,7 @@ bool is_same(const Ask& a, const Ask& b) {
 
 Outcome checked_exchange(std::string_view bytes, std::size_t piece) {
   Outcome whole = exchange_in_pieces(bytes, bytes.size() + 1);
-  // Which of two damaged heads is refused, and which waited for until its deadline, may differ.
+  // Of two damaged heads, pieces may decide which is refused and which waits for its deadline.
   const Outcome in_pieces = exchange_in_pieces(bytes, piece);
   CHECK_EQ(whole.taken.size(), in_pieces.taken.size());
   std::string_view rest = bytes;

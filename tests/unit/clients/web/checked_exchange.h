@@ -1,12 +1,11 @@
-// What a connection's bytes come to, by what a server runs (intake.h, guard.h, reply.h), with all
-// checked that must hold of any bytes: for tests and the fuzzer.
+// Passes a connection's bytes through the server's parts (intake.h, guard.h, reply.h) and checks
+// what must hold for any bytes. Used by tests and the fuzzer.
 //
-//   - No ask passes that a second reader, slow and plain, doesn't read likewise: the same method,
-//   path
-//     and body, one Host of ours, and the secret in a Cookie or a token in the target.
-//   - It makes no difference in which pieces the bytes come.
-//   - What is held never exceeds its bounds, and nothing is left in the end.
-//   - What is sent has the lines that it should have, and nothing of what was asked.
+//   - A slow, plain second reader reads every accepted request alike: method, path and body, one
+//     Host of ours, and the secret in a Cookie or a token in the target.
+//   - The pieces in which bytes arrive make no difference.
+//   - Buffered bytes never exceed their limits, and none are left at the end.
+//   - Answers have the right header lines and nothing of the request.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +21,7 @@ namespace sleight::web::testing {
 inline constexpr std::string_view k_secret =
     "5555555555555555555555555555555555555555555555555555555555555555";
 inline constexpr std::uint16_t k_port = 7000;
-/// Lets in once.
+/// Authorizes a browser once.
 inline constexpr std::string_view k_token =
     "7777777777777777777777777777777777777777777777777777777777777777";
 
@@ -37,26 +36,26 @@ struct Taken {
 
 struct Outcome {
   std::vector<Taken> taken{};
-  unsigned refused = 0;  ///< with this status, or 0
+  unsigned refused = 0;  ///< status of the refusal, or 0
   std::string sent{};    ///< heads of all answers
 };
 
-/// Bytes that come in pieces of this size.
+/// Passes bytes in pieces of this size.
 Outcome exchange_in_pieces(std::string_view bytes, std::size_t piece);
 
-/// The same, with everything checked. REQUIRES: piece > 0.
+/// Passes bytes in pieces and as a whole, and checks everything. REQUIRES: piece > 0.
 Outcome checked_exchange(std::string_view bytes, std::size_t piece);
 
-/// A request as the second reader has it.
+/// A request as the second reader understands it.
 struct PlainRequest {
   std::string method{};
   std::string target{};
   std::vector<std::string> hosts{};
   std::vector<std::string> cookies{};
   std::string body{};
-  std::size_t size = 0;  ///< bytes that it takes
+  std::size_t size = 0;  ///< its length in bytes
 };
-/// None where these bytes don't begin with a request that is whole and plain.
+/// Returns nothing if the bytes don't begin with a complete, plain request.
 std::vector<PlainRequest> read_plainly(std::string_view bytes);
 
 }  // namespace sleight::web::testing

@@ -1,5 +1,5 @@
-// Goal: the guard passes requests of the page in a browser that was let in, and no others. Method:
-// a request that passes, changed in one thing at a time, beside what becomes of it.
+// Goal: the guard passes requests of the page in an authorized browser, and no others. Method:
+// change a valid request in one thing at a time and check the outcome.
 #include "clients/web/guard.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ class Guarding : public ::testing::Test {
     Fields fields{};
   };
 
-  /// As a browser sends it that was let in.
+  /// A request as an authorized browser sends it.
   Request good() const { return {.fields = {{"Host", "127.0.0.1:7000"}, {"Cookie", cookie()}}}; }
   Request post() const {
     Request request = good();
@@ -42,7 +42,7 @@ class Guarding : public ::testing::Test {
     request.fields.emplace_back(name, value);
     return request;
   }
-  /// In place of what the field was; or without it.
+  /// Returns the request with a field replaced or removed.
   static Request but(Request request, const std::string& name, const std::string& value) {
     std::erase_if(request.fields, [&](const auto& field) { return field.first == name; });
     return with(std::move(request), name, value);
@@ -66,11 +66,11 @@ class Guarding : public ::testing::Test {
       head.fields.push_back({.name = name, .value = value});
     return guard_.judge(head);
   }
-  /// 0: it passes.
+  /// Returns the refusal's status; 0: the request passes.
   unsigned refused(const Request& request) {
     const auto judged = judge(request);
     if (judged) return 0;
-    // Refusals say nothing of what was asked.
+    // Refusals repeat nothing of the request.
     const std::string words = fmt::format("{} {}", judged.error().error, judged.error().what_to_do);
     EXPECT_EQ(words.find("127.0.0.2"), std::string::npos);
     EXPECT_EQ(words.find(keys_.secret()), std::string::npos);
@@ -150,7 +150,7 @@ TEST_F(Guarding, RefusesWhatABrowserSaysComesFromElsewhere) {
   for (const std::string site : {"cross-site", "same-site", "", "anything"}) {
     EXPECT_EQ(refused(with(good(), "Sec-Fetch-Site", site)), 403U) << site;
     EXPECT_EQ(refused(with(post(), "Sec-Fetch-Site", site)), 403U) << site;
-    // Nor by a link, but to let in.
+    // A link from elsewhere may only authorize.
     const Request led =
         with(with(with(to(good(), "/"), "Sec-Fetch-Site", site), "Sec-Fetch-Mode", "navigate"),
              "Sec-Fetch-Dest", "document");
@@ -224,7 +224,7 @@ TEST_F(Guarding, StreamsAreForOurPage) {
   const auto by_origin = judge(with(stream, "Origin", "http://127.0.0.1:7000"));
   ASSERT_TRUE(by_origin);
   EXPECT_EQ(by_origin.value().way, Way::stream);
-  // As browsers ask for it: without Origin.
+  // Browsers request streams without Origin.
   EXPECT_EQ(judge(with(stream, "Sec-Fetch-Site", "same-origin")).value().way, Way::stream);
   EXPECT_EQ(refused(with(stream, "Sec-Fetch-Site", "none")), 403U);
   EXPECT_EQ(refused(with(stream, "Origin", "http://evil.example")), 403U);
@@ -256,7 +256,7 @@ TEST_F(Guarding, ALinkOnAnotherSiteLetsInByAPage) {
                      "Sec-Fetch-Mode", mode),
                 "Sec-Fetch-Dest", destination);
   };
-  // Not in a frame, nor by a script or a picture.
+  // Frames, scripts and pictures may not load the page.
   EXPECT_EQ(refused(led("navigate", "iframe")), 403U);
   EXPECT_EQ(refused(led("no-cors", "image")), 403U);
   EXPECT_EQ(refused(led("cors", "empty")), 403U);

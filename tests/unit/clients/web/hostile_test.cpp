@@ -1,6 +1,5 @@
-// Goal: peers that send anything, or read nothing, get no answer that isn't theirs and hold up
-// nobody, within bounds. Method: real sockets and raw bytes, with short limits of time; beside each
-// attack another client is answered.
+// Goal: hostile peers get no answer of others and delay nobody, within limits. Method: real sockets
+// and raw bytes, with short time limits; another client is answered during each attack.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -82,7 +81,7 @@ TEST(HostilePeers, AreRefusedAndReadNothingOfTheirs) {
   };
   for (const auto& [bytes, status] : attacks) {
     RawClient client(served.port());
-    // A refused peer may see its own sending end.
+    // A refused peer may find the connection closed while sending.
     client.send(bytes);
     const Received received = client.receive();
     EXPECT_EQ(received.status, status) << bytes.substr(0, 300);
@@ -122,7 +121,7 @@ TEST(HostilePeers, SlowHeadsAndBodiesAreEnded) {
   slow_body.send(browser.post_head("/a", 100) + "{");
   RawClient waiting(served.port());
   EXPECT_EQ(waiting.ask(browser.post_head("/a", 100, "Expect: 100-continue\r\n")).status, 100);
-  // A byte now and then doesn't help.
+  // Sending a byte now and then doesn't help.
   RawClient dripping(served.port());
   std::thread drops([&] {
     while (dripping.send("G"))
@@ -136,7 +135,7 @@ TEST(HostilePeers, SlowHeadsAndBodiesAreEnded) {
   drops.join();
   EXPECT_TRUE(comes_true([&] { return served.server().counts().connections == 0; }));
   EXPECT_EQ(served.server().counts().bodies_bytes, 0U);
-  // So is one that was answered before, and says nothing more.
+  // A connection that fell silent after an answer is closed too.
   RawClient known(served.port());
   EXPECT_EQ(known.ask(browser.get("/a")).status, 200);
   EXPECT_TRUE(known.is_closed());
@@ -223,7 +222,7 @@ TEST(HostilePeers, AboveTheLimitAreToldSo) {
   Served served(options);
   const Browser browser(served.server());
   EXPECT_TRUE(comes_true([&] { return served.server().counts().connections == 0; }));
-  // Those that have shown the cookie keep their places.
+  // Connections that have shown the cookie keep their places.
   std::vector<std::unique_ptr<RawClient>> known;
   for (int i = 0; i < 8; ++i) {
     known.push_back(std::make_unique<RawClient>(served.port()));
@@ -232,7 +231,7 @@ TEST(HostilePeers, AboveTheLimitAreToldSo) {
   std::vector<std::unique_ptr<RawClient>> others;
   for (int i = 0; i < 50; ++i) {
     others.push_back(std::make_unique<RawClient>(served.port()));
-    // 503, or closed at once where many are being told so already.
+    // 503, or closed at once if many refusals are being sent already.
     const int status = others.back()->receive().status;
     EXPECT_TRUE(status == 503 || status == 0) << status;
     EXPECT_TRUE(i >= 10 || status == 503) << i;
@@ -270,7 +269,7 @@ std::size_t resident_bytes() {
   return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// Connections without end, each with bytes of random_request.h: the server goes on answering.
+// The server survives random connections of random_request.h.
 TEST(HostilePeers, SendAnything) {
   constexpr std::uint64_t k_seed = 28;
   Served served({}, Patience::of_limits);
@@ -280,7 +279,7 @@ TEST(HostilePeers, SendAnything) {
   for (const std::uint64_t n : property::cases(property::of_tier(200, 1000))) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, n);
     std::string bytes = testing::random_connection(stream);
-    // With this server's port and cookie, so that some pass.
+    // Uses this server's port and cookie, so that some pass.
     for (std::size_t at = 0; (at = bytes.find("7000", at)) != std::string::npos; ++at)
       bytes.replace(at, 4, own_port);
     const std::string secret = browser.cookie().substr(browser.cookie().find('=') + 1);
@@ -288,9 +287,9 @@ TEST(HostilePeers, SendAnything) {
       bytes.replace(at, testing::k_secret.size(), secret);
     RawClient client(served.port());
     client.send(bytes);
-    if (testing::one_in(stream, 4)) continue;  // gone, without a word
+    if (testing::one_in(stream, 4)) continue;  // close the connection silently
     client.end_sending();
-    // Whatever is answered begins as an answer; a stream ends with its reader's sending.
+    // Every answer starts like HTTP; a stream ends when its reader stops sending.
     const std::string received = client.receive_until("never sent");
     EXPECT_TRUE(received.empty() || received.starts_with("HTTP/1.1 ")) << received;
   }

@@ -1,6 +1,6 @@
-// Goal: any bytes come to the requests that a plain reader finds in them, or are refused, within
-// bounds. Method: known bytes with known outcomes; random requests, some of an enemy's, beside the
-// second reader of checked_exchange.h; and that reader with bytes that it must not accept.
+// Goal: any bytes yield the requests that a plain reader finds, or a refusal, within limits.
+// Method: known bytes with known outcomes; random and hostile requests beside the second reader of
+// checked_exchange.h; bytes that the second reader must refuse.
 #include "clients/web/intake.h"
 
 #include <fmt/format.h>
@@ -101,7 +101,7 @@ TEST(Intakes, RefuseWhatIsTooLong) {
   while (many.size() < k_limits.head_bytes_max)
     many += "A:\r\n";
   EXPECT_EQ(refused("GET / HTTP/1.1\r\n" + fields() + many + "\r\n"), 431U);
-  // A path has a bound of its own.
+  // A path has its own limit.
   EXPECT_EQ(refused(get("/" + std::string(2048, 'a'))), 400U);
 
   const std::string longest(k_limits.body_bytes_max, 'b');
@@ -134,7 +134,7 @@ TEST(Intakes, KeepNoBodyBeforeTheGuardHasSpoken) {
   EXPECT_EQ(budget.bytes, 0U);
 }
 
-// Some 50 random requests a case. tests/fuzz goes on from there.
+// About 50 random requests per case; tests/fuzz continues.
 TEST(Intakes, AgreeWithThePlainReaderOnAnything) {
   constexpr std::uint64_t k_seed = 27;
   std::size_t passed = 0;
@@ -150,7 +150,7 @@ TEST(Intakes, AgreeWithThePlainReaderOnAnything) {
     }
   }
   if (property::all_cases()) {
-    // Both are tried.
+    // Both outcomes occur.
     EXPECT_GT(passed, 6 * cases);
     EXPECT_GT(refused, 6 * cases);
   }

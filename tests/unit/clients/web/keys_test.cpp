@@ -1,5 +1,5 @@
-// Goal: what lets in can't be guessed, and each token lets in once. Method: what is made is looked
-// at; tokens are used, used again, and pushed out by others; two threads use one.
+// Goal: keys can't be guessed, and each token authorizes once. Method: inspect generated keys; use
+// tokens, use them again, and push them out by newer ones; two threads use one.
 #include "clients/web/keys.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Random requests: most nearly as a browser sends them, some with parts that an enemy would send,
-// some damaged, one behind another.
+// Random requests, mostly similar to a browser's; some have hostile parts, some are damaged, some
+// follow another request.
 #pragma once
 
 #include <fmt/format.h>
@@ -28,11 +28,11 @@ std::string_view one_of(random::Stream& stream, const std::array<std::string_vie
 }
 
 inline std::string random_body(random::Stream& stream) {
-  // Some are longer than is allowed.
+  // Some exceed the limit.
   const std::uint64_t size = one_in(stream, 20) ? below(stream, 15'000) : below(stream, 60);
   std::string body;
   for (std::uint64_t i = 0; i < size; ++i) {
-    // With line ends and what looks like another request's parts.
+    // Includes line ends and parts of another request.
     constexpr std::string_view k_signs = "{}\"0123456789\r\n: GETPOST/";
     body += k_signs[below(stream, k_signs.size())];
   }
@@ -51,7 +51,7 @@ inline std::string chunked(const std::string& body, random::Stream& stream) {
   return text + "0\r\n" + (one_in(stream, 8) ? "Host: evil.example\r\n" : "") + "\r\n";
 }
 
-/// Of a request's fields, in most cases what lets it pass.
+/// Returns header fields that usually let the request pass.
 inline std::string random_fields(bool is_post, random::Stream& stream) {
   constexpr std::array<std::string_view, 8> k_hosts{"localhost:7000",
                                                     "[::1]:7000",
@@ -128,7 +128,7 @@ inline std::string random_request(random::Stream& stream) {
   const bool is_chunked = one_in(stream, 8);
   if (is_chunked != one_in(stream, 20)) text += "Transfer-Encoding: chunked\r\n";
   if (!is_chunked || one_in(stream, 20)) {
-    // Now and then a length that is another one, or none.
+    // Sometimes a wrong length, or none.
     constexpr std::array<std::string_view, 6> k_lengths{"0",    "-1",  "4294967296",
                                                         "0x10", "5,5", "18446744073709551616"};
     text += "Content-Length: ";
@@ -142,7 +142,7 @@ inline std::string random_request(random::Stream& stream) {
   return text + "\r\n" + (is_chunked ? chunked(body, stream) : body);
 }
 
-/// One to four requests, in a quarter of cases with some bytes changed, left out or doubled.
+/// Returns one to four requests; in a quarter of cases some bytes are changed, removed or doubled.
 inline std::string random_connection(random::Stream& stream) {
   std::string bytes;
   for (std::uint64_t i = 1 + below(stream, 4); i > 0; --i)

@@ -1,4 +1,4 @@
-// A peer of a server that sends any bytes and reads what comes, on a plain blocking socket.
+// A client on a plain blocking socket that sends any bytes and reads the answers.
 #pragma once
 
 #include <arpa/inet.h>
@@ -19,15 +19,15 @@
 
 namespace sleight::web::testing {
 
-/// A server that never answers fails a test after this.
+/// A server that doesn't answer within this time fails a test.
 inline constexpr int k_wait_s = 60;
 
 struct Received {
-  int status = 0;  ///< 0: none came
+  int status = 0;  ///< 0: no answer
   std::string head{};
   std::string content{};
 
-  /// A field's value, as it is written in head_text.
+  /// Returns a field's value as in head_text.
   std::string field(const std::string& name) const {
     const std::size_t at = head.find("\r\n" + name + ": ");
     if (at == std::string::npos) return "";
@@ -38,7 +38,7 @@ struct Received {
 
 class RawClient {
  public:
-  /// `receive_buffer` above 0: so many bytes, or what the system makes of that, may wait unread.
+  /// `receive_buffer` above 0 limits the unread bytes, as far as the system allows.
   explicit RawClient(std::uint16_t port, int receive_buffer = 0)
       : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     const timeval wait{.tv_sec = k_wait_s, .tv_usec = 0};
@@ -57,7 +57,7 @@ class RawClient {
   bool is_connected() const { return is_connected_; }
   int descriptor() const { return socket_.get(); }
 
-  /// False where the other end is closed.
+  /// Returns false if the other end is closed.
   bool send(std::string_view bytes) {
     while (!bytes.empty()) {
       const ssize_t count = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -69,7 +69,7 @@ class RawClient {
   }
   void end_sending() { ::shutdown(socket_.get(), SHUT_WR); }
 
-  /// The next answer; of one to HEAD no content is awaited.
+  /// Returns the next answer; an answer to HEAD has no content.
   Received receive(bool is_head = false) {
     Received received;
     while (buffer_.find("\r\n\r\n") == std::string::npos)
@@ -92,7 +92,7 @@ class RawClient {
     send(bytes);
     return receive(is_head);
   }
-  /// Text up to and with this, of a stream; or all up to the end where it doesn't come.
+  /// Returns a stream up to and including `text`, or up to its end if `text` doesn't come.
   std::string receive_until(std::string_view text) {
     while (buffer_.find(text) == std::string::npos)
       if (!read_more()) return std::exchange(buffer_, {});
@@ -101,7 +101,7 @@ class RawClient {
     buffer_.erase(0, end);
     return received;
   }
-  /// Whether the other end closes, with nothing more before it than `bytes_max`. Waits for it.
+  /// Waits for the other end to close and returns whether at most `bytes_max` came before.
   bool is_closed(std::size_t bytes_max = 0) {
     while (buffer_.size() <= bytes_max)
       if (!read_more()) return !has_waited_in_vain_;
@@ -127,10 +127,10 @@ class RawClient {
   std::string buffer_;
 };
 
-/// A browser of a server: what it says in each request.
+/// A browser's header fields for a server.
 class Browser {
  public:
-  /// Lets itself in by the server's link.
+  /// Authorizes itself by the server's link.
   explicit Browser(Server& server) : port_(server.port()) {
     const std::string link = server.new_link();
     const Received received =
@@ -142,7 +142,7 @@ class Browser {
 
   std::string host() const { return "127.0.0.1:" + std::to_string(port_); }
   const std::string& cookie() const { return cookie_; }
-  /// Bytes of a request; `more` is lines of its head.
+  /// Returns a request's bytes; `more` is lines of its head.
   std::string request(const std::string& method, const std::string& target, const std::string& more,
                       const std::string& body = "") const {
     return method + " " + target + " HTTP/1.1\r\nHost: " + host() + "\r\n" +
@@ -151,7 +151,7 @@ class Browser {
   std::string get(const std::string& target, const std::string& more = "") const {
     return request("GET", target, more);
   }
-  /// Without its body, of which it has the length.
+  /// Returns the head of a POST without its body.
   std::string post_head(const std::string& target, std::size_t size,
                         const std::string& more = "") const {
     return request("POST", target,

@@ -1,5 +1,5 @@
-// Goal: answers carry what guards the page, and nothing that a handler or a request could slip in.
-// Method: heads are compared with their texts; values with line ends in them are tried.
+// Goal: answers have all protective headers, and handlers or requests can't inject others. Method:
+// compare heads with their texts; try values with line ends.
 #include "clients/web/reply.h"
 #include "common/json/value.h"
 

@@ -1,4 +1,4 @@
-// A server with a handler that tells what it was asked, for tests.
+// A server for tests, whose handler repeats the request.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,7 @@
 
 namespace sleight::web::testing {
 
-/// Closed at first; what waits at it goes on once it is open.
+/// Closed at first; opening it releases all waiting threads.
 class Gate {
  public:
   void open() {
@@ -45,7 +45,7 @@ class Gate {
   int waiting_ = 0;
 };
 
-/// Until it is so; false after k_wait_s.
+/// Waits for the condition; returns false after k_wait_s.
 inline bool comes_true(const std::function<bool()>& is_so) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(k_wait_s);
   while (!is_so()) {
@@ -55,7 +55,7 @@ inline bool comes_true(const std::function<bool()>& is_so) {
   return true;
 }
 
-/// Whether peers have all the time that a test needs on a busy machine, or what its limits say.
+/// Whether clients have unlimited time, for busy machines, or the limits' time.
 enum class Patience : std::uint8_t { endless, of_limits };
 
 class Served {
@@ -83,7 +83,7 @@ class Served {
   }
   int asks() const { return asks_; }
 
-  Gate gate;  ///< before answers to /slow
+  Gate gate;  ///< answers to /slow wait here
 
  private:
   Answer answer(const Ask& ask) {
@@ -104,7 +104,7 @@ class Served {
   std::mutex mutex_;
   std::vector<std::string> complaints_;
   std::atomic<int> asks_ = 0;
-  std::optional<Server> server_;  ///< its threads use all above
+  std::optional<Server> server_;  ///< last, because its threads use all above
 };
 
 }  // namespace sleight::web::testing

@@ -1,5 +1,5 @@
-// Goal: a browser that was let in is answered as its page needs it. Method: real sockets, and bytes
-// as browsers send them.
+// Goal: an authorized browser gets what its page needs. Method: real sockets, and bytes as browsers
+// send them.
 #include "clients/web/server.h"
 
 #include <fcntl.h>
@@ -54,7 +54,7 @@ TEST(Servers, LetInByALinkOnce) {
   EXPECT_TRUE(cookie.starts_with("sleight-" + std::to_string(served.port()) + "=")) << cookie;
   EXPECT_TRUE(cookie.ends_with("; HttpOnly; SameSite=Strict; Path=/")) << cookie;
 
-  // Another user who has seen the link, or none.
+  // The link works once, so a second user is refused.
   const Received again = RawClient(served.port()).ask(opened);
   EXPECT_EQ(again.status, 403);
   EXPECT_EQ(again.field("Content-Type"), "text/plain; charset=utf-8");
@@ -66,7 +66,7 @@ TEST(Servers, LetInByALinkOnce) {
   EXPECT_EQ(outside.field("Content-Type"), "application/json");
   EXPECT_EQ(served.asks(), 0);
 
-  // A new link is another one; the one before holds as well.
+  // A second link doesn't invalidate the first.
   const std::string second = served.server().new_link();
   EXPECT_EQ(served.server().link(), second);
   EXPECT_NE(second, link);
@@ -90,7 +90,7 @@ TEST(Servers, AnswerOneRequestAfterAnotherOnAConnection) {
   EXPECT_EQ(head.field("Content-Length"), "7");
   EXPECT_EQ(client.ask(browser.get("/missing")).status, 404);
   EXPECT_EQ(client.ask(browser.get("/a", "If-None-Match: \"e\"\r\n")).status, 304);
-  // Sent at once, they are answered in their order.
+  // Requests sent at once are answered in order.
   client.send(browser.get("/1") + browser.post("/2", "two") + browser.get("/3"));
   EXPECT_EQ(client.receive().content, "GET /1 ");
   EXPECT_EQ(client.receive().content, "POST /2 two");
@@ -135,10 +135,10 @@ TEST(Servers, AnswerFilesByThemselves) {
                 .status,
             304);
   EXPECT_EQ(served.asks(), 0);
-  // Other names are the handler's; so is what is sent to a file.
+  // Other names, and POSTs to a file, reach the handler.
   EXPECT_EQ(client.ask(browser.get("/other.js")).content, "GET /other.js ");
   EXPECT_EQ(client.ask(browser.post("/", "x")).content, "POST / x");
-  // Nor are files for those outside.
+  // Unauthorized clients get no files either.
   EXPECT_EQ(
       RawClient(served.port()).ask("GET / HTTP/1.1\r\nHost: " + browser.host() + "\r\n\r\n").status,
       403);
@@ -170,7 +170,7 @@ TEST(Servers, SlowAnswersHoldUpNoOther) {
   RawClient quick(served.port());
   for (int i = 0; i < 20; ++i)
     EXPECT_EQ(quick.ask(browser.get("/quick")).status, 200);
-  // Where all are busy, files and events still come.
+  // If all threads are busy, files and events are still served.
   RawClient slow_3(served.port());
   slow_3.send(browser.get("/slow"));
   served.gate.wait_for(3);
@@ -200,7 +200,7 @@ TEST(Servers, StreamEvents) {
   EXPECT_EQ(head.field("Content-Length"), "");
   EXPECT_EQ(first.receive_until("data: 2\n\n"),
             "retry: 1000\n\nevent: gallery\ndata: {\ndata: }\n\nevent: other\ndata: 2\n\n");
-  // Comments go on coming.
+  // Comments keep coming.
   EXPECT_NE(first.receive_until(":\n\n:\n\n").find(":\n\n:\n\n"), std::string::npos);
   RawClient second(served.port());
   second.send(browser.stream());
@@ -212,11 +212,11 @@ TEST(Servers, StreamEvents) {
             std::string::npos);
   EXPECT_EQ(served.server().counts().streams, 2U);
   EXPECT_EQ(RawClient(served.port()).ask(browser.stream()).status, 503);
-  // Without Origin and without a browser's word there is none.
+  // Without Origin and Sec-Fetch-Site there is no stream.
   EXPECT_EQ(RawClient(served.port()).ask(browser.get("/api/events")).status, 403);
   { const RawClient gone = std::move(second); }
   EXPECT_TRUE(comes_true([&] { return served.server().counts().streams == 1; }));
-  // What a reader sends into its stream ends it.
+  // A reader that sends into its stream ends the stream.
   first.send("GET / HTTP/1.1\r\n\r\n");
   EXPECT_TRUE(first.is_closed(10'000));
   EXPECT_TRUE(comes_true([&] { return served.server().counts().streams == 0; }));
@@ -232,7 +232,7 @@ TEST(Servers, ComeBackWithTheSamePortAndSecret) {
   RawClient stream(port);
   stream.send(browser.stream());
   stream.receive_until("retry");
-  // An answer that is being made is waited for.
+  // An answer in progress is completed.
   RawClient slow(port);
   slow.send(browser.get("/slow"));
   served->gate.wait_for(1);

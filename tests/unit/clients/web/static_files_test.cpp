@@ -1,5 +1,5 @@
-// Goal: a page's folder is read once, with the right types, and nothing outside it ever. Method:
-// folders made for it, with links, pipes and odd names; what is compressed is taken apart again.
+// Goal: a page's folder is read once, with the right types, and nothing outside it. Method: folders
+// with links, pipes and odd names; decompress what is compressed.
 #include "clients/web/static_files.h"
 
 #include <gtest/gtest.h>
@@ -135,7 +135,6 @@ TEST_F(Page, HoldsNoLinks) {
   fs::create_directory_symlink("/etc", folder_ / "assets");
   EXPECT_NE(failure().find("assets: is a link"), std::string::npos) << failure();
   fs::remove(folder_ / "assets");
-  // Also one to a file of the page.
   fs::create_symlink("index.html", folder_ / "other.html");
   EXPECT_NE(failure().find("is a link"), std::string::npos);
   fs::remove(folder_ / "other.html");

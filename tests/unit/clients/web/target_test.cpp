@@ -1,4 +1,4 @@
-// Goal: a target is one path for every reader, or none. Method: a table of targets.
+// Goal: a target has one path for every reader, or none. Method: a table of targets.
 #include "clients/web/target.h"
 
 #include <gtest/gtest.h>
@@ -20,10 +20,10 @@ TEST(Targets, PlainOnesAreDecodedOnce) {
   EXPECT_EQ(path_of("/die%201"), "/die 1");
   EXPECT_EQ(path_of("/a+b"), "/a+b");
   EXPECT_EQ(path_of("/%C3%A9"), "/\xc3\xa9");
-  // Twice encoded stays once encoded.
+  // A double encoding is decoded once.
   EXPECT_EQ(path_of("/%2525"), "/%25");
   EXPECT_EQ(path_of("/%252e%252e/"), "/%2e%2e/");
-  // Dots are refused alone, not in names.
+  // Names of dots alone are refused; names with dots are not.
   EXPECT_EQ(path_of("/..a/.b/c..d/..."), "/..a/.b/c..d/...");
   EXPECT_EQ(path_of("/" + std::string(k_target_bytes_max - 1, 'a')).size(), k_target_bytes_max);
 }
@@ -63,7 +63,7 @@ TEST(Targets, ParametersStandInOrder) {
   for (const Parameter& parameter : parsed->parameters)
     said += "[" + parameter.name + "|" + parameter.value + "]";
   EXPECT_EQ(said, "[x|1][y|a&b=c][x|2 3+][flag|][|v][z|a=b]");
-  // In a query dots and slashes are text.
+  // In a query, dots and slashes are text.
   const auto dots = parse_target("/?p=../..%2f%5c");
   ASSERT_TRUE(dots);
   EXPECT_EQ(dots->parameters.at(0).value, "../../\\");

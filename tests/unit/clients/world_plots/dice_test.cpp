@@ -1,6 +1,5 @@
-// Goal: what is said of how plausible satisfying animations are follows from their numbers and the
-// prior. Method: a small archive of known starts and heights; draws of the prior itself, which cost
-// nothing.
+// Goal: the plausibility of satisfying animations follows from their numbers and the prior. Method:
+// a small archive of known starts and heights; cheap draws of the prior itself.
 #include "clients/world_plots/dice.h"
 
 #include <gmock/gmock.h>
@@ -27,8 +26,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using tests::failure_of;
 
-/// Counts by bin: of the outermost below, of those at -1 and 0 standard deviations, and of the
-/// outermost above.
+/// Returns counts by bin: below all bins, at -1 and at 0 standard deviations, and above all bins.
 std::vector<double> in_bins(double below, double at_minus_one, double at_zero, double above) {
   std::vector<double> counts(k_offset_bins);
   counts.front() = below;
@@ -43,7 +41,7 @@ std::vector<double> joined(std::vector<double> first, const std::vector<double>&
   return first;
 }
 
-/// Two dice, of which a component each is random and another of the second one.
+/// Two dice; one component of both and one of the second are random.
 DicePrior small_prior() {
   const auto x = [](std::uint64_t die) {
     return StartComponent{.variable = "start_position_m",
@@ -65,14 +63,14 @@ DicePrior small_prior() {
           .is_table_random = true};
 }
 
-/// By animation: (x, y, z) of die 0, then of die 1; heights by bin.
+/// For each animation (x, y, z) of die 0, then of die 1; heights by bin.
 struct Contents {
   double animations = 2;
   std::vector<double> position_m{1, 7, 7, 3, 7, 7, -1, 7, 7, 5, 7, 7};
   std::vector<double> velocity_mps{7, 7, 7, 7, 7, 0.5, 7, 7, 7, 7, 7, -1};
   std::vector<double> offsets = joined(in_bins(0, 3, 1, 0), in_bins(1, 2, 0, 1));
   std::vector<double> offset_squares{2, 8};
-  /// Of the prior: whether there is one, and what a test changes of it.
+  /// Whether the archive has a prior, and its changeable parts.
   bool has_prior = false;
   double dice = 2;
   std::vector<double> position_mean{1, 7, 7, 1, 7, 7};
@@ -111,7 +109,7 @@ class SmallArchive final : public archive::StoredArchive {
 
 TEST(DicePlausibility, AreScoresAndCosts) {
   // Scores of x are 0 and 1, then -1 and 2; of velocity 1, then -2. Their squares sum to 2 and 9,
-  // so half of 5.5 less 3 is the cost; of the table, half of (2 + 8 less 4 + 4 points) / 2.
+  // so the start's cost is half of 5.5 - 3. The table's cost is half of (2 + 8) / 2 less 4 points.
   const DicePlausibility all = dice_plausibility(SmallArchive(), small_prior(), {});
   EXPECT_EQ(all.animations, 2U);
   ASSERT_EQ(all.start.size(), 2U);
@@ -124,14 +122,14 @@ TEST(DicePlausibility, AreScoresAndCosts) {
   EXPECT_DOUBLE_EQ(all.start_cost.spread, std::sqrt(1.5));
   EXPECT_DOUBLE_EQ(all.table_cost.mean, 0.5 * (5 - 4));
   EXPECT_DOUBLE_EQ(all.table_cost.spread, std::sqrt(2));
-  // By animation -1/2 and 3, -1 and 2, -3/2 and 5: the error of a mean of two is half of how far
-  // they are apart.
+  // Costs per animation are -1/2 and 3, -1 and 2, -3/2 and 5. The error of a mean of two is half
+  // their difference.
   EXPECT_DOUBLE_EQ(all.start_cost.error, 1.75);
   EXPECT_DOUBLE_EQ(all.table_cost.error, 1.5);
   EXPECT_DOUBLE_EQ(all.cost.mean, 1.75);
   EXPECT_DOUBLE_EQ(all.cost.error, 3.25);
   EXPECT_DOUBLE_EQ(all.cost.spread, std::sqrt(3.5));
-  // Of the second chain alone.
+  // The second chain alone.
   const DicePlausibility second = dice_plausibility(SmallArchive(), small_prior(), 1);
   EXPECT_EQ(second.animations, 1U);
   EXPECT_THAT(second.start[0].scores, ElementsAre(-1, 2));
@@ -141,7 +139,7 @@ TEST(DicePlausibility, AreScoresAndCosts) {
 }
 
 TEST(DicePlausibility, WordsSayNoMoreThanIsKnown) {
-  // Goal: a verdict only where it is more than chance, without overflow. Method: costs of our own.
+  // Goal: a verdict requires more than chance and doesn't overflow. Method: chosen costs.
   const auto words_of = [](double mean, double error) {
     const PlausibilityCost cost{.is_random = true, .mean = mean, .error = error, .spread = 2};
     return plausibility_words(
@@ -161,7 +159,7 @@ TEST(DicePlausibility, WordsSayNoMoreThanIsKnown) {
 }
 
 TEST(DicePlausibility, OfThePriorItselfIsNothing) {
-  // 4000 animations that are draws of the prior: costs within 5 standard errors of 0.
+  // 4000 animations drawn from the prior have costs within 5 standard errors of 0.
   constexpr std::size_t k_animations = 4000;
   random::Stream stream({.seed = 20261122, .purpose = random::Purpose::prior}, 0);
   const auto normal = [&](double mean, double sd) {
@@ -192,11 +190,11 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
   const double root = std::sqrt(static_cast<double>(k_animations));
   for (const PlausibilityCost& cost : {found.start_cost, found.table_cost, found.cost}) {
     EXPECT_NEAR(cost.mean, 0, 5 * cost.spread / root);
-    // Each is a lineage of its own; the spread of a chi-square's standard deviation.
+    // Each animation is its own lineage; the spread is a chi-square's standard deviation.
     EXPECT_NEAR(cost.error, cost.spread / root, 0.1 * cost.spread / root);
   }
   EXPECT_DOUBLE_EQ(found.table_cost.spread, std::sqrt(15));
-  // Each panel's bars have the area 1, and are nearly the mean of the curve over them.
+  // Each panel's bars have area 1 and nearly equal the curve's mean over them.
   const plot::Figure figure = plausibility_figure(found, prior);
   ASSERT_EQ(figure.panels.size(), 3U);
   for (const plot::Panel& panel : figure.panels) {
@@ -255,8 +253,8 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
 }
 
 TEST(DicePlausibility, ThePriorIsTheArchives) {
-  // Goal: what blind throws have is read from the archive: components that vary, in the order of
-  // dice, and whether the table does. Method: a small archive with known priors, then without, then
+  // Goal: the archive determines the prior of blind throws: components that vary, in the order of
+  // dice, and whether the table varies. Method: a small archive with known priors, without, and
   // damaged.
   const DicePrior prior = dice_prior_of(SmallArchive({.has_prior = true}));
   EXPECT_EQ(prior.dice, 2U);
@@ -272,7 +270,7 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
   EXPECT_EQ(prior.start[2].sd, 0.5);
   EXPECT_FALSE(dice_prior_of(SmallArchive({.has_prior = true, .squares_of_throws = {0, 0}}))
                    .is_table_random);
-  // The whole picture is that of the same prior by hand.
+  // The archive's picture equals that of the same prior built by hand.
   const pictures::Picture picture =
       Dice().draw("plausibility", SmallArchive({.has_prior = true}), {});
   EXPECT_EQ(picture.words,
@@ -296,7 +294,7 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
 }
 
 TEST(DicePlausibility, NothingRandomIsSaid) {
-  // Goal: of throws of which nothing varies there is nothing to compare. Method: such a prior.
+  // Goal: blind throws without variation give nothing to compare. Method: such a prior.
   const SmallArchive fixed({.has_prior = true,
                             .position_sd = {0, 0, 0, 0, 0, 0},
                             .velocity_z_sd = 0,
@@ -306,8 +304,8 @@ TEST(DicePlausibility, NothingRandomIsSaid) {
 }
 
 TEST(DicePlausibility, BinsAreThoseOfTheWorld) {
-  // Goal: scores fall into the bins that the world counts control points by. Method: both functions
-  // over scores in and beyond all bins.
+  // Goal: scores fall into the bins by which the world counts control points. Method: both
+  // functions over scores in and beyond all bins.
   EXPECT_EQ(k_offset_bins, worlds::dice::k_offset_bins);
   EXPECT_EQ(k_offset_first_sd, worlds::dice::k_offset_first_sd);
   EXPECT_EQ(k_offset_step_sd, worlds::dice::k_offset_step_sd);

@@ -1,5 +1,5 @@
-// Goal: the trace of balls that spell shows how many bins are filled, over iterations. Method: a
-// small archive of known outcomes, drawn; the figure's series are read.
+// Goal: the spelling trace shows the number of filled bins over iterations. Method: draw a small
+// archive of known outcomes and read the figure's series.
 #include "clients/world_plots/spelling.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ using pictures::all_of;
 using ::testing::ElementsAre;
 using tests::failure_of;
 
-/// Of two balls; ten iterations to a scan.
+/// Two balls; ten iterations per scan.
 class SmallArchive final : public archive::StoredArchive {
  public:
   explicit SmallArchive(bool has_balls = true)
@@ -30,8 +30,8 @@ class SmallArchive final : public archive::StoredArchive {
 };
 
 TEST(SpellingTrace, CountsIterations) {
-  // Goal: filled bins stand over iterations, not scans, below a line at all of them. Method: the
-  // series of one chain and of all.
+  // Goal: filled bins are plotted over iterations, not scans, below a line at the total. Method:
+  // the series of one chain and of all.
   const Spelling spelling;
   const SmallArchive source;
   const plot::Figure one =

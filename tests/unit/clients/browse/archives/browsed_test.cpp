@@ -1,6 +1,6 @@
-// Goal: what browsing keeps between commands is the archive's or nothing; archives together count
-// each animation once; requests are compared by their keys. Method: indices of made-up animations
-// in a folder of their own, changed and cut; small lists.
+// Goal: indexes stored between commands are used only for their own archive; several archives
+// together count each animation once; requests are compared by key. Method: indexes of made-up
+// animations in a scratch folder, changed and cut; small lists.
 #include "clients/browse/archives/browsed.h"
 
 #include <gmock/gmock.h>
@@ -65,12 +65,12 @@ TEST_F(IndexCache, GivesBackWhatItKept) {
   for (std::size_t i = 0; i < index.entries.size(); ++i)
     EXPECT_TRUE(kept->index.entries[i] == index.entries[i]);
   EXPECT_TRUE(kept->of == *state_of_file(archive_));
-  // By whatever path the archive is reached; of no other archive.
+  // A link to the archive finds its index; another archive doesn't.
   fs::create_symlink(archive_, path("link.h5"));
   EXPECT_TRUE(kept_index(path("link.h5")).has_value());
   std::ofstream(path("b.h5")) << "another";
   EXPECT_FALSE(kept_index(path("b.h5")).has_value());
-  // Nobody else can read it.
+  // Only the owner can read the file.
   struct stat status {};
   ASSERT_EQ(::stat(kept_file().c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777U, 0600U);
@@ -88,7 +88,7 @@ TEST_F(IndexCache, KeepsOutlinesOfOneStateOfTheFile) {
   ASSERT_TRUE(kept.has_value());
   EXPECT_EQ(kept->index.entries.size(), 4U);
   EXPECT_EQ(kept->groups.groups[0].members.size(), 4U);
-  // It is beside the index, not in its place.
+  // The outline is stored beside the index.
   EXPECT_FALSE(kept_index(archive_).has_value());
   FileState later = now;
   ++later.modified_ns;
