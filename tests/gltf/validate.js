@@ -1,5 +1,6 @@
-// Judges .glb files by Khronos's validator: node tests/gltf/validate.js FILE... Prints what it has to
-// say of each and exits 1 if that is anything, hints included; 2 if it isn't installed.
+// Checks .glb files with Khronos's validator: node tests/gltf/validate.js FILE... Prints each
+// finding, including hints, and exits with 1 if there is any, with 2 if the validator isn't
+// installed.
 "use strict";
 
 const fs = require("fs");
