@@ -26,7 +26,6 @@
 namespace sleight {
 namespace {
 
-/// A request, or its errors.
 struct Reading {
   std::vector<request::DirectionRequest> request;  ///< one, or none
   std::vector<request::Diagnostic> errors;

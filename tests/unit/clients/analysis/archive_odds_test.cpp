@@ -125,7 +125,7 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
   EXPECT_EQ(json(tables)["to_know"]["scans"], 4032);
   EXPECT_THAT(besides(), HasSubstr("iterations_per_scan"));
   tables.allowed_round_trips = 3;
-  // The number of replicas depends on the barrier unless the request sets it.
+  // The barrier determines the number of replicas unless the request sets it.
   EXPECT_EQ(besides(), "");
   tables.sampler_keys += "replicas = 4\n";
   EXPECT_THAT(besides(), HasSubstr("replicas"));
@@ -137,7 +137,7 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
 TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
   Tables tables;
   tables.log_p = {-4.8};
-  // The same for a round that was cut off.
+  // A round that was cut off needs the same.
   for (const double scans : {64.0, 20.0}) {
     tables.scans = {scans};
     EXPECT_EQ(json(tables)["to_know"]["rounds"], 2);

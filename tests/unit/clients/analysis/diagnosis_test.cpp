@@ -134,7 +134,7 @@ TEST_F(DiagnosisTest, OfPlainChainsTheSecondHalfIsJudged) {
   EXPECT_EQ(shown_.at("lp").draws, 101U);
   EXPECT_EQ(shown_.at("lp").chains, k_chains);
   EXPECT_EQ(shown_.at("lp").first, 1234);
-  // States 100, 110, ... 200.
+  // The states are 100, 110, ... 200.
   EXPECT_EQ(shown_.at("height_m").draws, 11U);
   EXPECT_EQ(shown_.at("height_m").first, 4321);
   EXPECT_TRUE(shown_.contains("landing_m"));
@@ -210,7 +210,6 @@ TEST_F(DiagnosisTest, StatesWithoutProbabilityAreCountedAndAReason) {
   const Diagnosis diagnosis = diagnose();
   ASSERT_EQ(diagnosis.reasons.size(), 1U);
   EXPECT_THAT(diagnosis.reasons[0], HasSubstr("log_constraint: 1 of 303 draws are -inf"));
-  // The mean covers the other values.
   EXPECT_EQ(diagnosis.scalars[1].verdict.mean, -1);
   EXPECT_TRUE(std::isnan(diagnosis.scalars[1].verdict.mcse));
   EXPECT_THAT(for_people("a.h5", diagnosis), HasSubstr("1 are -inf"));

@@ -54,7 +54,6 @@ TEST(OddsDoubts, EachLadderHasToMakeRoundTrips) {
 
   facts.round_trips = {400, 5, 5, 400};
   EXPECT_THAT(doubts_of(facts), IsEmpty());
-  // A missing number counts as 0.
   facts.round_trips = {400, k_nan, 400, 400};
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::few_round_trips));
 }

@@ -46,7 +46,6 @@ class CountingSource final : public archive::Source {
   std::vector<archive::Group> groups_;
 };
 
-/// Reads all entries and compares each value with its index in the dataset.
 void expect_right(const Shape& shape, const DrawRange& range) {
   const CountingSource source(shape);
   const Quantity quantity = state_variables(source).at(0);
@@ -69,10 +68,9 @@ TEST(ScalarDraws, EveryValueIsOfItsEntryChainAndDraw) {
   expect_right({.inner = {}}, {.chains = 2, .first = 50, .count = 50, .stride = 1});
   expect_right({.inner = {{"a", 3}, {"b", 5}}},
                {.chains = 2, .first = 1, .count = 33, .stride = 3});
-  // Rows too far apart to be read together.
+  // The rows are too far apart to be read together.
   expect_right({.draws = 50, .inner = {{"a", 9000}}},
                {.chains = 2, .first = 2, .count = 5, .stride = 9});
-  // More entries than fit into one block.
   expect_right({.chains = 1, .draws = 70000, .inner = {{"a", 70}}},
                {.chains = 1, .first = 0, .count = 70000, .stride = 1});
 }

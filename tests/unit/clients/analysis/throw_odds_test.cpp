@@ -69,7 +69,7 @@ TEST(ThrowOdds, AreAmongNaturalThrows) {
   EXPECT_NEAR(odds.log10_throws, 5, 1e-12);
   EXPECT_NEAR(odds.log10_low, 4, 1e-12);
   EXPECT_NEAR(odds.log10_high, 6, 1e-12);
-  // An estimate above the probability of a natural throw, by chance, counts as every throw.
+  // By chance, an estimate can exceed a natural throw's probability; then every throw counts.
   EXPECT_EQ(odds_of({.value = 1, .error = 0}, 0).log10_throws, 0);
 }
 
@@ -90,7 +90,6 @@ TEST(ThrowOdds, InWords) {
   EXPECT_EQ(words(999'999), "one throw in 1.0 million (error unknown)");
   EXPECT_EQ(words(999.9), "one throw in 1,000 (error unknown)");
   EXPECT_EQ(words(9.99), "one throw in 10 (error unknown)");
-  // Beyond the range of doubles.
   EXPECT_EQ(in_words({400.3, k_nan, k_nan}), "one throw in 2.0e400 (error unknown)");
 }
 

@@ -72,7 +72,6 @@ TEST(Groups, NoExchangeOfOneMedoidHelps) {
         EXPECT_GE(cost_of(matrix, size, exchanged), cost - 1e-6);
       }
     }
-    // Try all choices of k.
     std::vector<char> chosen(size, 0);
     std::fill_n(chosen.begin(), k, 1);
     double least = cost;
@@ -92,7 +91,6 @@ TEST(Groups, NoExchangeOfOneMedoidHelps) {
   }
 }
 
-/// Returns whether two divisions of a set are equal, whatever their labels.
 bool is_same_division(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j)
@@ -101,7 +99,6 @@ bool is_same_division(const std::vector<std::size_t>& a, const std::vector<std::
   return a.size() == b.size();
 }
 
-/// Average linkage by the plain algorithm.
 std::vector<std::size_t> plain_hierarchy(const std::vector<float>& matrix, std::size_t size,
                                          std::size_t k) {
   std::vector<std::vector<std::size_t>> groups(size);
@@ -145,7 +142,7 @@ TEST(Groups, HierarchyJoinsTheNearest) {
     const std::vector<std::size_t> found = hierarchy_of(matrix, size, k);
     EXPECT_EQ(std::set<std::size_t>(found.begin(), found.end()).size(), k);
     EXPECT_TRUE(is_same_division(found, plain_hierarchy(matrix, size, k)));
-    // Nested: members of one of k groups stay together in k - 1 groups.
+    // Members of one of k groups stay together in k - 1 groups.
     if (k == 1) continue;
     const std::vector<std::size_t> wider = hierarchy_of(matrix, size, k - 1);
     std::map<std::size_t, std::size_t> into;
@@ -154,7 +151,6 @@ TEST(Groups, HierarchyJoinsTheNearest) {
   }
 }
 
-/// Returns groups as sets of draws, by representative.
 std::map<std::uint64_t, std::set<std::uint64_t>> named(const Groups& groups,
                                                        const std::vector<const Entry*>& entries) {
   std::map<std::uint64_t, std::set<std::uint64_t>> all;

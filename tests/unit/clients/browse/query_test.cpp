@@ -56,7 +56,6 @@ TEST(Queries, TheComparisonNoticesAnswersThatAreWrong) {
     random::Stream stream = testing::stream_of(k_seed, n);
     const Index index = random_index(1, stream);
     const Entry& entry = index.entries.front();
-    // A region around a point of some path.
     const double t_s = entry.end_s * stream.uniform();
     const auto middle_m = centre_at(entry.pieces_of(0), t_s);
     if (!middle_m) continue;
@@ -125,7 +124,6 @@ TEST(Queries, MeanWhatTheySay) {
   EXPECT_FALSE(is_met("every body in x -1..-1"));
   EXPECT_TRUE(is_met("every ball ends in z 0.2..1"));
   EXPECT_FALSE(is_met("every ball ends in z 0.5..1"));
-  // A hit belongs to both sides and to its time only.
   EXPECT_TRUE(is_met("ball 1 touches table"));
   EXPECT_TRUE(is_met("ball 2 touches ball 1"));
   EXPECT_TRUE(is_met("ball 2 touches any"));

@@ -30,7 +30,6 @@ inline scene::Scene small_scene() {
           .high_m = {1, 1, 1}};
 }
 
-/// Returns the stream of a test's nth case.
 inline random::Stream stream_of(std::uint64_t seed, std::uint64_t n) {
   return {{.seed = seed, .purpose = random::Purpose::prior}, n};
 }
@@ -69,7 +68,6 @@ inline Entry random_entry(std::uint64_t draw, random::Stream& stream) {
       if (stream.uniform() < 0.1) position_m = random_vector(stream, 1);
       entry.pieces.push_back(piece);
       if (i > 0) {
-        // Any feature but the body itself and the goal.
         auto partner = static_cast<std::uint32_t>(below(stream, 4));
         if (partner >= body) ++partner;
         entry.contacts.push_back({.time_s = start_s, .body = body, .partner = partner});

@@ -82,7 +82,6 @@ TEST(Reading, SaysWhatTheArchiveSays) {
     contacts += entry.contacts.size();
     EXPECT_EQ(entry.end_s, animation.value().end_s());
     EXPECT_EQ(entry.pieces.size(), animation.value().segment_count());
-    // Paths equal the recording at any time.
     for (std::uint32_t body = 0; body < index.scene.bodies(); ++body) {
       for (double t_s = 0; t_s < 6; t_s += 0.37) {
         const auto centre = centre_at(entry.pieces_of(body), t_s);
@@ -123,7 +122,6 @@ TEST(Reading, GrowsWithItsRun) {
   EXPECT_GT(grown.value().index.entries.size(), before.entries.size());
   EXPECT_EQ(read_to, grown.value().index.entries.size());
   expect_same(grown.value().index, index_of(longer));
-  // An index of the same file is reused completely.
   Index kept = grown.value().index;
   auto again = read_index(longer, {.of_this_file = &kept});
   ASSERT_TRUE(again.ok());
@@ -136,7 +134,7 @@ TEST(Reading, TakesNothingOfAFileThatOthersMayHaveChanged) {
   archive::MemoryArchive memory;
   write(memory, 80);
   const Index before = index_of(memory);
-  // As other programs would write it, with unchanged numbers and digest.
+  // Other programs might change positions but not the numbers and the digest.
   auto& places = std::get<std::vector<double>>(memory.values(archive::k_animations, "position_m"));
   for (double& place : places)
     place += 1;
@@ -169,7 +167,7 @@ TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
   archive::MemoryArchive memory;
   write(memory, 150);
   const Index whole = index_of(memory);
-  // As if the earlier archive had begun at other draws.
+  // The earlier index begins at other draws.
   Index shifted = whole;
   shifted.digest = "another";
   shifted.entries.erase(shifted.entries.begin(), shifted.entries.begin() + 2);
@@ -204,7 +202,6 @@ TEST(IndexBytes, ComeBackOrNotAtAll) {
   const auto by_three = browse::index_of(bytes, 3);
   ASSERT_TRUE(by_three.has_value());
   expect_same(*by_three, index);
-  // Any flipped bit, cut or appended byte makes the bytes invalid.
   for (std::size_t i = 0; i < bytes.size(); i += 1 + i / 16) {
     base::Bytes other = bytes;
     other[i] ^= std::byte{1} << (i % 8);

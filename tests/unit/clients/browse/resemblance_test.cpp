@@ -102,12 +102,11 @@ TEST(Resemblance, IsWhatTheFormulaSays) {
   EXPECT_NEAR(of_one.greatest_m, 1, 1e-6);
   EXPECT_NEAR(of_one.mean_m, 33.0 / 65.0 / 3, 1e-2);
   EXPECT_EQ(of_one.order, 0);
-  // Twins that change places look the same.
+  // Twins that change places look the same; other bodies don't.
   const math::Vec3 left{-1, 0, 0};
   const math::Vec3 right{1, 0, 0};
   const math::Vec3 up{0, 0, 1};
   EXPECT_EQ(between(two_ways({{left, up, right, right}, {right, right, left, up}})).value_m(), 0);
-  // Bodies that aren't twins don't.
   Index apart = two_ways({{left, up, right, right}, {right, right, left, up}});
   apart.scene.features[1].twin_of = 1;
   EXPECT_GT(between(apart).value_m(), 1);
@@ -132,14 +131,11 @@ TEST(Resemblance, OfContactsCountsTheOrderOfTheFirst) {
   // Only a pair's first hit counts.
   contacts(1, {{0, 3}, {0, 3}, {0, 4}, {1, 3}, {0, 3}, {1, 4}});
   EXPECT_EQ(between(index).order, 0);
-  // One hit of four is elsewhere.
   contacts(1, {{1, 4}, {0, 3}, {0, 4}, {1, 3}});
   EXPECT_EQ(between(index).order, 0.25);
   EXPECT_NEAR(between(index).value_m(), 1.25 * same, 1e-9);
-  // In reverse order, one hit is still in order.
   contacts(1, {{1, 4}, {1, 3}, {0, 4}, {0, 3}});
   EXPECT_EQ(between(index).order, 0.75);
-  // One animation has no hits.
   contacts(1, {});
   EXPECT_EQ(between(index).order, 1);
 }

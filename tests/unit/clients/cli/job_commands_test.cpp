@@ -386,7 +386,6 @@ TEST(LogLines, ComeWholeHoweverTheyAreCut) {
   EXPECT_EQ(std::ranges::count(parts, '\n'), 4);
 }
 
-/// Fetches job 17's archive.
 class Fetching : public JobCommands {
  protected:
   Fetching() {

@@ -15,7 +15,6 @@
 namespace sleight::cli {
 namespace {
 
-/// Sets the local time zone, in which times are shown.
 class JobText : public testing::Test {
  protected:
   JobText() {

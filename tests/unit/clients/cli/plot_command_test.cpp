@@ -38,7 +38,7 @@ class MadeUpPlots final : public pictures::WorldPlots {
   std::vector<Kind> kinds_;
 };
 
-/// Marbles have smoke and their own trace; rods have smoke and mirrors.
+/// Marbles have plots smoke and trace; rods have plots smoke and mirrors.
 pictures::PlotsOfWorlds two_worlds() {
   pictures::PlotsOfWorlds worlds;
   worlds.push_back(std::make_unique<MadeUpPlots>(
@@ -74,7 +74,6 @@ TEST(PlotCommand, AWorldDrawsWhatItHas) {
   EXPECT_EQ(title("marbles", "trace"), "marbles's trace");
   EXPECT_EQ(title("marbles", "smoke"), "marbles's smoke");
   EXPECT_EQ(title("rods", "mirrors"), "rods's mirrors");
-  // The common trace.
   EXPECT_EQ(title("rods", "trace"), "rods");
   EXPECT_EQ(title("gas", "trace"), "gas");
   EXPECT_EQ(picture_of(archive::BareArchive("rods"), asking_for("mirrors"), true, worlds).words,

@@ -27,7 +27,6 @@
 
 namespace sleight::cli {
 
-/// A folder that the destructor removes.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -50,7 +49,6 @@ inline rpc::Refusal no_such_job(rpc::JobId job) {
           .what_to_do = "`sleight list` shows the jobs."};
 }
 
-/// A Source that reads from a string.
 class TextSource final : public rpc::Source {
  public:
   TextSource(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {}
@@ -170,7 +168,6 @@ class ServingThread {
   ServingThread(const ServingThread&) = delete;
   ServingThread& operator=(const ServingThread&) = delete;
 
-  /// Runs `work` on the server's thread.
   void post(std::function<void()> work) { loop_->post(std::move(work)); }
   void news(rpc::JobId job) {
     loop_->post([this, job] { server_->news(job); });

@@ -158,7 +158,6 @@ TEST(Submit, NamesFitTheService) {
   EXPECT_THROW((void)made({.request_path = "a.toml", .name = name}, {"x", "text"}), base::Error);
 }
 
-/// A command's exit code and output.
 struct Printed {
   int code = 0;
   std::string out;
@@ -217,7 +216,6 @@ class DyingServer {
   DyingServer(const DyingServer&) = delete;
   DyingServer& operator=(const DyingServer&) = delete;
 
-  /// Waits until the process is dead.
   std::string key() const {
     std::string key;
     char letter = 0;

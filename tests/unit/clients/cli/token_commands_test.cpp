@@ -84,7 +84,6 @@ TEST_F(TokenCommands, AFileOfATokenIsNewAndItsOwners) {
   std::getline(std::ifstream(file()), text);
   EXPECT_EQ(text, handler_.asked_token.token);
   EXPECT_EQ(failure([&] { create_token(socket(), options); }), base::ExitCode::conflict);
-  // A refused token leaves no file.
   serving_.reset();
   options.output = folder_ / "other.token";
   EXPECT_EQ(failure([&] { create_token(socket(), options); }), base::ExitCode::no_server);
@@ -136,7 +135,6 @@ TEST_F(TokenCommands, OnlyIdsAreRevoked) {
   // A whole token given by mistake is neither sent nor shown.
   const std::string token = access::text_of(access::draw_token());
   EXPECT_EQ(failure([&] { revoke_tokens(socket(), {.ids = {token}}); }), base::ExitCode::usage);
-  // A missing token doesn't stop others from being revoked.
   handler_.tokens.push_back({.id = "1123456789", .name = "other"});
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();

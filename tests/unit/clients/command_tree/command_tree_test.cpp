@@ -53,7 +53,6 @@ TEST(CommandTree, HasOptions) {
   EXPECT_TRUE(output.required);
   EXPECT_FALSE(output.repeats);
   EXPECT_EQ(output.help, "The archive's place");
-  // A range is no choice.
   EXPECT_EQ(run.options[2].type_name, "N");
   EXPECT_THAT(run.options[2].choices, ElementsAre());
   EXPECT_TRUE(run.options[3].repeats);

@@ -106,7 +106,6 @@ TEST(Document, HoldsBodiesSceneAndMotion) {
   EXPECT_LT(math::norm(Vec3(testing::z_up(testing::played(places, 0.5)) - Vec3(0.25, 0, 0.4))),
             1e-6);
   EXPECT_TRUE(testing::track_of(file, 0, die, "scale").times_s.empty());
-  // The ball is invisible before it enters.
   const auto scale = testing::track_of(file, 0, testing::node_named(file, "ball"), "scale");
   EXPECT_EQ(scale.interpolation, "STEP");
   EXPECT_EQ(testing::played(scale, 0.24), (std::vector<double>{0, 0, 0}));
@@ -134,10 +133,8 @@ TEST(Document, HoldsClipsTogether) {
   EXPECT_EQ(shown("die 2", 1, 0.5), there);
   EXPECT_EQ(shown("ball", 0, 0.1), away);
   EXPECT_EQ(shown("ball", 1, 0.1), there);
-  // Without a clip, players show the beginning of the first.
   EXPECT_EQ(file.json["nodes"][testing::node_named(file, "table (c1.3)")]["scale"],
             Json({0, 0, 0}));
-  // The goal is the same in both clips.
   EXPECT_TRUE(
       testing::track_of(file, 0, testing::node_named(file, "goal 1"), "scale").times_s.empty());
 }

@@ -33,7 +33,6 @@ Vec3 random_vector(random::Stream& stream, double size) {
           size * (2 * stream.uniform() - 1)};
 }
 
-/// Returns the next segment, which starts where the last one ends.
 Segment after(Segment before, double start_s) {
   Segment next = before;
   next.start_s = start_s;
@@ -42,7 +41,6 @@ Segment after(Segment before, double start_s) {
   return next;
 }
 
-/// A die that bounces and slides.
 motion::Path thrown(random::Stream& stream, double* end_s) {
   motion::Path path(0);
   Segment segment{.start_s = 0.3 * stream.uniform(),
@@ -150,7 +148,6 @@ TEST(Keys, FollowALongFastSpin) {
   const Off off = most_off(path, keys.value(), 20.5, 500, stream);
   EXPECT_LT(off.place_m, k_place_m);
   EXPECT_LT(off.turn_rad, k_turn_off);
-  // Positions need keys at events only.
   EXPECT_EQ(keys.value().translation.times_s.size(), 3U);
 }
 
@@ -163,7 +160,6 @@ TEST(Keys, AreAtTheRoundedTimesOfEvents) {
   EXPECT_EQ(keys.enters_s, 0.1F);
   EXPECT_EQ(keys.translation.times_s, (std::vector<float>{0.1F, 0.7F, 0.9F}));
   EXPECT_NEAR(keys.translation.values[1][0], 1.6, 1e-7);
-  // If several segments start at once, the last one counts.
   path.append({.start_s = 0.9, .mode = motion::Mode::resting, .position_m = {1.8, 0, 0}});
   EXPECT_EQ(keys_of(path, 0.9).value().translation.times_s, keys.translation.times_s);
 }
@@ -185,7 +181,6 @@ TEST(Keys, AreTwoWhereABodyJumps) {
 }
 
 TEST(Keys, OfWhatHardlyMovesAreFew) {
-  // The body rests from its start.
   motion::Path resting(0);
   resting.append({.start_s = 2, .mode = motion::Mode::resting, .position_m = {1, 2, 3}});
   const auto rests = keys_of(resting, 5).value();
@@ -202,7 +197,6 @@ TEST(Keys, OfWhatHardlyMovesAreFew) {
   expect_in_order(short_one);
   EXPECT_EQ(short_one.translation.times_s, std::vector<float>{2});
 
-  // Motion before time 0 is cut off.
   motion::Path early(0);
   early.append({.start_s = -3, .velocity_mps = {1, 0, 0}});
   early.append({.start_s = 1, .mode = motion::Mode::resting, .position_m = {4, 0, 0}});

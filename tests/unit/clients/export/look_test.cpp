@@ -21,7 +21,6 @@ using math::Vec3;
 using scene::FeatureKind;
 using scene::Shape;
 
-/// Converts back to the scene's axes.
 Vec3 back(const Float3& v) {
   return {v[0], -v[2], v[1]};
 }
@@ -47,7 +46,6 @@ std::vector<Face> faces_of(const Primitive& primitive) {
     const Vec3 b = back(primitive.places.at(primitive.corners[i + 1]));
     const Vec3 c = back(primitive.places.at(primitive.corners[i + 2]));
     faces.push_back({Vec3((a + b + c) / 3), math::cross(Vec3(b - a), Vec3(c - a))});
-    // Each corner's normal points to the visible side.
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 normal = back(primitive.normals.at(primitive.corners[i + k]));
       EXPECT_NEAR(math::norm(normal), 1, 1e-6);
@@ -175,7 +173,6 @@ TEST(Look, GoalsLieOnTheTable) {
     EXPECT_NEAR(at.z(), *surface.height_m(at.x(), at.y()) + 0.2e-3, 1e-6);
     EXPECT_LE(std::hypot(at.x(), at.y()), 0.03 + 1e-6);
   }
-  // The region for any body is tinted and transparent.
   const Look tint = look_of(scene, 3, own, {});
   ASSERT_EQ(tint.size(), 1U);
   EXPECT_LT(tint[0].material.color.opacity, 1);
@@ -189,7 +186,6 @@ TEST(Look, MeshesAreMovedByOffsets) {
                     {.place_m = {1, 0, 0}},
                     {.place_m = {0, 1, 0}, .offset = 0},
                     {.place_m = {0, 0, 0}, .offset = 7}};
-  // The second triangle has no area.
   scene.triangles = {{0, 1, 2}, {0, 1, 3}};
   const std::vector<Vec3> offsets_m{{0, 0, 0.25}};
   const Look look = look_of(scene, 0, {}, offsets_m);

@@ -34,7 +34,6 @@ inline std::uint32_t word_at(const std::string& bytes, std::size_t offset) {
   return word;
 }
 
-/// Reads the header and the chunks.
 inline File read_glb(const std::string& bytes) {
   File file;
   EXPECT_EQ(bytes.substr(0, 4), "glTF");
@@ -54,7 +53,6 @@ inline File read_glb(const std::string& bytes) {
   return file;
 }
 
-/// Returns an accessor's vectors as doubles.
 inline std::vector<std::vector<double>> vectors_of(const File& file, const Json& accessor) {
   const Json& what = file.json["accessors"].at(accessor.get<std::size_t>());
   const Json& view = file.json["bufferViews"].at(what["bufferView"].get<std::size_t>());
@@ -151,7 +149,6 @@ inline bool has_node(const File& file, const std::string& name) {
                              [&](const Json& node) { return node["name"] == name; });
 }
 
-/// A channel's keys.
 struct Track {
   std::vector<double> times_s{};
   std::vector<std::vector<double>> values{};

@@ -220,7 +220,7 @@ TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
       if (satisfied[i - 1] != 0 && satisfied[i] == 0) falls.push_back(i);
     EXPECT_EQ(trace.column<std::uint32_t>("fall"), falls);
     EXPECT_FALSE(falls.empty());
-    // Two kinds of proposals; the first changes everything.
+    // There are two kinds of proposals; the first changes everything.
     const auto accepted = std::get<std::vector<std::int32_t>>(
         source.read(archive::k_sample_stats, "accepted", 0, 2 * 101));
     std::vector<std::uint32_t> changes_of_all;
@@ -238,7 +238,6 @@ TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
   EXPECT_NEAR(sum, 1, 1e-12);
 }
 
-/// The change to an archive: a dataset removed, or its last dimension.
 struct Damage {
   std::string_view group;
   std::string_view dataset;
@@ -262,7 +261,7 @@ class Damaged final : public archive::Source {
   const std::vector<archive::Group>& groups() const override { return groups_; }
   archive::Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
                        std::uint64_t count) const override {
-    // A file's reader ends the program if these don't hold.
+    // The reader of real files ends the program if these checks fail.
     const archive::Group* found = archive::find_group(*this, group);
     const archive::DatasetSpec* spec =
         found == nullptr ? nullptr : archive::find_dataset(*found, dataset);

@@ -82,7 +82,6 @@ TEST(Columns, HoldEachSegment) {
           ++row;
         }
       }
-      // The animation's own surface and goal have as many normals as points.
       for (const json::Value& mesh : back.head["meshes"].elements()) {
         const auto places = back.column<float>(mesh["places"].get<std::string>());
         EXPECT_EQ(places.size(), back.column<float>(mesh["normals"].get<std::string>()).size());

@@ -25,7 +25,6 @@ namespace fs = std::filesystem;
 using Json = json::Value;
 using ::testing::HasSubstr;
 
-/// Changes one animation's note and returns the new note.
 Json changed(Notes& notes, const std::string& run, const std::string& animation,
              const Json& patch) {
   return notes.change(run, {{animation, patch}})[animation];
@@ -55,7 +54,7 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
   EXPECT_EQ(kept["c0.250"]["note"], "näher");
   EXPECT_EQ(kept["c0.250"]["tags"], Json::array({"calm"}));
   EXPECT_EQ(kept["find.3"]["star"], true);
-  // The name format of older galleries.
+  // Older galleries wrote names in this format.
   base::PosixFileSystem files;
   const std::string file = path("notes/" + run + ".json");
   std::string text = base::read_text_file(file, 10'000);

@@ -47,7 +47,6 @@ class OutlinesTest : public archive::testing::Scratch {
     ::unsetenv("XDG_CACHE_HOME");
   }
 
-  /// Stores an outline, as a gallery does for a large archive.
   void keep_outline() {
     const Snapshot whole(archive_, {.open = files_.opener()});
     browse::keep_cached(
@@ -117,7 +116,6 @@ TEST_F(OutlinesTest, SayWhatTheWholeSays) {
   const Answers answers(*gallery, notes_, rules_, "1.2");
   const std::string before = first_answers(answers, *outline);
 
-  // Questions about motions wait.
   const Json find{{"query", "any in x 0..1m"},
                   {"archives", {{{"id", 0}, {"generation", outline->generation()}}}}};
   const Json alike{
@@ -179,7 +177,7 @@ TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
     const Answers answers(*gallery, notes_, rules_, "1.2");
     EXPECT_EQ(asked(answers, "/api/groups", groups_of(*outline, 12)).status, 200U);
     EXPECT_EQ(answers({.path = "/api/archives/0/table"}).status, 200U);
-    // A refusal after a wait would be 503.
+    // The status would be 503 after a wait.
     EXPECT_EQ(asked(answers, "/api/groups", groups_of(*outline, 5)).status, 502U);
     files_.put(archive_, made_up(101, 30));
     ASSERT_TRUE(holds_soon([&] { return !gallery->snapshot(0)->is_outline(); }));

@@ -111,7 +111,7 @@ class SavedGallery : public archive::testing::Scratch {
   }
 
   testing::ShownFiles files;
-  // Only the diagnosis judges; plots of the made-up world don't.
+  // Only the diagnosis uses the judge; the made-up world's plots don't.
   analysis::Rules rules{
       .draws_min = 4,
       .ess_wanted = [](std::size_t) { return 400.0; },
@@ -164,7 +164,6 @@ std::pair<base::ExitCode, std::string> refusal_of(const Work& work) {
   return {base::ExitCode::ok, ""};
 }
 
-/// Returns all files below a folder with their content.
 std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> found;
   for (const auto& item : fs::recursive_directory_iterator(folder)) {
@@ -174,7 +173,6 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
   return found;
 }
 
-/// An archive whose datasets become unreadable at some time.
 class Spoilt final : public archive::Source {
  public:
   Spoilt(archive::MemoryArchive whole, const bool& is_spoilt)
@@ -328,7 +326,6 @@ TEST_F(SavedGallery, KeepsTheFolderItself) {
   EXPECT_EQ(after.st_ino, before.st_ino);
 }
 
-/// Returns the temporary folder of a save.
 fs::path work_in(const fs::path& folder) {
   for (const auto& item : fs::directory_iterator(folder)) {
     if (item.path().filename().string().starts_with(".sleight-saving-")) return item.path();

@@ -63,7 +63,6 @@ ShownAnimation throw_of(double y_m = 0.04) {
   return {.title = "chain 1, scan 3", .motion = motion::Animation::of(segments, 2).value()};
 }
 
-/// Balls that drop one after the other into a box without a lid.
 scene::Scene box_scene(std::uint32_t balls) {
   scene::Scene scene;
   for (std::uint32_t ball = 0; ball < balls; ++ball) {
@@ -119,7 +118,6 @@ TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
   const plot::Panel& panel = figure.panels.front();
   EXPECT_THAT(panel.title, HasSubstr("chain 1, scan 3; up: 6, 3; 3.0 mm from the place, at rest "
                                      "after 0.50 s"));
-  // Two faces and nine pips.
   EXPECT_EQ(all_of<plot::Polygon>(panel).size(), 2U + 6 + 3);
   const auto squares = squares_of(panel);
   ASSERT_EQ(squares.size(), 2U);
@@ -180,7 +178,6 @@ TEST(AnimationFigures, ManyBodiesAreShownAtInstants) {
   std::size_t filled = 0;
   for (const plot::Disc& disc : all_of<plot::Disc>(figure.panels.front()))
     filled += disc.filled ? 1 : 0;
-  // All from above, all in the last frame, one in the first.
   EXPECT_GT(filled, 8U + 8 + 1);
   EXPECT_LT(filled, 8U + 8 * 8);
 }
@@ -210,7 +207,6 @@ TEST(AnimationFigures, FitTheirPanels) {
   }
 }
 
-/// Every animation moves a body.
 class MovingReader final : public archive::testing::FakeReader {
  public:
   archive::Motion play(base::BytesView state) const override {

@@ -163,7 +163,6 @@ TEST_F(Frames, ShowBodiesWhereTheirMotionHasThem) {
       };
       EXPECT_EQ(std::ranges::count_if(balls, is_at), 1) << t_s;
     }
-    // The view from the front shows differences in height.
     if (expected_m.size() == 2) {
       std::vector<double> heights_px;
       for (const plot::Disc& ball : std::span(balls).last(2))
@@ -187,7 +186,6 @@ TEST_F(Frames, SayWhichAnimationAndWhen) {
   };
   EXPECT_THAT(views(FrameViews::above, animation), ElementsAre("from above"));
   EXPECT_THAT(views(FrameViews::front, animation), ElementsAre("from the front"));
-  // A motion in a plane is shown from the front.
   EXPECT_THAT(views(FrameViews::both, falling(0)), ElementsAre("from the front"));
 }
 
@@ -272,7 +270,6 @@ TEST_F(Frames, NothingOfOthersIsOverwritten) {
   EXPECT_THROW(write_png_frames(scene, animation, path("new"), {.progress = stopped}),
                std::runtime_error);
   EXPECT_THAT(names_in(folder.parent_path()), ElementsAre("mine"));
-  // An empty folder is accepted.
   fs::remove(folder / "frame-0001.png");
   EXPECT_EQ(write_png_frames(scene, animation, folder.string(), {.fps = 2}), 2U);
   EXPECT_EQ(names_in(folder).size(), 2U);
@@ -346,7 +343,7 @@ TEST_F(Frames, TheRealFfmpegMakesAFilm) {
   ASSERT_EQ(write_mp4(scene, animation, output, {}), 13U);
   const std::string film = text_of(output);
   EXPECT_EQ(film.substr(4, 4), "ftyp");
-  // Box stsz: version, sample size 0 for varying sizes, number of samples.
+  // Box stsz has a version, the sample size (0: it varies) and the number of samples.
   const std::size_t sizes = film.find("stsz");
   ASSERT_NE(sizes, std::string::npos);
   EXPECT_EQ(film.substr(sizes + 12, 4), std::string("\0\0\0\x0d", 4));

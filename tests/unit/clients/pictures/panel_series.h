@@ -8,7 +8,6 @@
 
 namespace sleight::pictures {
 
-/// Returns a panel's series of one kind, in order.
 template <class Kind>
 std::vector<Kind> all_of(const plot::Panel& panel) {
   std::vector<Kind> found;

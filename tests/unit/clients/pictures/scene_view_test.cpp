@@ -16,12 +16,10 @@ using math::Quat;
 using math::Vec3;
 using ::testing::ElementsAre;
 
-/// Returns the rotation by an angle about an axis.
 Quat turned(const Vec3& axis, double angle_deg) {
   return math::quaternion_of_rotation_vector(axis * (angle_deg * M_PI / 180));
 }
 
-/// Returns a die's visible faces by number.
 std::vector<FlatPiece> seen_faces(const motion::Pose& pose, double side_mm, Seen seen) {
   scene::Part die{.shape = scene::Shape::die, .size_m = Vec3::Constant(side_mm / k_mm_per_m)};
   std::vector<FlatPiece> faces = flat_pieces({}, die, pose, seen, {});
@@ -45,7 +43,6 @@ plot::Point middle_of(const auto& corners) {
   return middle;
 }
 
-/// Returns the absolute area, by the shoelace formula.
 double area_of(const auto& corners) {
   double twice = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {

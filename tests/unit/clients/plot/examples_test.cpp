@@ -13,7 +13,6 @@
 namespace sleight::plot {
 namespace {
 
-// Returns a path in the folder SLEIGHT_PICTURES, or in a temporary folder.
 std::string picture_path(const std::string& name) {
   const char* folder = std::getenv("SLEIGHT_PICTURES");
   return (folder != nullptr ? std::string(folder) + "/" : testing::TempDir()) + name;

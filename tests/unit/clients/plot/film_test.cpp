@@ -16,7 +16,6 @@
 namespace sleight::plot {
 namespace {
 
-/// 51 by 31 pixels.
 Figure with_disc_at(double x, Color color) {
   return {.width_px = 51,
           .height_px = 31,
@@ -73,7 +72,6 @@ TEST(Film, AFrameIsTheStillPictureAndWhatMoves) {
   const std::vector<std::byte> with_six = colors_of_film();
   EXPECT_EQ(with_six, colors_of(Film(both).pixels()));
   EXPECT_NE(with_six, alone);
-  // No trace of this frame remains.
   film.show(with_disc_at(8, palette::k_sky));
   EXPECT_NE(colors_of_film(), with_six);
   film.show(with_disc_at(6, palette::k_sky));

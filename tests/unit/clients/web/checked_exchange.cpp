@@ -94,7 +94,6 @@ std::vector<PlainRequest> read_plainly(std::string_view bytes) {
 
 namespace {
 
-/// Returns a handler's possible answer.
 Answer answer_to(const Passed& passed, const Guard& guard) {
   if (passed.way != Way::answer) return answer_of(passed.way, guard.cookie());
   return {.content = "{}", .etag = "\"a\""};
@@ -189,7 +188,6 @@ void check_passed(const Taken& taken, const PlainRequest& plain) {
   CHECK_EQ(between.find("/../"), std::string::npos);
   CHECK_EQ(between.find("/./"), std::string::npos);
 
-  // Authorized by a cookie, or by a token in a link to "/".
   const bool has_cookie =
       plain.cookies.size() == 1 && plain.cookies.front().find(k_secret) != std::string::npos;
   const bool is_link = passed.way == Way::let_in || passed.way == Way::let_in_by_page;

@@ -21,14 +21,13 @@ namespace sleight::web::testing {
 inline constexpr std::string_view k_secret =
     "5555555555555555555555555555555555555555555555555555555555555555";
 inline constexpr std::uint16_t k_port = 7000;
-/// Authorizes a browser once.
+/// This token authorizes a browser once.
 inline constexpr std::string_view k_token =
     "7777777777777777777777777777777777777777777777777777777777777777";
 
 inline constexpr IntakeLimits k_limits{.head_bytes_max = 4096, .body_bytes_max = 10'000};
 inline constexpr std::size_t k_bodies_bytes_max = 30'000;
 
-/// A request that passed.
 struct Taken {
   Passed passed{};
   bool keeps_open = false;
@@ -40,13 +39,11 @@ struct Outcome {
   std::string sent{};    ///< heads of all answers
 };
 
-/// Passes bytes in pieces of this size.
 Outcome exchange_in_pieces(std::string_view bytes, std::size_t piece);
 
-/// Passes bytes in pieces and as a whole, and checks everything. REQUIRES: piece > 0.
+/// Passes `bytes` in pieces and whole, and checks everything. REQUIRES: piece > 0.
 Outcome checked_exchange(std::string_view bytes, std::size_t piece);
 
-/// A request as the second reader understands it.
 struct PlainRequest {
   std::string method{};
   std::string target{};

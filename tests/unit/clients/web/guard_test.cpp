@@ -42,7 +42,6 @@ class Guarding : public ::testing::Test {
     request.fields.emplace_back(name, value);
     return request;
   }
-  /// Returns the request with a field replaced or removed.
   static Request but(Request request, const std::string& name, const std::string& value) {
     std::erase_if(request.fields, [&](const auto& field) { return field.first == name; });
     return with(std::move(request), name, value);
@@ -70,7 +69,6 @@ class Guarding : public ::testing::Test {
   unsigned refused(const Request& request) {
     const auto judged = judge(request);
     if (judged) return 0;
-    // Refusals repeat nothing of the request.
     const std::string words = fmt::format("{} {}", judged.error().error, judged.error().what_to_do);
     EXPECT_EQ(words.find("127.0.0.2"), std::string::npos);
     EXPECT_EQ(words.find(keys_.secret()), std::string::npos);
@@ -150,7 +148,7 @@ TEST_F(Guarding, RefusesWhatABrowserSaysComesFromElsewhere) {
   for (const std::string site : {"cross-site", "same-site", "", "anything"}) {
     EXPECT_EQ(refused(with(good(), "Sec-Fetch-Site", site)), 403U) << site;
     EXPECT_EQ(refused(with(post(), "Sec-Fetch-Site", site)), 403U) << site;
-    // A link from elsewhere may only authorize.
+    // Not even a link from elsewhere passes, except to authorize.
     const Request led =
         with(with(with(to(good(), "/"), "Sec-Fetch-Site", site), "Sec-Fetch-Mode", "navigate"),
              "Sec-Fetch-Dest", "document");
@@ -224,7 +222,6 @@ TEST_F(Guarding, StreamsAreForOurPage) {
   const auto by_origin = judge(with(stream, "Origin", "http://127.0.0.1:7000"));
   ASSERT_TRUE(by_origin);
   EXPECT_EQ(by_origin.value().way, Way::stream);
-  // Browsers request streams without Origin.
   EXPECT_EQ(judge(with(stream, "Sec-Fetch-Site", "same-origin")).value().way, Way::stream);
   EXPECT_EQ(refused(with(stream, "Sec-Fetch-Site", "none")), 403U);
   EXPECT_EQ(refused(with(stream, "Origin", "http://evil.example")), 403U);
@@ -256,7 +253,6 @@ TEST_F(Guarding, ALinkOnAnotherSiteLetsInByAPage) {
                      "Sec-Fetch-Mode", mode),
                 "Sec-Fetch-Dest", destination);
   };
-  // Frames, scripts and pictures may not load the page.
   EXPECT_EQ(refused(led("navigate", "iframe")), 403U);
   EXPECT_EQ(refused(led("no-cors", "image")), 403U);
   EXPECT_EQ(refused(led("cors", "empty")), 403U);

@@ -121,7 +121,7 @@ TEST(HostilePeers, SlowHeadsAndBodiesAreEnded) {
   slow_body.send(browser.post_head("/a", 100) + "{");
   RawClient waiting(served.port());
   EXPECT_EQ(waiting.ask(browser.post_head("/a", 100, "Expect: 100-continue\r\n")).status, 100);
-  // Sending a byte now and then doesn't help.
+  // Sending a byte now and then doesn't extend the deadline.
   RawClient dripping(served.port());
   std::thread drops([&] {
     while (dripping.send("G"))
@@ -135,7 +135,6 @@ TEST(HostilePeers, SlowHeadsAndBodiesAreEnded) {
   drops.join();
   EXPECT_TRUE(comes_true([&] { return served.server().counts().connections == 0; }));
   EXPECT_EQ(served.server().counts().bodies_bytes, 0U);
-  // A connection that fell silent after an answer is closed too.
   RawClient known(served.port());
   EXPECT_EQ(known.ask(browser.get("/a")).status, 200);
   EXPECT_TRUE(known.is_closed());
@@ -279,7 +278,7 @@ TEST(HostilePeers, SendAnything) {
   for (const std::uint64_t n : property::cases(property::of_tier(200, 1000))) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, n);
     std::string bytes = testing::random_connection(stream);
-    // Uses this server's port and cookie, so that some pass.
+    // Insert this server's port and cookie, so that some requests pass.
     for (std::size_t at = 0; (at = bytes.find("7000", at)) != std::string::npos; ++at)
       bytes.replace(at, 4, own_port);
     const std::string secret = browser.cookie().substr(browser.cookie().find('=') + 1);

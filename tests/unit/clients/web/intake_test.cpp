@@ -101,7 +101,6 @@ TEST(Intakes, RefuseWhatIsTooLong) {
   while (many.size() < k_limits.head_bytes_max)
     many += "A:\r\n";
   EXPECT_EQ(refused("GET / HTTP/1.1\r\n" + fields() + many + "\r\n"), 431U);
-  // A path has its own limit.
   EXPECT_EQ(refused(get("/" + std::string(2048, 'a'))), 400U);
 
   const std::string longest(k_limits.body_bytes_max, 'b');
@@ -150,7 +149,6 @@ TEST(Intakes, AgreeWithThePlainReaderOnAnything) {
     }
   }
   if (property::all_cases()) {
-    // Both outcomes occur.
     EXPECT_GT(passed, 6 * cases);
     EXPECT_GT(refused, 6 * cases);
   }

@@ -28,11 +28,9 @@ std::string_view one_of(random::Stream& stream, const std::array<std::string_vie
 }
 
 inline std::string random_body(random::Stream& stream) {
-  // Some exceed the limit.
   const std::uint64_t size = one_in(stream, 20) ? below(stream, 15'000) : below(stream, 60);
   std::string body;
   for (std::uint64_t i = 0; i < size; ++i) {
-    // Includes line ends and parts of another request.
     constexpr std::string_view k_signs = "{}\"0123456789\r\n: GETPOST/";
     body += k_signs[below(stream, k_signs.size())];
   }
@@ -51,7 +49,6 @@ inline std::string chunked(const std::string& body, random::Stream& stream) {
   return text + "0\r\n" + (one_in(stream, 8) ? "Host: evil.example\r\n" : "") + "\r\n";
 }
 
-/// Returns header fields that usually let the request pass.
 inline std::string random_fields(bool is_post, random::Stream& stream) {
   constexpr std::array<std::string_view, 8> k_hosts{"localhost:7000",
                                                     "[::1]:7000",
@@ -128,7 +125,6 @@ inline std::string random_request(random::Stream& stream) {
   const bool is_chunked = one_in(stream, 8);
   if (is_chunked != one_in(stream, 20)) text += "Transfer-Encoding: chunked\r\n";
   if (!is_chunked || one_in(stream, 20)) {
-    // Sometimes a wrong length, or none.
     constexpr std::array<std::string_view, 6> k_lengths{"0",    "-1",  "4294967296",
                                                         "0x10", "5,5", "18446744073709551616"};
     text += "Content-Length: ";

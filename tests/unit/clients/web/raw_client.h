@@ -27,7 +27,6 @@ struct Received {
   std::string head{};
   std::string content{};
 
-  /// Returns a field's value as in head_text.
   std::string field(const std::string& name) const {
     const std::size_t at = head.find("\r\n" + name + ": ");
     if (at == std::string::npos) return "";
@@ -57,7 +56,6 @@ class RawClient {
   bool is_connected() const { return is_connected_; }
   int descriptor() const { return socket_.get(); }
 
-  /// Returns false if the other end is closed.
   bool send(std::string_view bytes) {
     while (!bytes.empty()) {
       const ssize_t count = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -127,10 +125,8 @@ class RawClient {
   std::string buffer_;
 };
 
-/// A browser's header fields for a server.
 class Browser {
  public:
-  /// Authorizes itself by the server's link.
   explicit Browser(Server& server) : port_(server.port()) {
     const std::string link = server.new_link();
     const Received received =
@@ -142,7 +138,6 @@ class Browser {
 
   std::string host() const { return "127.0.0.1:" + std::to_string(port_); }
   const std::string& cookie() const { return cookie_; }
-  /// Returns a request's bytes; `more` is lines of its head.
   std::string request(const std::string& method, const std::string& target, const std::string& more,
                       const std::string& body = "") const {
     return method + " " + target + " HTTP/1.1\r\nHost: " + host() + "\r\n" +
@@ -151,7 +146,6 @@ class Browser {
   std::string get(const std::string& target, const std::string& more = "") const {
     return request("GET", target, more);
   }
-  /// Returns the head of a POST without its body.
   std::string post_head(const std::string& target, std::size_t size,
                         const std::string& more = "") const {
     return request("POST", target,

@@ -45,7 +45,6 @@ class Gate {
   int waiting_ = 0;
 };
 
-/// Waits for the condition; returns false after k_wait_s.
 inline bool comes_true(const std::function<bool()>& is_so) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(k_wait_s);
   while (!is_so()) {

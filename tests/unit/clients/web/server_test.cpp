@@ -28,7 +28,6 @@ using testing::RawClient;
 using testing::Received;
 using testing::Served;
 
-/// A page of two files.
 std::shared_ptr<const StaticFiles> small_page(const std::string& name) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(::testing::TempDir()) / (name + std::to_string(::getpid()));
@@ -90,7 +89,6 @@ TEST(Servers, AnswerOneRequestAfterAnotherOnAConnection) {
   EXPECT_EQ(head.field("Content-Length"), "7");
   EXPECT_EQ(client.ask(browser.get("/missing")).status, 404);
   EXPECT_EQ(client.ask(browser.get("/a", "If-None-Match: \"e\"\r\n")).status, 304);
-  // Requests sent at once are answered in order.
   client.send(browser.get("/1") + browser.post("/2", "two") + browser.get("/3"));
   EXPECT_EQ(client.receive().content, "GET /1 ");
   EXPECT_EQ(client.receive().content, "POST /2 two");
@@ -138,7 +136,6 @@ TEST(Servers, AnswerFilesByThemselves) {
   // Other names, and POSTs to a file, reach the handler.
   EXPECT_EQ(client.ask(browser.get("/other.js")).content, "GET /other.js ");
   EXPECT_EQ(client.ask(browser.post("/", "x")).content, "POST / x");
-  // Unauthorized clients get no files either.
   EXPECT_EQ(
       RawClient(served.port()).ask("GET / HTTP/1.1\r\nHost: " + browser.host() + "\r\n\r\n").status,
       403);
@@ -200,7 +197,6 @@ TEST(Servers, StreamEvents) {
   EXPECT_EQ(head.field("Content-Length"), "");
   EXPECT_EQ(first.receive_until("data: 2\n\n"),
             "retry: 1000\n\nevent: gallery\ndata: {\ndata: }\n\nevent: other\ndata: 2\n\n");
-  // Comments keep coming.
   EXPECT_NE(first.receive_until(":\n\n:\n\n").find(":\n\n:\n\n"), std::string::npos);
   RawClient second(served.port());
   second.send(browser.stream());
@@ -232,7 +228,6 @@ TEST(Servers, ComeBackWithTheSamePortAndSecret) {
   RawClient stream(port);
   stream.send(browser.stream());
   stream.receive_until("retry");
-  // An answer in progress is completed.
   RawClient slow(port);
   slow.send(browser.get("/slow"));
   served->gate.wait_for(1);

@@ -63,7 +63,6 @@ TEST(Targets, ParametersStandInOrder) {
   for (const Parameter& parameter : parsed->parameters)
     said += "[" + parameter.name + "|" + parameter.value + "]";
   EXPECT_EQ(said, "[x|1][y|a&b=c][x|2 3+][flag|][|v][z|a=b]");
-  // In a query, dots and slashes are text.
   const auto dots = parse_target("/?p=../..%2f%5c");
   ASSERT_TRUE(dots);
   EXPECT_EQ(dots->parameters.at(0).value, "../../\\");

@@ -63,14 +63,14 @@ DicePrior small_prior() {
           .is_table_random = true};
 }
 
-/// For each animation (x, y, z) of die 0, then of die 1; heights by bin.
+/// Values per animation: (x, y, z) of die 0, then of die 1; heights by bin.
 struct Contents {
   double animations = 2;
   std::vector<double> position_m{1, 7, 7, 3, 7, 7, -1, 7, 7, 5, 7, 7};
   std::vector<double> velocity_mps{7, 7, 7, 7, 7, 0.5, 7, 7, 7, 7, 7, -1};
   std::vector<double> offsets = joined(in_bins(0, 3, 1, 0), in_bins(1, 2, 0, 1));
   std::vector<double> offset_squares{2, 8};
-  /// Whether the archive has a prior, and its changeable parts.
+  /// These fields describe the prior; a test can change them.
   bool has_prior = false;
   double dice = 2;
   std::vector<double> position_mean{1, 7, 7, 1, 7, 7};
@@ -129,7 +129,6 @@ TEST(DicePlausibility, AreScoresAndCosts) {
   EXPECT_DOUBLE_EQ(all.cost.mean, 1.75);
   EXPECT_DOUBLE_EQ(all.cost.error, 3.25);
   EXPECT_DOUBLE_EQ(all.cost.spread, std::sqrt(3.5));
-  // The second chain alone.
   const DicePlausibility second = dice_plausibility(SmallArchive(), small_prior(), 1);
   EXPECT_EQ(second.animations, 1U);
   EXPECT_THAT(second.start[0].scores, ElementsAre(-1, 2));
@@ -206,7 +205,7 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
     ASSERT_EQ(bars.size(), k_offset_bins);
     EXPECT_DOUBLE_EQ(bars[1].low.x, -3);
     EXPECT_DOUBLE_EQ(bars[5].low.x, -1);
-    // From -1 to -1/2, 0.1499 of all in half a unit; beyond 3, 0.0013.
+    // A bar from -1 to -1/2 holds 0.1499 of all in half a unit; 0.0013 are beyond 3.
     EXPECT_NEAR(bars[5].high.y, 0.2998, 0.05);
     EXPECT_NEAR(bars[13].high.y, 0.0027, 0.01);
   }
@@ -270,7 +269,6 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
   EXPECT_EQ(prior.start[2].sd, 0.5);
   EXPECT_FALSE(dice_prior_of(SmallArchive({.has_prior = true, .squares_of_throws = {0, 0}}))
                    .is_table_random);
-  // The archive's picture equals that of the same prior built by hand.
   const pictures::Picture picture =
       Dice().draw("plausibility", SmallArchive({.has_prior = true}), {});
   EXPECT_EQ(picture.words,

@@ -17,7 +17,6 @@ using pictures::all_of;
 using ::testing::ElementsAre;
 using tests::failure_of;
 
-/// Two balls; ten iterations per scan.
 class SmallArchive final : public archive::StoredArchive {
  public:
   explicit SmallArchive(bool has_balls = true)

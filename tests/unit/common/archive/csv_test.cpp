@@ -46,7 +46,6 @@ class Csv : public ::testing::Test {
   MemoryArchive archive_;
 };
 
-// Exporting chosen animations writes exactly their rows.
 TEST_F(Csv, RowsOfSomeAnimations) {
   const auto all = lines_of(archive_, "segments");
   const auto starts =

@@ -96,7 +96,6 @@ plan::ScanRecord satisfied(std::uint64_t key) {
           .state = FakeReader::state_of(key)};
 }
 
-/// Counts how often each state's likeness is computed.
 class CountedLikenesses final : public FakeReader {
  public:
   std::vector<double> likeness(base::BytesView state) const override {

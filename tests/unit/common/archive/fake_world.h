@@ -31,7 +31,6 @@ inline std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Returns a number in [0, 1).
 inline double unit_of(std::uint64_t x) {
   return static_cast<double>(mixed(x) >> 11) * 0x1p-53;
 }
@@ -273,7 +272,6 @@ inline ArchiveOptions options_for(const FakeRunOptions& run) {
           .run_id = "fake run"};
 }
 
-/// Returns a function that writes the run's archive into a sink.
 inline std::function<void(Sink&)> filler(const FakeRunOptions& run) {
   return [run](Sink& sink) { write_archive(FakeRun(run), FakeReader(), options_for(run), sink); };
 }

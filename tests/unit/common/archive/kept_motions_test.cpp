@@ -26,7 +26,6 @@ using testing::filler;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Writes an archive with finds.
 void write(MemoryArchive& archive) {
   FakeRunOptions options;
   options.finds = 5;
@@ -61,7 +60,6 @@ TEST(KeptMotions, ComeBackAsTheyWereWritten) {
   EXPECT_EQ(scene.value().high_m, expected.high_m);
   EXPECT_TRUE(scene.value().has_own_parts && scene.value().has_own_points);
 
-  // The same for draws and for finds.
   for (const std::string_view group : {k_animations, k_finds}) {
     const KeptMotions motions(archive, group);
     const FakeRun run(options);

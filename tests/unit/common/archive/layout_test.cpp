@@ -230,7 +230,6 @@ TEST(Layout, AWarningIsKept) {
   EXPECT_THAT(verify(biased), ::testing::IsEmpty());
 }
 
-/// A run in which simulations failed.
 class FailedRun : public FakeRun {
  public:
   FailedRun(const FakeRunOptions& options, const plan::FailureCounts& failures)
@@ -270,7 +269,6 @@ TEST(Layout, FailuresAreCountedByKindAndOnlyWhereThereAreSome) {
   EXPECT_EQ(std::get<std::int64_t>(count->value), 1);
 }
 
-/// Half of the motions can't be simulated to their end.
 class StuckReader : public FakeReader {
  public:
   Motion play(base::BytesView state) const override {

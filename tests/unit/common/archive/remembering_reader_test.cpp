@@ -18,7 +18,6 @@ namespace {
 
 using namespace testing;
 
-/// Counts simulations; half of the motions fail.
 class CountingReader final : public FakeReader {
  public:
   Motion play(base::BytesView state) const override {

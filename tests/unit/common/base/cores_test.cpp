@@ -13,7 +13,6 @@ namespace {
 
 class Cores : public archive::testing::Scratch {
  protected:
-  /// Writes a file like those of the kernel.
   void say(const std::string& name, const std::string& text) {
     std::filesystem::create_directories(std::filesystem::path(path(name)).parent_path());
     PosixFileSystem files;

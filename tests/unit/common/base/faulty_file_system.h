@@ -43,9 +43,8 @@ struct Fault {
 
 class FaultyFileSystem final : public FileSystem {
  public:
-  /// Starts counting for this fault, from the next call.
+  /// Starts counting calls for this fault.
   void fail(const Fault& fault);
-  /// Number of failed calls since `fail`.
   std::uint64_t failures() const { return failures_; }
 
   bool exists(const std::string& path) const override;

@@ -20,7 +20,6 @@ using ::testing::HasSubstr;
 
 class FileSystemOfPosix : public archive::testing::Scratch {
  protected:
-  /// Returns the message of the base::Error that `act` throws.
   static std::string failure_of(const std::function<void()>& act) {
     try {
       act();

@@ -108,7 +108,6 @@ TEST(Settings, FirstSourceWins) {
       {"HOME", "/people/ada"}, {"SLEIGHT_STATE", "/environment"}, {"SLEIGHT_SOCKET", ""}};
   const Settings s = good(both, file, {{"cores", "3", "--cores"}, {"slice", "20s", "--slice"}});
   EXPECT_EQ(s.state, (Setting<std::string>{"/environment", Origin::environment, "SLEIGHT_STATE"}));
-  // An empty variable counts as not set.
   EXPECT_EQ(s.socket, (Setting<std::string>{"/file/s", Origin::file, "/c/config.toml:2:1"}));
   EXPECT_EQ(s.cores, (Setting<std::uint64_t>{3, Origin::command_line, "--cores"}));
   EXPECT_EQ(s.slice_s.value, 20);

@@ -73,7 +73,6 @@ struct Case {
   std::uint64_t arguments_per_range = k_arguments_per_range;
 };
 
-// Prints a case in failure messages.
 void PrintTo(const Case& c, std::ostream* out) {
   *out << c.name;
 }

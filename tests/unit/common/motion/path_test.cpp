@@ -14,7 +14,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Two bodies; the second enters later.
 std::vector<Segment> two_bodies() {
   return {{.body = 0, .start_s = 1, .position_m = {0, 0, 1}, .velocity_mps = {1, 0, 0}},
           {.body = 0, .start_s = 2, .cause = Cause::hit, .partner = 1, .position_m = {1, 0, 1}},

@@ -32,7 +32,6 @@ Segment any_segment(random::Stream& stream) {
           .angular_acceleration_radps2 = any_vector(stream, 200)};
 }
 
-/// Returns the angle between two rotations.
 double apart_rad(const Quat& a, const Quat& b) {
   const Quat turn = math::composed(a, math::inverse(b));
   return 2 * std::atan2(math::norm(Vec3(turn.x(), turn.y(), turn.z())), std::fabs(turn.w()));
@@ -49,7 +48,7 @@ TEST(Segment, MovesOnAParabola) {
         (2 * k_step_s);
     EXPECT_LT(math::norm(Vec3(rate - velocity_at(segment, t_s))), 1e-8);
     EXPECT_EQ(position_at(segment, segment.start_s), segment.position_m);
-    // Distance between the path and its chord over 0.2 s.
+    // Compare the distance between the path and its chord over 0.2 s.
     const Vec3 middle = 0.5 * (position_at(segment, t_s) + position_at(segment, t_s + 0.2));
     EXPECT_NEAR(math::norm(Vec3(middle - position_at(segment, t_s + 0.1))), bow_m(segment, 0.2),
                 1e-12);
@@ -80,7 +79,6 @@ TEST(Segment, WholeTurnsComeBack) {
   EXPECT_LT(apart_rad(orientation_at(segment, 3), segment.orientation), 1e-12);
   EXPECT_NEAR(apart_rad(orientation_at(segment, 0.25), segment.orientation), std::numbers::pi / 2,
               1e-12);
-  // A resting segment doesn't rotate, whatever its numbers.
   segment.mode = Mode::resting;
   EXPECT_EQ(orientation_at(segment, 0.25).coeffs(), segment.orientation.coeffs());
 }

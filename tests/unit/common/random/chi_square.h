@@ -70,7 +70,6 @@ inline void expect_plausible(double p_value, const std::string& what) {
 /// probability of the interval; the outermost edges are infinite.
 inline double p_value_of_draws(const std::function<double(Stream&)>& draw,
                                const std::function<double(double, double)>& mass) {
-  // The pilot run determines the edges.
   Stream pilot_stream = test_stream(k_pilot_seed);
   std::vector<double> pilot(static_cast<std::size_t>(100 * k_cells));
   for (double& x : pilot)
@@ -80,7 +79,7 @@ inline double p_value_of_draws(const std::function<double(Stream&)>& draw,
   for (std::size_t i = 100; i < pilot.size(); i += 100)
     edges.push_back(pilot[i]);
 
-  // Count the draws: cell i holds edges[i-1] <= x < edges[i].
+  // Cell i holds draws with edges[i-1] <= x < edges[i].
   Stream stream = test_stream();
   std::vector<int> counts(edges.size() + 1);
   for (int i = 0; i < k_draws; ++i) {

@@ -19,7 +19,6 @@ Stream golden_stream() {
                 1000);
 }
 
-// Returns the components of a few draws from one stream.
 template <class D>
 std::vector<double> first_draws(const D& distribution) {
   Stream stream = golden_stream();

@@ -112,7 +112,7 @@ TEST(Stream, depends_on_every_bit_of_every_field) {
 }
 
 TEST(Stream, is_uniform_across_neighbouring_addresses) {
-  // Few draws from each of many streams, as samplers do.
+  // Take few draws from each of many streams, as samplers do.
   const auto judge = [](const char* name, auto stream_at) {
     std::vector<int> high(256);
     std::vector<int> low(256);

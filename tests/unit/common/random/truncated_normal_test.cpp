@@ -138,7 +138,7 @@ TEST(TruncatedNormal, draws_an_exponential_from_the_farthest_tail) {
 TEST(TruncatedNormal, log_densities_are_mpfrs) {
   for (const Bounds& bounds : k_intervals) {
     const TruncatedNormal d{.mean = 0, .sd = 1, .low = bounds.low, .high = bounds.high};
-    // log(mass sqrt(2 pi)), rounded correctly to a double.
+    // This is log(mass sqrt(2 pi)), rounded correctly to a double.
     Number normalizer(0);
     set_mass(normalizer, d.low, d.high);
     Number root(0);

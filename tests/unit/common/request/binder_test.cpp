@@ -80,7 +80,6 @@ TEST(BinderAngle, IsDegreesOutsideAndRadiansInside) {
   EXPECT_EQ(angle, 30 * 0.017453292519943295);
   EXPECT_EQ(bound("[s]\na = 91", bind),
             "f:2:5: 'a' in [s]: expected a number from 0 to 90 degrees, found 91\n");
-  // The number is kept as written, to the last bit.
   EXPECT_EQ(bound("[s]\na = 10.000000000000002", bind), "a = 10.000000000000002\n");
 }
 

@@ -10,7 +10,7 @@
 namespace sleight::request {
 namespace {
 
-/// Computes the distance by its definition, with recursion on both ends.
+/// Computes the distance by its recursive definition.
 std::size_t slow_distance(std::string_view a, std::string_view b) {
   if (a.empty()) return b.size();
   if (b.empty()) return a.size();

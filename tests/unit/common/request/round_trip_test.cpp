@@ -28,7 +28,6 @@ class Generator {
   bool coin() { return below(2) == 0; }
   double unit() { return std::ldexp(static_cast<double>(bits() >> 11), -53); }  // in [0, 1)
 
-  /// Returns a number with few digits, with all digits, or an integer.
   std::string number(double least, double most) {
     const double value = least + (most - least) * unit();
     switch (below(3)) {

@@ -25,7 +25,6 @@ std::vector<std::string> lines_of(const std::vector<Diagnostic>& errors) {
   return lines;
 }
 
-/// Returns the normalised request, or its errors.
 std::string read(const Texts& texts, std::string_view file = k_file) {
   const auto sets = plain_sets(texts);
   std::string told;
@@ -50,7 +49,6 @@ TEST(Sets, AreReadAsIfTheFileHadThem) {
   const std::string seven =
       "[world]\nname = \"toy\"\nballs = 2\n[sampler]\nseed = 7\n[stop]\nscans = 10\n";
   EXPECT_EQ(read({"sampler.seed=7"}), read_file(seven));
-  // A key and a section that the file lacks.
   EXPECT_EQ(read({"sampler.seed=7", "world.surface=wood", "output.thin=3",
                   "constraint.word=\"A B\"", "constraint.lambda=2", "world.spinning=false"}),
             read_file("[world]\nname = \"toy\"\nballs = 2\nsurface = \"wood\"\nspinning = false\n"
@@ -159,12 +157,10 @@ TEST(Ranges, MakeAllCombinations) {
                           "a.b=2 c.d=x e.f=9"));
   EXPECT_THAT(expanded({"a.b=9223372036854775806..9223372036854775807"}),
               ElementsAre("a.b=9223372036854775806", "a.b=9223372036854775807"));
-  // Values of a range are integers, like a file's integers.
   const auto combinations = expand_sets(Texts{"sampler.seed=1..20"});
   ASSERT_TRUE(combinations.ok());
   ASSERT_EQ(combinations.value().size(), 20U);
   EXPECT_EQ(combinations.value()[19][0].value.held, (decltype(Value::held)(std::int64_t{20})));
-  // A quoted range is a string.
   EXPECT_THAT(expanded({"a.b=\"1..2\""}), ElementsAre("a.b=\"1..2\""));
 }
 

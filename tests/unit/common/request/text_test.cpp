@@ -73,7 +73,6 @@ TEST(TomlString, EscapesQuotesAndControls) {
 }
 
 TEST(Degrees, HaveAShortForm) {
-  // Angles are stored in radians and shown in degrees as written.
   EXPECT_EQ(degrees_of_radians(0.17453292519943295), 10);
   EXPECT_EQ(degrees_of_radians(0.087266462599716474), 5);
   EXPECT_EQ(radians_of_degrees(10), 0.17453292519943295);

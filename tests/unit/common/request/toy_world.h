@@ -60,7 +60,6 @@ inline WorldBinding binding(std::string name = "toy") {
   return bind_world<Parameters>(std::move(name), "a world for tests", &bind);
 }
 
-/// Returns the toy world as a world with stages.
 inline WorldBinding staged_binding() {
   WorldBinding staged = binding("staged");
   staged.acts_in_stages = true;
@@ -79,7 +78,6 @@ inline WorldBinding relaxing_binding() {
       });
 }
 
-/// Returns the errors as the command line prints them, one per element; empty for a good request.
 inline std::vector<std::string> errors_of(std::string_view text) {
   const std::array worlds{binding(), binding("toy_2")};
   const auto request = read_request(text, "r.toml", worlds);

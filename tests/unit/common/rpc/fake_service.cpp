@@ -327,7 +327,6 @@ void serve(const std::string& path, Shared& shared, std::size_t file_bytes,
   service.add_file("ball.h5", content_of(file_bytes, 1));
   Loop loop;
   Server server(loop, path, service, {.limits = limits});
-  // Look for news as fast as possible.
   const auto look = loop.call_every(0.0005, [&] {
     FakeJob& job = service.jobs[1];
     const bool is_over = shared.is_over;  // read before the events that it announces
@@ -341,7 +340,6 @@ void serve(const std::string& path, Shared& shared, std::size_t file_bytes,
   loop.run();
 }
 
-/// A request to the nursery to start or end a server.
 struct Ask {
   pid_t kill = 0;            ///< 0: start a server
   char path[PATH_MAX] = {};  ///< of any length; servers shorten it for the system

@@ -36,7 +36,6 @@ events::RunEvent event_of(std::uint64_t number);
 StateChange change_of(std::uint64_t number);
 std::string content_of(std::size_t bytes, std::uint64_t seed);
 
-/// A Source that reads from memory.
 class MemorySource final : public Source {
  public:
   MemorySource(std::string name, std::shared_ptr<const std::string> content, std::string sha256);
@@ -93,7 +92,6 @@ class FakeService final : public Handler {
   void revoke_token(const Caller&, std::string id, Reply<TokenView>) override;
 };
 
-/// A server for a FakeService in its own thread.
 class ServerThread {
  public:
   ServerThread(std::string path, FakeService& service, ServerLimits limits = {}, Audit audit = {});
@@ -101,7 +99,6 @@ class ServerThread {
   ServerThread(const ServerThread&) = delete;
   ServerThread& operator=(const ServerThread&) = delete;
 
-  /// Runs `work` on the loop's thread and waits.
   void on_loop(const std::function<void(Server&)>& work);
   ServerCounts counts();
   std::vector<std::string> complaints();
@@ -135,7 +132,6 @@ class ServerProcess {
 
   pid_t pid() const { return pid_; }
   void kill();
-  /// Peak memory of the process.
   std::size_t peak_bytes() const;
 
  private:
@@ -146,7 +142,6 @@ class ServerProcess {
 /// Creates a Shared in memory that processes share. REQUIRES: the test has no other thread yet.
 std::shared_ptr<Shared> make_shared_memory();
 
-/// A folder for a socket, removed at the end.
 class SocketFolder : public ::testing::Test {
  protected:
   SocketFolder();

@@ -35,7 +35,6 @@ using testing::ServerProcess;
 
 constexpr std::size_t k_megabyte = 1U << 20U;
 
-/// A raw connection.
 class Raw {
  public:
   explicit Raw(const std::string& path) : descriptor_(connect_to(path).value()) {}
@@ -61,7 +60,6 @@ class Raw {
     const auto words = capnp::messageToFlatArray(message);
     return send(words.begin(), words.asBytes().size(), patience_ms);
   }
-  /// Number of bytes that arrived and were not read.
   int unread() const {
     int bytes = 0;
     ::ioctl(descriptor_, FIONREAD, &bytes);
@@ -96,13 +94,11 @@ class HostileTest : public testing::SocketFolder {
             .message_s_max = 0.6};
   }
   std::size_t peak() const { return server_.peak_bytes(); }
-  /// Checks that another client is served.
   void expect_served() {
     Client client(socket(), {.call_s_max = 10});
     EXPECT_EQ(client.info().version, "1.2");
     EXPECT_EQ(client.status({1}).name, "one");
   }
-  /// Checks the memory growth since the test began.
   void expect_bounded(std::size_t bytes_max) {
     testing::expect_grown_less(server_, before_, bytes_max);
   }
@@ -132,7 +128,6 @@ capnp::rpc::Call::Builder call_of_service(capnp::MessageBuilder& message, std::u
   return call;
 }
 
-/// Sends bootstrap and open without waiting for an answer.
 void open(Raw& raw) {
   capnp::MallocMessageBuilder bootstrap;
   ask_for_bootstrap(bootstrap, 0);
@@ -167,7 +162,7 @@ TEST_F(HostileTest, AnyBytes) {
       for (int i = 0; i < 4; ++i)
         bytes[8 + stream.bits() % (bytes.size() - 8)] = static_cast<char>(stream.bits());
     } else {
-      // A plausible size, so that the content is read.
+      // A plausible size makes the server read the content.
       const std::uint32_t head[2] = {0, static_cast<std::uint32_t>((bytes.size() - 8) / 8)};
       std::memcpy(bytes.data(), head, sizeof head);
     }
@@ -209,7 +204,7 @@ TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
 
   Raw many(socket());
   open(many);
-  // Built by hand in words: 1,000 structs whose second pointers share one far text.
+  // These words, built by hand, hold 1,000 structs whose second pointers share one far text.
   capnp::MallocMessageBuilder aliased;
   auto submit = call_of_service(aliased, 2, 0);
   auto submission =
@@ -367,7 +362,6 @@ TEST_F(HostileTest, APeerBringsNoCapabilities) {
   call_of_service(message, 2, 13).getParams().initCapTable(1)[0].setSenderPromise(0);
   brings.send(message);
   EXPECT_TRUE(brings.is_ended());
-  // A call without capabilities keeps its connection.
   Raw plain(socket());
   open(plain);
   capnp::MallocMessageBuilder call;

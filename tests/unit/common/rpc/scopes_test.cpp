@@ -25,7 +25,6 @@ class OneToken final : public Authority {
   Scopes scopes{};
 };
 
-/// Stores the refusal of a watched job.
 class RefusalSink final : public WatchSink {
  public:
   bool changed(JobId, const StateChange&) override { return false; }
@@ -55,7 +54,6 @@ class ScopesTest : public testing::SocketFolder {
             .own_name = access::k_self_name};
   }
 
-  /// Returns the names of the calls that are allowed.
   std::set<std::string> allowed(Client& client) {
     std::set<std::string> names;
     const auto note = [&](std::string_view name, const std::function<void()>& call) {
@@ -92,7 +90,6 @@ class ScopesTest : public testing::SocketFolder {
     note("revoke_token", [&] { client.revoke_token("0123456789"); });
     return names;
   }
-  /// Returns the audit's lines by call.
   std::map<std::string, AuditLine> heard() {
     const std::lock_guard lock(mutex_);
     return heard_;

@@ -27,7 +27,6 @@ namespace {
 using testing::FakeService;
 using testing::ServerThread;
 
-/// Accepts a set of tokens.
 class SetAuthority final : public Authority {
  public:
   base::Result<Caller, Refusal> login(const std::string& token,
@@ -95,7 +94,6 @@ class TlsTest : public testing::SocketFolder {
   ServerThread server_;  // last, so destroyed first
 };
 
-/// Returns whether the other side closes the connection within the time.
 bool is_ended(int descriptor, int patience_ms) {
   char buffer[4096];
   pollfd looked = {.fd = descriptor, .events = POLLIN, .revents = 0};
@@ -169,7 +167,7 @@ TEST_F(TlsTest, ARevokedTokenEndsItsSessions) {
   EXPECT_EQ(client.status({1}).name, "one");
   EXPECT_EQ(server_.counts().connections, 1U);
   authority_.remove(token_);
-  // A call and a connection without calls both end.
+  // A call fails, and a connection without calls ends.
   EXPECT_THROW(client.status({1}), RefusedError);
   EXPECT_TRUE(testing::comes_true([&] { return server_.counts().connections == 0; }));
 }
@@ -242,7 +240,6 @@ TEST_F(TlsTest, TheCertificateIsShownToAnybody) {
   EXPECT_EQ(access::fingerprint_of(shown), access::fingerprint_of(keypair_.certificate));
 }
 
-// The local socket accepts no tokens, and TCP requires one.
 TEST_F(TlsTest, EachWayInHasItsOwnKey) {
   Client here(socket());
   EXPECT_EQ(here.status({1}).name, "one");
@@ -275,7 +272,7 @@ TEST_F(TlsCrowdTest, SlowHandshakesAreEnded) {
   const base::SteadyClock clock;
   const double began_s = clock.now_s();
   bool ended = false;
-  // The beginning of a TLS record, sent a byte at a time.
+  // This TLS record's beginning is sent a byte at a time.
   const unsigned char head[] = {0x16, 0x03, 0x01, 0x02, 0x00, 0x01, 0x00, 0x01, 0xfc, 0x03, 0x03};
   for (std::size_t i = 0; !ended && clock.now_s() - began_s < 10; ++i) {
     const unsigned char byte = i < sizeof head ? head[i] : 0;

@@ -14,7 +14,6 @@ using testing::FakeService;
 using testing::ServerProcess;
 using testing::ServerThread;
 
-/// Checks the order of events.
 class Listener final : public WatchSink {
  public:
   explicit Listener(std::uint64_t first = 1) : next_(first) {}

@@ -74,7 +74,6 @@ TEST_F(DatabaseOf, ErrorsNameTheFileAndWhatToDo) {
   database.execute("CREATE TABLE t(a NOT NULL)");
   Statement insert = database.prepare("INSERT INTO t VALUES(?1)");
   EXPECT_THAT(failure([&] { insert.bind_null(1).run(); }), HasSubstr("NOT NULL"));
-  // The statement can be used again.
   insert.bind(1, std::int64_t{1}).run();
 }
 

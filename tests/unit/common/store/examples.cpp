@@ -115,7 +115,6 @@ std::vector<plan::ScanRecord> draws_of(const StoredRun& run, std::uint32_t chain
 
 void expect_same(const StoredRun& run, RunStore& store, std::uint32_t chain, std::uint64_t scans) {
   SCOPED_TRACE(fmt::format("chain {}, scans {}", chain, scans));
-  // Progress has the right scan and state.
   bool found = false;
   for (const ReplicaProgress& replica : store.progress()) {
     if (replica.replica.chain.value != chain) continue;
@@ -125,7 +124,6 @@ void expect_same(const StoredRun& run, RunStore& store, std::uint32_t chain, std
   }
   EXPECT_EQ(found, scans > 0);
 
-  // A replay visits each scan once, in order.
   std::uint64_t next = 0;
   store.replay({base::ChainId{chain}, base::ReplicaId{0}},
                [&](base::ScanIndex first, std::span<const plan::ScanRecord> records) {
@@ -138,7 +136,6 @@ void expect_same(const StoredRun& run, RunStore& store, std::uint32_t chain, std
                });
   EXPECT_EQ(next, scans);
 
-  // An archive reads every bit.
   const std::vector<plan::ScanRecord> records = draws_of(run, chain);
   ASSERT_EQ(records.size(), scans);
   for (std::uint64_t scan = 0; scan < scans; ++scan) {

@@ -16,7 +16,6 @@ namespace sleight::store::testing {
 /// payloads, infinities and zeros of both signs; a third of the states are empty.
 plan::ScanRecord record_of(std::uint32_t chain, std::uint64_t scan);
 
-/// Returns the state before a scan.
 base::Bytes state_before(std::uint32_t chain, std::uint64_t scan);
 
 /// Returns the result of scans [first, first + scans) of a chain.
@@ -25,7 +24,6 @@ plan::UnitResult result_of(std::uint32_t chain, std::uint64_t first, std::uint32
 /// Returns `result` with every field of every record, and the state, changed.
 plan::UnitResult forged(plan::UnitResult result);
 
-/// Returns whether every bit of every field is equal.
 bool same_bits(const plan::ScanRecord& a, const plan::ScanRecord& b);
 
 RunIdentity example_identity(std::uint32_t chains);
@@ -38,7 +36,7 @@ std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t ch
 void expect_stored(const std::string& folder, RunStore& store, std::uint32_t chain,
                    std::uint64_t scans);
 
-/// The same check for a store that only its writer may read, as on a network disk.
+/// Checks the same for a store that only its writer may read, as on a network disk.
 void expect_stored_of(RunStore& store, std::uint32_t chain, std::uint64_t scans);
 
 /// A scratch folder with an unlocked run folder in it.

@@ -20,9 +20,7 @@ class FaultyDisk {
 
   /// After `calls` more successful calls, makes `times` calls fail with SQLite's `code`.
   void fail_after(std::uint64_t calls, int code, std::uint64_t times = k_for_ever);
-  /// Makes the disk work again.
   void repair();
-  /// Number of failed calls since fail_after.
   std::uint64_t failures() const;
 };
 

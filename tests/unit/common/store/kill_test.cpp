@@ -40,7 +40,6 @@ std::uint64_t below(std::uint64_t count, random::Stream& stream) {
   }
 }
 
-/// Starts a child, kills it after a while and returns its last report.
 std::uint64_t run_and_kill(const std::string& folder, random::Stream stream) {
   int ends[2];
   EXPECT_EQ(::pipe(ends), 0);

@@ -26,7 +26,6 @@ TEST(LeaseProperty, NeverTwoThatMayAct) {
     all.lost += story.lost;
   }
   if (!property::all_cases()) return;
-  // Check that the stories contain the events of interest.
   EXPECT_GT(all.taken, property::of_tier(60, 300));
   EXPECT_GT(all.taken_over, property::of_tier(10, 50));
   EXPECT_GT(all.refused, property::of_tier(60, 300));

@@ -53,7 +53,7 @@ class Baton {
   bool is_here_ = false;
 };
 
-/// Processes of one machine, one after another.
+/// The processes of one machine, one after another.
 struct Contender final : base::Clock {
   explicit Contender(World& all, std::uint32_t id) : world(all), number(id) {}
   double now_s() const override;
@@ -89,7 +89,6 @@ class World {
 
   LeaseStory run();
 
-  // Called by the processes.
   void stand_still(Contender& one, double for_s);
   void pause(Contender& one);
   double uniform() { return stream_.uniform(); }
@@ -150,7 +149,6 @@ double Contender::now_s() const {
   return offset_s + rate * true_s;
 }
 
-/// The disk as one process sees it.
 class SimulatedFiles final : public LeaseFiles {
  public:
   SimulatedFiles(World& world, Contender& one) : world_(world), one_(one) {}
@@ -228,7 +226,7 @@ class SimulatedFiles final : public LeaseFiles {
 std::vector<std::uint64_t> World::list(const Contender& one) {
   const bool knows_own = mistake_ != Mistake::believes_old_lists;
   if (!happens(knows_own ? 0.3 : 0.8)) return names();
-  // Return an older list, but not older than an own change.
+  // Return an older list, but not one older than this process's last change.
   double since_s = now_s - k_old_list_s * uniform();
   if (knows_own) since_s = std::max(since_s, one.own_change_s);
   std::vector<std::uint64_t> old;

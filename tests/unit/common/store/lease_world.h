@@ -30,7 +30,6 @@ struct LeaseStory {
   std::optional<std::string> violation{};  ///< when two processes could both act
 };
 
-/// Simulates some processes on some machines for some minutes.
 LeaseStory simulate_leases(std::uint64_t seed, Mistake mistake = Mistake::none);
 
 }  // namespace sleight::store::testing

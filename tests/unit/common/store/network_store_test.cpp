@@ -55,7 +55,6 @@ std::optional<std::string> conflict_of(const std::function<void()>& act) {
   }
 }
 
-/// A child process, killed by the destructor at the latest.
 class Child {
  public:
   explicit Child(const std::function<void()>& live) : process_(::fork()) {
@@ -79,7 +78,6 @@ class Child {
     signal(SIGKILL);
     (void)end();
   }
-  /// Waits until the process has stopped or ended.
   int wait(int options) {
     int status = 0;
     ::waitpid(process_, &status, options);
@@ -94,7 +92,6 @@ class Child {
   bool has_ended_ = false;
 };
 
-/// A moment in another process that this process can wait for.
 class Moment {
  public:
   Moment() { EXPECT_EQ(::pipe2(ends_, O_CLOEXEC), 0); }
@@ -112,7 +109,6 @@ class Moment {
     EXPECT_EQ(::read(ends_[0], &number, sizeof number), static_cast<ssize_t>(sizeof number));
     return number;
   }
-  /// Returns the newest waiting number.
   std::uint64_t newest() const {
     ::fcntl(ends_[0], F_SETFL, O_NONBLOCK);
     std::uint64_t number = 0;

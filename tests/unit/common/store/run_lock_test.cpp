@@ -27,7 +27,6 @@ std::optional<std::string> conflict_of(const std::string& folder) {
   }
 }
 
-/// Another process that holds the lock until it is killed.
 class Holder {
  public:
   explicit Holder(const std::string& folder) {

@@ -50,7 +50,6 @@ base::Bytes state_of(int number) {
   return writer.take();
 }
 
-/// Returns whether every bit is equal.
 bool same(const archive::Motion& a, const archive::Motion& b) {
   const auto bits = [](const archive::Motion& motion) {
     std::vector<std::uint64_t> all;

@@ -22,7 +22,6 @@ using testing::result_of;
 
 class StoredRunOf : public testing::RunFolder {
  protected:
-  /// Stores one record and reads it back.
   plan::ScanRecord through_store(const plan::ScanRecord& record) const {
     RunStore store(folder(), example_identity(1));
     plan::UnitResult result = result_of(0, 0, 1);

@@ -70,7 +70,6 @@ TEST_F(IndexCache, GivesBackWhatItKept) {
   EXPECT_TRUE(kept_index(path("link.h5")).has_value());
   std::ofstream(path("b.h5")) << "another";
   EXPECT_FALSE(kept_index(path("b.h5")).has_value());
-  // Only the owner can read the file.
   struct stat status {};
   ASSERT_EQ(::stat(kept_file().c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777U, 0600U);
@@ -88,7 +87,6 @@ TEST_F(IndexCache, KeepsOutlinesOfOneStateOfTheFile) {
   ASSERT_TRUE(kept.has_value());
   EXPECT_EQ(kept->index.entries.size(), 4U);
   EXPECT_EQ(kept->groups.groups[0].members.size(), 4U);
-  // The outline is stored beside the index.
   EXPECT_FALSE(kept_index(archive_).has_value());
   FileState later = now;
   ++later.modified_ns;

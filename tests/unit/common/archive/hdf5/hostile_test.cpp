@@ -52,7 +52,6 @@ class Hostile : public archive::testing::Scratch {
     }
   }
 
-  /// Adds a dataset of doubles to /posterior.
   static void add_dataset(hid_t file, hid_t type, std::vector<hsize_t> dims, hid_t list) {
     const hid_t space = dims.empty()
                             ? H5Screate(H5S_SCALAR)
@@ -187,7 +186,7 @@ void overwrite_root_text(hid_t file, const char* name, const std::string& text) 
 }
 
 TEST_F(Hostile, Texts) {
-  // An invalid UTF-8 byte, and the start of a terminal's escape sequence.
+  // The first byte is invalid UTF-8; the second starts a terminal's escape sequence.
   for (const char* text : {"a\xFF", "a\x1B"}) {
     expect_refused(changed([&](hid_t id) { overwrite_root_text(id, "world", text); }), "/",
                    "world contains control characters");

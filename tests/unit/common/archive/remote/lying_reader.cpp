@@ -57,7 +57,6 @@ void say_zeros(const AnswerHead& head, std::size_t bytes) {
   remote::Question question;
   while (hear(question)) {
   }
-  // The calling program closed the pipe.
   ::_exit(0);
 }
 

@@ -91,7 +91,6 @@ TEST(Messages, ChangedContentsAreJudgedWithoutHarm) {
   }
 }
 
-/// Returns the fault found in contents that `change` has changed.
 std::string fault_after(const std::function<void(std::vector<Group>&)>& change) {
   std::vector<Group> groups = sample();
   change(groups);

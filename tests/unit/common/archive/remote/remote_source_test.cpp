@@ -94,7 +94,6 @@ TEST_F(Remote, ReadsAllThatTheFileHolds) {
   const auto source = open_remote_by(k_reader, write("a.h5", 2));
   EXPECT_EQ(digest(*source), digest_);
   EXPECT_TRUE(verify(*source).empty());
-  // Reads may go backwards and may be empty.
   EXPECT_EQ(count_of(view_of(source->read(k_posterior, "draw", 0, 0))), 0U);
   EXPECT_EQ(std::get<std::vector<std::int64_t>>(source->read(k_posterior, "draw", 2, 2)),
             (std::vector<std::int64_t>{20, 30}));
@@ -129,7 +128,6 @@ TEST_F(Remote, SeveralArchivesFromSeveralThreads) {
   std::vector<std::thread> threads;
   for (std::uint32_t i = 0; i < k_threads; ++i) {
     threads.emplace_back([&, i] {
-      // Each thread has two open at once while other threads open and close theirs.
       const auto mine = open_remote_by(k_reader, files[i]);
       const auto next = open_remote_by(k_reader, files[(i + 1) % k_threads]);
       equal[i] = static_cast<int>(digest(*mine) == digests[i]) +
@@ -180,7 +178,7 @@ TEST_F(Remote, AReaderThatEndsOrHangsIsNamed) {
               HasSubstr("more than 1 s of processor time"));
   EXPECT_THAT(why_not_read("late", "draw", {.timeout_s = 2}), HasSubstr("more than 2 s"));
 #ifndef SLEIGHT_SANITIZED
-  // Sanitizers handle these faults themselves.
+  // Sanitizers handle crashes themselves.
   EXPECT_THAT(why_refused("crash"), HasSubstr("crashed (Illegal instruction)"));
   EXPECT_THAT(why_not_read("crash_later"), HasSubstr("crashed (Illegal instruction)"));
   EXPECT_THAT(why_refused("bomb", {.address_space_bytes = std::uint64_t{256} << 20}),
@@ -256,7 +254,6 @@ TEST_F(Remote, WhatReadingDoesntNeedIsForbidden) {
   for (const char* word : {"socket", "write", "fork", "kill", "exec"})
     EXPECT_THAT(why_refused(word), HasSubstr("forbidden system call")) << word;
   EXPECT_FALSE(std::filesystem::exists("/tmp/sleight-lying-reader"));
-  // The same reader works if it tries nothing forbidden.
   EXPECT_EQ(
       count_of(view_of(open_remote_by(k_liar, telling("honest"))->read(k_posterior, "draw", 0, 4))),
       4U);

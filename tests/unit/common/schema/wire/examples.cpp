@@ -64,7 +64,6 @@ bool same(const plan::Block& a, const plan::Block& b) {
          x.scans_max == y.scans_max;
 }
 
-/// Compares two messages of one kind.
 struct Same {
   bool operator()(const Hello& a, const Hello& b) const {
     return a.results_version == b.results_version && a.identity == b.identity &&
@@ -272,7 +271,6 @@ Assignment example_assignment(std::uint32_t members) {
     unit.replica.replica = base::ReplicaId{i};
     unit.starts = i % 3 == 2;
     assignment.block.members.push_back(unit);
-    // Missing, empty and non-empty states in turn.
     plan::GivenState& state = assignment.states.emplace_back();
     if (i % 3 > 0) state = base::Bytes(i % 3 - 1, std::byte{9});
     part.inverse_temperatures.push_back(0.1 * i);

@@ -25,7 +25,6 @@ Assignment example_assignment(std::uint32_t members);
 /// Returns messages of every kind and shape, including empty and large ones.
 std::vector<Message> examples();
 
-/// Returns whether kind and every bit of every field are equal.
 bool same_bits(const Message& a, const Message& b);
 
 }  // namespace sleight::schema::wire::testing

@@ -123,7 +123,6 @@ TEST(HostileMessages, AreRefusedOrWellFormed) {
     if (::testing::Test::HasFailure()) return;
   }
   if (!property::all_cases()) return;
-  // Check that both outcomes occurred.
   EXPECT_GT(accepted, inputs() / 100);
   EXPECT_LT(accepted, inputs() - inputs() / 100);
 }

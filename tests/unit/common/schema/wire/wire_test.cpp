@@ -95,7 +95,6 @@ TEST(Messages, EncodingIsAFunctionOfTheMessage) {
     EXPECT_EQ(encode(message), encode(message));
 }
 
-/// Returns why decoding refuses the message; empty if it accepts.
 std::string refusal(const Message& message) {
   const auto back = decode(encode(message));
   return back.ok() ? "" : back.error();
