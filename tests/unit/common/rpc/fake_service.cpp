@@ -257,9 +257,6 @@ void FakeService::revoke_token(const Caller&, std::string id, Reply<TokenView> r
   reply.answer(token->second);
 }
 
-// ------------------------------------------------------------------------------------------
-// servers
-
 ServerThread::ServerThread(std::string path, FakeService& service, ServerLimits limits,
                            Audit audit) {
   std::mutex mutex;
