@@ -1,6 +1,6 @@
-"""Goal: a bug is reported with what repeats it: the command line, the request and its seed, and of a
-job the rank. Method: real runs of the programs in which a CHECK fails since a library's function is
-replaced (failing_calls.cpp), and one whose threads can't be made."""
+"""Goal: a bug report has everything to repeat the bug: the command line, the request with its
+seed, and a job's rank. Method: run the programs with a replaced library function
+(failing_calls.cpp), so that a CHECK fails; run one that can't create threads."""
 
 import pathlib
 import re
@@ -30,11 +30,11 @@ class BugReport(ProgramTest):
         self.assertTrue(lines[2].startswith(self.request_line(request)), lines)
         self.assertEqual(len(lines), 3, lines)
 
-        # What is printed does repeat it: the run goes on from its store to the same place.
+        # The printed command repeats the bug: the run resumes from its store and fails again.
         again = harness.run(["sh", "-c", "exec " + lines[1].removeprefix("to repeat: ")],
                             env=self.failing_calls())
         self.assertEqual(again.stderr, result.stderr)
-        # The seed is the one that the run had, not the request's.
+        # The seed is the run's seed, not the request's.
         command[command.index(self.path("a.h5"))] = self.path("b.h5")
         result = harness.run([*command, "--seed", "77"], env=self.failing_calls())
         self.assertIn("seed 77, version", result.stderr)
@@ -44,7 +44,7 @@ class BugReport(ProgramTest):
         command = [harness.program("sleight"), "direct", request, "-o", self.path("a.h5"), "-q"]
         result = harness.run(command, env={**self.failing_calls(), "FAILING_THREADS": "1"})
         self.assertEqual(result.returncode, 1, result.stderr)
-        # The log of events wants a thread too, and says before that it has none.
+        # The event log also needs a thread and first reports that it has none.
         lines = [line for line in result.stderr.splitlines()
                  if not line.startswith("sleight: warning: ")]
         self.assertRegex(lines[0], "^sleight: unexpected error: .")
@@ -63,7 +63,7 @@ class BugReport(ProgramTest):
         self.assertEqual(len(re.findall("to repeat: ", result.stderr)), 1, result.stderr)
 
     def test_other_failures_are_no_bugs(self):
-        """What a person can mend is said without it."""
+        """A failure that the user can fix prints no bug report."""
         result = harness.sleight("direct", self.path("none.toml"), "-o", self.path("a.h5"))
         self.assertEqual(result.returncode, 5)
         self.assertNotIn("to repeat: ", result.stderr)

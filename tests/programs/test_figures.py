@@ -1,11 +1,10 @@
 #!/usr/bin/python3
-"""Goal: deploy/figures makes the documents' pictures again as they are there, each by its name, says
-where they come from, and says plainly what it can't do.
+"""Goal: deploy/figures remakes each of the documents' pictures by name, with its source, and
+reports errors plainly.
 
-Method: pictures of requests that take a second are made into a temporary folder and compared with the
-committed ones, metadata aside; a table of a made-up program is put into a copy of the documents; its
-list is compared with the documents; wrong calls.
-"""
+Method: make pictures of requests that take a second in a temporary folder and compare them with
+the committed ones, except for metadata; put a made-up program's table into a copy of the
+documents; compare the list of figures with the documents; make wrong calls."""
 
 import pathlib
 import re
@@ -25,7 +24,7 @@ def root():
 
 
 def listed():
-    """Names with the place of each."""
+    """Returns names with the place of each."""
     lines = [line.split() for line in figures("--list").stdout.splitlines()]
     return {line[0]: line[-1] for line in lines}
 

@@ -1,6 +1,6 @@
-"""Goal: the commands of docs/OPERATING.md work as printed. Method: run every block marked `sh`, in order, in one shell.
-The names of machine, port, group and folders are replaced by this test's own. After each start of a daemon, wait until
-it answers."""
+"""Goal: the commands of docs/OPERATING.md work as printed. Method: run every block marked `sh`, in order,
+in one shell, with the names of machine, port, group and folders replaced by the test's. After each start
+of a daemon, wait until it answers."""
 
 import pathlib
 import re
@@ -53,7 +53,7 @@ class OperatorsPage(ServiceTest):
         result = subprocess.run(["bash"], input=self.script(), text=True, cwd=self.folder, env=environment,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=100)
         self.assertEqual(result.returncode, 0, result.stdout)
-        # The commands had their effects.
+        # Check that the commands had their effects.
         self.assertRegex(self.succeed(harness.sleight("archive", "info", self.path("ball.h5"))).stdout, "ball_2d")
         self.assertRegex(result.stdout, r"limits\.states +4096 +file")
         self.assertRegex(result.stdout, r"slurm\.partition +batch +file")
