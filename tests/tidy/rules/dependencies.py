@@ -1,8 +1,7 @@
 """Dependency directions: links obey the law, includes follow the links, no cycles.
 
 common links only common; worker, service and clients link common and themselves; physics and
-sampling do not know each other. Only a program's main*.cpp may join sides.
-"""
+sampling don't depend on each other. Only a program's main*.cpp may join sides."""
 
 from .cmake import SIDES, Project
 from .tree import Finding, includes, is_cpp
