@@ -183,14 +183,14 @@ class Failures(ProgramTest):
         text = without_checksum(whole)
         for name, bad, expected in [
                 ("changed", whole.replace("\nscan = ", "\nscan = 1"),
-                 "the file has changed since it was written"),
+                 r"bad\.toml:\d+:\d+: .*changed"),
                 ("short state", re.sub(r'state = "\w+"', 'state = "00"', text),
-                 "'state' is not a valid state of world 'ball_2d'"),
+                 r"'state' .*'ball_2d'"),
                 ("world", text.replace('name = "ball_2d"', 'name = "marbles"'), "marbles")]:
             with self.subTest(name):
                 result = harness.sleight("replay", self.request(bad, "bad.toml"))
                 self.assertEqual(result.returncode, 3, result.stderr)
-                self.assertIn(expected, result.stderr)
+                self.assertRegex(result.stderr, expected)
         self.assertEqual(harness.sleight("replay", self.path("none.toml")).returncode, 5)
 
     def test_strict_ends_the_run(self):

@@ -206,12 +206,12 @@ class Names(TlsServiceTest):
         self.serve_over_tls()
         dear = self.ask("submit", self.write_request(chains=65536))
         self.refused({5}, dear)
-        self.assertIn("65,536 chains = 65,536 states, and a job of this service has at most 16,384 states", dear.stderr)
+        self.assertRegex(dear.stderr, r"65,536 chains = 65,536 states.*\b16,384 states")
         self.assertIn("limits.states", dear.stderr)
         long = self.ask("submit", self.write_request(chains=1000, scans=1_000_000_000, iterations_per_scan=1000))
         self.refused({5}, long)
-        self.assertIn("1,000 chains x 1,000 iterations of a scan x 1,000,000,000 scans = "
-                      "1,000,000,000,000,000 simulations", long.stderr)
+        self.assertRegex(long.stderr, r"\b1,000 chains x 1,000 .* x 1,000,000,000 scans = "
+                                      r"1,000,000,000,000,000 simulations")
         self.assertIn("limits.simulations", long.stderr)
         # One too expensive request of a group refuses all.
         group = self.ask("submit", self.write_request(chains=4), "--set", "sampler.chains={4,65536}")

@@ -261,15 +261,15 @@ class Search(ProgramTest):
         self.assertIn("tour_scans = 16\n", anew)
         self.assertIn("[stop]\nindependent_solutions = 2\nfound = 2\n", anew)
         for arguments, complaint in [
-                ([], "REQUEST.toml or --word WORD is required"),
-                (["--word", "HI"], "-o OUTPUT.h5 is required"),
-                (["--word", "HI", "x.toml", "-o", "x.h5"], "request excludes --word"),
-                (["--word", b"A\xff", "-o", "x.h5"], "--word: expected UTF-8 text"),
-                (["--word", "HI", "-n", "0", "-o", "x.h5"], "--number: expected a number from 1 to 1000000"),
-                (["--word", "HI", "-n", "1e3", "-o", "x.h5"], "found '1e3'")]:
+                ([], r"REQUEST\.toml .*--word WORD .*required"),
+                (["--word", "HI"], r"-o OUTPUT\.h5 .*required"),
+                (["--word", "HI", "x.toml", "-o", "x.h5"], "request .*--word"),
+                (["--word", b"A\xff", "-o", "x.h5"], "--word: .*UTF-8"),
+                (["--word", "HI", "-n", "0", "-o", "x.h5"], r"--number: .*\b1 .*\b1000000\b"),
+                (["--word", "HI", "-n", "1e3", "-o", "x.h5"], "--number: .*'1e3'")]:
             result = sleight("direct", *map(os.fsdecode, arguments))
             self.assertEqual(result.returncode, 2, result.stderr)
-            self.assertIn(complaint, result.stderr)
+            self.assertRegex(result.stderr, complaint)
 
     def test_takes_end(self):
         """Finds exist at once, then takes replace them, with labels. A signal ends the run at once, and an
@@ -277,7 +277,7 @@ class Search(ProgramTest):
         output = self.path("hi.h5")
         run = ["direct", "--word", "HI", "-n", "3", "-o", output]
         whole = self.succeed(sleight(*run))
-        self.assertIn("3 takes (finds of a search, each relaxed by 114 scans)", whole.stdout)
+        self.assertRegex(whole.stdout, r"\b3 takes .*\b114 scans")
         self.succeed(sleight("archive", "verify", output))
         numbers = self.info(output)
         self.assertIn("relaxed from a search: ", numbers["warning"])

@@ -3,6 +3,7 @@ helpful as errors in a file. Method: check the programs' output and exit codes. 
 by --set must be equal."""
 
 import json
+import re
 
 import harness
 from harness import ProgramTest, program, run, sleight
@@ -39,26 +40,22 @@ class Sets(ProgramTest):
         request = self.write_request()
         output = self.path("x.h5")
         for command in (["check", request], ["direct", request, "-o", output]):
-            self.assertEqual(
-                self.errors(*command, "--set", "sampler.sed=1"),
-                "--set sampler.sed=1: unknown key 'sed' in [sampler]; did you mean 'seed'?\n")
-            self.assertEqual(
-                self.errors(*command, "--set", "sampler.seed=1..20"),
-                "--set sampler.seed=1..20: expected one value, found a range; only `sleight "
-                "submit` accepts ranges\n")
+            self.assertRegex(self.errors(*command, "--set", "sampler.sed=1"),
+                             r"^--set sampler\.sed=1: .*'sed' in \[sampler\].*'seed'.*\n\Z")
+            self.assertRegex(self.errors(*command, "--set", "sampler.seed=1..20"),
+                             r"^--set sampler\.seed=1\.\.20: .*range.*`sleight submit`.*\n\Z")
         self.assertFalse(output.exists())
         direct = ["direct", request, "-o", output]
-        self.assertEqual(self.errors(*direct, "--seed", "2", "--set", "sampler.seed=1"),
-                         "--set sampler.seed=1: conflicts with --seed; remove one of them\n")
-        self.assertEqual(self.errors(*direct, "-n", "2", "--set", "stop.scans=9"),
-                         "--set stop.scans=9: conflicts with -n 2; remove one of them\n")
-        self.assertEqual(self.errors("direct", "--word", "HI", "--print-request", "--set",
+        self.assertRegex(self.errors(*direct, "--seed", "2", "--set", "sampler.seed=1"),
+                         r"^--set sampler\.seed=1: .*--seed\b.*\n\Z")
+        self.assertRegex(self.errors(*direct, "-n", "2", "--set", "stop.scans=9"),
+                         r"^--set stop\.scans=9: .*-n 2\b.*\n\Z")
+        self.assertRegex(self.errors("direct", "--word", "HI", "--print-request", "--set",
                                      "world.word=HO"),
-                         "--set world.word=HO: conflicts with --word; remove one of them\n")
+                         r"^--set world\.word=HO: .*--word\b.*\n\Z")
         result = run([program("sleight-batch"), request, "-o", output, "--set", "samplr.seed=1"])
         self.assertEqual(result.returncode, 3)
-        self.assertEqual(result.stderr, "--set samplr.seed=1: unknown section [samplr]; did you mean "
-                                        "[sampler]?\n")
+        self.assertRegex(result.stderr, r"^--set samplr\.seed=1: .*\[samplr\].*\[sampler\].*\n\Z")
 
 
 class Config(ProgramTest):
@@ -97,7 +94,7 @@ class Config(ProgramTest):
         self.assertEqual(result.returncode, 2)
         self.assertEqual(result.stdout, "")
         self.assertIn("SLEIGHT_STATE: expected an absolute path", result.stderr)
-        self.assertIn(f"{path}:1:1: unknown key 'cors'; did you mean 'cores'?", result.stderr)
+        self.assertRegex(result.stderr, rf"(?m)^{re.escape(str(path))}:1:1: .*'cors'.*'cores'")
 
 
 if __name__ == "__main__":

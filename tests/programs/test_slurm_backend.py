@@ -310,7 +310,7 @@ class Service(ServiceTest):
         self.until_computing(job)
         self.slurm.call("scancel", "1", check=True)
         words = self.until_state(job, "held")
-        self.assertIn("cancelled in the batch system. Slurm job 1: CANCELLED", words)
+        self.assertRegex(words, r"cancelled.*Slurm job 1: CANCELLED")
         self.assertIn(f"`sleight resume {job}`", words)
         time.sleep(15)
         self.assertEqual(self.job(job)["state"], "held")
@@ -322,7 +322,7 @@ class Service(ServiceTest):
         self.until_computing(job)
         self.slurm.submit("--ntasks=4", "--nodes=2", "--exclusive", "--partition=urgent", "--output=/dev/null",
                           "--wrap=sleep 5")
-        self.until(lambda: "The batch system took the job's cores. Slurm job 1: PREEMPTED" in self.reasons(job), 60)
+        self.until(lambda: "Slurm job 1: PREEMPTED" in self.reasons(job), 60)
         self.until_state(job, "done", 20 * RUN_S)
         self.assertEqual((self.job(job)["starts"], self.job(job)["digest"]), (2, self.whole[1]))
 
@@ -333,7 +333,7 @@ class Service(ServiceTest):
         self.slurm.kill("other")
         self.slurm.kill_steps()
         os.kill(keeper, signal.SIGKILL)
-        self.until(lambda: "The batch system took the job's cores" in self.reasons(job), 180)
+        self.until(lambda: "took the job's cores" in self.reasons(job), 180)
         self.slurm.start("other", "slurmd", "-D", "-N", "other")
         self.check_done(job, 2)
 

@@ -105,7 +105,7 @@ TEST(ScalarDraws, OtherShapesAreRefused) {
   const auto refused = [&](const Quantity& quantity, const DrawRange& range) {
     return tests::failure_of(
         [&] { for_each_scalar(source, quantity, 1, range, [](auto, auto&) {}); },
-        "expected one number per chain and draw");
+        "/posterior/|one number|chain|draw");
   };
   const Quantity right{.group = archive::k_posterior, .name = "x"};
   EXPECT_EQ(refused({.group = archive::k_posterior, .name = "y"}, {.chains = 2, .count = 1}),

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "tests/support/facts.h"
 #include "tests/support/numbers.h"
 
 namespace sleight::analysis {
@@ -78,19 +79,20 @@ std::string words(double throws, double low = k_nan, double high = k_nan) {
 }
 
 TEST(ThrowOdds, InWords) {
-  EXPECT_EQ(words(3.21e6, 2.1e6, 4.9e6), "one throw in 3.2 million (2.1 to 4.9 million)");
-  EXPECT_EQ(words(1.5e6, 4e5, 4e6), "one throw in 1.5 million (400,000 to 4.0 million)");
-  EXPECT_EQ(words(1.2e13, 1e12, 1e14), "one throw in 1.2e13 (1.0e12 to 1.0e14)");
-  EXPECT_EQ(words(119.6, 116.1, 123.2), "one throw in 120 (116 to 123)");
-  EXPECT_EQ(words(119.64, 119.52, 119.71), "one throw in 119.6 (119.5 to 119.7)");
-  EXPECT_EQ(words(12345), "one throw in 12,000 (error unknown)");
-  EXPECT_EQ(words(1), "one throw in 1.0 (error unknown)");
-  EXPECT_EQ(words(2.44e9), "one throw in 2.4 billion (error unknown)");
-  EXPECT_EQ(words(2.44e10), "one throw in 24 billion (error unknown)");
-  EXPECT_EQ(words(999'999), "one throw in 1.0 million (error unknown)");
-  EXPECT_EQ(words(999.9), "one throw in 1,000 (error unknown)");
-  EXPECT_EQ(words(9.99), "one throw in 10 (error unknown)");
-  EXPECT_EQ(in_words({400.3, k_nan, k_nan}), "one throw in 2.0e400 (error unknown)");
+  EXPECT_THAT(words(3.21e6, 2.1e6, 4.9e6),
+              tests::HasFacts("one throw|3.2 million|2.1|4.9 million"));
+  EXPECT_THAT(words(1.5e6, 4e5, 4e6), tests::HasFacts("one throw|1.5 million|400,000|4.0 million"));
+  EXPECT_THAT(words(1.2e13, 1e12, 1e14), tests::HasFacts("one throw|1.2e13|1.0e12|1.0e14"));
+  EXPECT_THAT(words(119.6, 116.1, 123.2), tests::HasFacts("one throw|120|116|123"));
+  EXPECT_THAT(words(119.64, 119.52, 119.71), tests::HasFacts("one throw|119.6|119.5|119.7"));
+  EXPECT_THAT(words(12345), tests::HasFacts("one throw|12,000|unknown"));
+  EXPECT_THAT(words(1), tests::HasFacts("one throw|1.0|unknown"));
+  EXPECT_THAT(words(2.44e9), tests::HasFacts("one throw|2.4 billion|unknown"));
+  EXPECT_THAT(words(2.44e10), tests::HasFacts("one throw|24 billion|unknown"));
+  EXPECT_THAT(words(999'999), tests::HasFacts("one throw|1.0 million|unknown"));
+  EXPECT_THAT(words(999.9), tests::HasFacts("one throw|1,000|unknown"));
+  EXPECT_THAT(words(9.99), tests::HasFacts("one throw|10|unknown"));
+  EXPECT_THAT(in_words({400.3, k_nan, k_nan}), tests::HasFacts("one throw|2.0e400|unknown"));
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "common/base/file_system.h"
 #include "common/json/value.h"
 #include "scripted_service.h"
+#include "tests/support/facts.h"
 
 namespace sleight::cli {
 namespace {
@@ -119,10 +120,7 @@ TEST_F(JobCommands, ListShowsPagesAndFilters) {
   EXPECT_TRUE(asks[0].oldest_first);
   EXPECT_EQ(asks[1].cursor, "second");
   const std::string page = out([&] { return list_jobs(socket_, {.count = 2}); });
-  EXPECT_NE(
-      page.find("2 of 4 jobs; to list all, add --all; to list the next page, add --after 'second'"),
-      std::string::npos)
-      << page;
+  EXPECT_THAT(page, tests::HasFacts("2 of 4|--all|--after 'second'"));
   const Json json =
       Json::parse(out([&] { return list_jobs(socket_, {.count = 2, .json = true}); }));
   EXPECT_EQ(json["jobs"].size(), 2U);

@@ -17,6 +17,7 @@
 #include "common/base/error.h"
 #include "tests/archive/memory_archive.h"
 #include "tests/archive/small_archive.h"
+#include "tests/support/facts.h"
 #include "tests/support/refusals.h"
 #include "tests/unit/clients/pictures/panel_series.h"
 #include "tests/unit/common/archive/fake_world.h"
@@ -116,8 +117,7 @@ TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
   const plot::Figure figure = animation_figure("dice", dice_scene(), {throw_of()}, false);
   ASSERT_EQ(figure.panels.size(), 1U);
   const plot::Panel& panel = figure.panels.front();
-  EXPECT_THAT(panel.title, HasSubstr("chain 1, scan 3; up: 6, 3; 3.0 mm from the place, at rest "
-                                     "after 0.50 s"));
+  EXPECT_THAT(panel.title, tests::HasFacts("chain 1, scan 3|6, 3|3.0 mm|0.50 s"));
   EXPECT_EQ(all_of<plot::Polygon>(panel).size(), 2U + 6 + 3);
   const auto squares = squares_of(panel);
   ASSERT_EQ(squares.size(), 2U);

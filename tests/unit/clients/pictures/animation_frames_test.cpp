@@ -220,15 +220,13 @@ TEST_F(Frames, AreCounted) {
   EXPECT_EQ(frame_count(motion::Animation(), 24), 1U);
   for (const double fps : {0.0, -1.0, std::nan(""), 1e9}) {
     EXPECT_EQ(tests::failure_of([&] { (void)frame_count(animation.motion, fps); },
-                                "expected more than 0 and at most 1000"),
+                                "more than 0|at most 1000"),
               base::ExitCode::usage);
   }
   const auto week = motion::Animation::of(
       std::vector<motion::Segment>{{.start_s = 7 * 86400.0, .mode = motion::Mode::resting}}, 1);
-  EXPECT_EQ(
-      tests::failure_of([&] { (void)frame_count(week.value(), 24); },
-                        "604800 s at 24 frames per second exceed the maximum of 100000 frames"),
-      base::ExitCode::usage);
+  EXPECT_EQ(tests::failure_of([&] { (void)frame_count(week.value(), 24); }, "604800 s|24|100000"),
+            base::ExitCode::usage);
 }
 
 TEST_F(Frames, AreWrittenAsPngFiles) {
@@ -261,7 +259,7 @@ TEST_F(Frames, NothingOfOthersIsOverwritten) {
   fs::create_directory(folder);
   std::ofstream(folder / "frame-0001.png") << "dear";
   EXPECT_EQ(tests::failure_of([&] { write_png_frames(scene, animation, folder.string(), {}); },
-                              "mine: already exists; name a new or empty folder"),
+                              "mine: |exists"),
             base::ExitCode::usage);
   EXPECT_EQ(text_of(folder / "frame-0001.png"), "dear");
   const auto stopped = [](std::size_t done, std::size_t) {
@@ -317,8 +315,7 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
     EXPECT_FALSE(fs::exists(output));
   };
   refused(path_with_ffmpeg("seq 1 20 >&2; printf 'no \\033[2Jcodec\\n' >&2; exit 1\n"),
-          "ffmpeg could not encode the video:\n  16\n  17\n  18\n  19\n  20\n  no \xEF\xBF\xBD["
-          "2Jcodec");
+          "ffmpeg|:\n  16\n  17\n  18\n  19\n  20\n  no \xEF\xBF\xBD[2Jcodec");
   refused(path_with_ffmpeg("cat > /dev/null; echo 'disk full' >&2; exit 3\n"),
           "video:\n  disk full");
   refused(path_with_ffmpeg("cat > /dev/null; kill -9 $$\n"), "printed no reason");
@@ -330,7 +327,7 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
             "is the disk full?");
   }
   fs::create_directory(path("none"));
-  refused(path("none"), "ffmpeg, which encodes videos, is not installed");
+  refused(path("none"), "ffmpeg|not installed");
   EXPECT_THAT(names_in(fs::path(output).parent_path()), ElementsAre("bin", "none"));
 }
 
@@ -356,7 +353,7 @@ TEST_F(Frames, TheWholeMotionIsAnSvg) {
   write_motion_svg("balls", scene, animation, output);
   EXPECT_EQ(text_of(output), plot::to_svg(animation_figure("balls", scene, {animation})));
   EXPECT_EQ(tests::failure_of([&] { write_motion_svg("balls", scene, animation, "throw.png"); },
-                              "throw.png: expected a file name that ends in .svg"),
+                              "throw.png: |.svg"),
             base::ExitCode::usage);
 }
 

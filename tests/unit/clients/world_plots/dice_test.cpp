@@ -282,9 +282,8 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
               base::ExitCode::bad_archive);
   };
   refused({.has_prior = true, .position_mean = {k_nan, 7, 7, 1, 7, 7}},
-          "start_position_m_prior_mean: values are impossible for a throw");
-  refused({.has_prior = true, .dice = 1e6},
-          "expected three numbers for each die, and at most 1000 dice");
+          "start_position_m_prior_mean: |impossible");
+  refused({.has_prior = true, .dice = 1e6}, "three numbers|1000 dice");
   EXPECT_EQ(
       failure_of([] { dice_prior_of(SmallArchive({.has_prior = true, .squares_of_throws = {}})); },
                  "has 0"),

@@ -50,7 +50,7 @@ TEST(SpellingTrace, CountsIterations) {
       failure_of([&] { spelling.draw(pictures::k_trace, source, {.chain = 2}); }, "no chain 2"),
       base::ExitCode::usage);
   EXPECT_EQ(failure_of([&] { spelling.draw(pictures::k_trace, SmallArchive(false), {}); },
-                       "/posterior/active: expected one number per chain, draw and ball"),
+                       "/posterior/active: |chain|draw|ball"),
             base::ExitCode::bad_archive);
 }
 

@@ -79,7 +79,7 @@ TEST_F(CheckDeathTest, PrintsExceptionsThatNobodyCatches) {
     std::thread([&] { throw exception; }).join();
   };
   EXPECT_DEATH(throw_in_thread(std::runtime_error("too much")), "terminated: too much\nseed 7\n");
-  EXPECT_DEATH(throw_in_thread(3), "terminated: an exception of an unknown type\nseed 7\n");
+  EXPECT_DEATH(throw_in_thread(3), "terminated: [^\n]*unknown type\nseed 7\n");
   EXPECT_EXIT(throw_in_thread(3), ::testing::KilledBySignal(SIGABRT), "");
   EXPECT_EXIT(throw_in_thread(std::bad_alloc()), ::testing::ExitedWithCode(5),
               "^too little memory[^\n]*\n$");

@@ -12,6 +12,7 @@
 #include <map>
 
 #include "common/base/error.h"
+#include "tests/support/facts.h"
 
 namespace sleight::config {
 namespace {
@@ -115,49 +116,39 @@ TEST(Settings, FirstSourceWins) {
 }
 
 TEST(Settings, ErrorsOfTheFileHaveTheirPlaces) {
-  EXPECT_EQ(errors(k_ada, "cors = 4\n"),
-            "config.toml:1:1: unknown key 'cors'; did you mean 'cores'?\n");
-  EXPECT_EQ(errors(k_ada, "jobs = 4\n"),
-            "config.toml:1:1: unknown key 'jobs'; it belongs in [limits]\n");
-  EXPECT_EQ(
-      errors(k_ada, "[limits]\nslice = 4\n"),
-      "config.toml:2:1: unknown key 'slice' in [limits]; it belongs before the first section\n");
-  EXPECT_EQ(errors(k_ada, "[limits]\njob = 4\n"),
-            "config.toml:2:1: unknown key 'job' in [limits]; did you mean 'jobs' in [limits]?\n");
-  EXPECT_EQ(errors(k_ada, "limits = 4\n"),
-            "config.toml:1:1: 'limits' must be a section, with the line [limits] above its keys\n");
-  EXPECT_EQ(
-      errors(k_ada, "[daemon]\ncores = 4\n"),
-      "config.toml:1:2: unknown section [daemon]; known sections: [limits], [slurm]; all other "
-      "keys belong before the first section\n");
-  EXPECT_EQ(
-      errors(k_ada, "cores = 0\nmemory = \"much\"\nslice = 0\nstate = \"here\"\n"),
-      "config.toml:1:9: 'cores': expected an integer from 1 to 65536 (cores), found 0\n"
-      "config.toml:2:10: 'memory': expected a size of at least 1 byte and less than 9 PB, such "
-      "as \"24 GB\", \"500 MB\" or a number of bytes, found the string \"much\"\n"
-      "config.toml:3:9: 'slice': expected a time such as \"10s\", \"5m\" or \"1.5h\", found "
-      "0\n"
-      "config.toml:4:9: 'state': expected an absolute path, \"/...\" or \"~/...\", found the "
-      "string \"here\"\n");
-  EXPECT_THAT(
-      errors(k_ada, "[limits]\njobs = -1\n"),
-      testing::HasSubstr("config.toml:2:8: 'jobs' in [limits]: expected an integer from 1"));
+  EXPECT_THAT(errors(k_ada, "cors = 4\n"),
+              tests::LinesHaveFacts("config.toml:1:1: |'cors'|'cores'"));
+  EXPECT_THAT(errors(k_ada, "jobs = 4\n"),
+              tests::LinesHaveFacts("config.toml:1:1: |'jobs'|[limits]"));
+  EXPECT_THAT(errors(k_ada, "[limits]\nslice = 4\n"),
+              tests::LinesHaveFacts("config.toml:2:1: |'slice' in [limits]|before"));
+  EXPECT_THAT(errors(k_ada, "[limits]\njob = 4\n"),
+              tests::LinesHaveFacts("config.toml:2:1: |'job' in [limits]|'jobs' in [limits]"));
+  EXPECT_THAT(errors(k_ada, "limits = 4\n"),
+              tests::LinesHaveFacts("config.toml:1:1: |'limits'|section|[limits]"));
+  EXPECT_THAT(errors(k_ada, "[daemon]\ncores = 4\n"),
+              tests::LinesHaveFacts("config.toml:1:2: |[daemon]|[limits]|[slurm]|before"));
+  EXPECT_THAT(errors(k_ada, "cores = 0\nmemory = \"much\"\nslice = 0\nstate = \"here\"\n"),
+              tests::LinesHaveFacts("config.toml:1:9: 'cores': |1|65536|0\n"
+                                    "config.toml:2:10: 'memory': |1 byte|9 PB|\"24 GB\"|\"much\"\n"
+                                    "config.toml:3:9: 'slice': |\"10s\"|0\n"
+                                    "config.toml:4:9: 'state': |absolute|\"here\""));
+  EXPECT_THAT(errors(k_ada, "[limits]\njobs = -1\n"),
+              tests::HasFacts("config.toml:2:8: 'jobs' in [limits]: |1"));
   EXPECT_THAT(errors(k_ada, "cores = \n"), testing::HasSubstr("config.toml:1:9: not valid TOML"));
 }
 
 TEST(Settings, AGroupNeedsASocketOutsideOfTheStateFolder) {
   // Only its owner can open the state folder, so a group couldn't reach a socket in it.
   EXPECT_EQ(errors(k_ada, "socket = \"/run/sleight/socket\"\ngroup = \"film\"\n"), "");
-  EXPECT_EQ(errors(k_ada, "group = \"film\"\n"),
-            "config.toml:1:1: a group needs a socket outside the state folder, which only its "
-            "owner can open; set socket, for example to /run/sleight/socket\n");
-  EXPECT_EQ(
+  EXPECT_THAT(errors(k_ada, "group = \"film\"\n"),
+              tests::LinesHaveFacts("config.toml:1:1: |group|state folder|socket"));
+  EXPECT_THAT(
       errors(k_ada, "state = \"/s\"\nsocket = \"/s/socket\"\n", {{"group", "film", "--group"}}),
-      "--group: a group needs a socket outside the state folder, which only its owner "
-      "can open; set socket, for example to /run/sleight/socket\n");
-  EXPECT_EQ(errors(k_ada, "group = 4\nallow_root = \"yes\"\n"),
-            "config.toml:1:9: 'group': expected a name as a string, found 4\n"
-            "config.toml:2:14: 'allow_root': expected true or false, found the string \"yes\"\n");
+      tests::LinesHaveFacts("--group: |state folder|socket"));
+  EXPECT_THAT(errors(k_ada, "group = 4\nallow_root = \"yes\"\n"),
+              tests::LinesHaveFacts("config.toml:1:9: 'group': |string|4\n"
+                                    "config.toml:2:14: 'allow_root': |true|false|\"yes\""));
 }
 
 TEST(Settings, AddressesAreReadWithTheirPort) {
@@ -191,9 +182,8 @@ TEST(Settings, ABatchSystemHasOtherDefaults) {
   EXPECT_EQ(slurm.job_cores.value, k_system_job_cores);
   EXPECT_EQ(slurm.slurm.partition.value, "long");
   EXPECT_EQ(good(k_ada, "backend = 'slurm'\ncores = 3\n").cores.value, 3U);
-  EXPECT_THAT(
-      errors(k_ada, "backend = 'pbs'\n"),
-      testing::HasSubstr("\"local\", \"slurm\" or the absolute path of a program, found \"pbs\""));
+  EXPECT_THAT(errors(k_ada, "backend = 'pbs'\n"),
+              tests::HasFacts("\"local\"|\"slurm\"|absolute path|\"pbs\""));
 }
 
 TEST(Settings, FlagsAreSwitchedOnAnywhere) {
@@ -206,23 +196,21 @@ TEST(Settings, FlagsAreSwitchedOnAnywhere) {
   EXPECT_TRUE(is_allowed({{"HOME", "/h"}, {"SLEIGHT_ALLOW_ROOT", "1"}}, ""));
   EXPECT_FALSE(is_allowed({{"HOME", "/h"}, {"SLEIGHT_ALLOW_ROOT", "0"}}, "allow_root = true\n"));
   EXPECT_TRUE(is_allowed(k_ada, "allow_root = false\n", {{"allow_root", "true", "--allow-root"}}));
-  EXPECT_EQ(errors({{"HOME", "/h"}, {"SLEIGHT_ALLOW_ROOT", "yes"}}, ""),
-            "SLEIGHT_ALLOW_ROOT: expected true or false, found the string \"yes\"\n");
+  EXPECT_THAT(errors({{"HOME", "/h"}, {"SLEIGHT_ALLOW_ROOT", "yes"}}, ""),
+              tests::LinesHaveFacts("SLEIGHT_ALLOW_ROOT: |true|false|\"yes\""));
 }
 
 TEST(Settings, ErrorsElsewhereNameWhatGaveThem) {
-  EXPECT_EQ(errors({{"HOME", "/people/ada"}, {"SLEIGHT_STATE", "here"}}, ""),
-            "SLEIGHT_STATE: expected an absolute path, \"/...\" or \"~/...\", found the string "
-            "\"here\"\n");
-  EXPECT_EQ(errors(k_ada, "", {{"cores", "many", "--cores"}}),
-            "--cores: expected an integer from 1 to 65536 (cores), found the string \"many\"\n");
+  EXPECT_THAT(errors({{"HOME", "/people/ada"}, {"SLEIGHT_STATE", "here"}}, ""),
+              tests::LinesHaveFacts("SLEIGHT_STATE: |absolute path|\"here\""));
+  EXPECT_THAT(errors(k_ada, "", {{"cores", "many", "--cores"}}),
+              tests::LinesHaveFacts("--cores: |1|65536|\"many\""));
   EXPECT_THAT(errors({}, ""), testing::HasSubstr("HOME: expected an absolute path"));
   EXPECT_EQ(errors({{"SLEIGHT_STATE", "/s"}}, ""), "");
   const std::string deep = "/" + std::string(120, 'd');
   EXPECT_THAT(errors({{"SLEIGHT_STATE", deep}}, ""),
               testing::AllOf(testing::StartsWith("SLEIGHT_STATE: the socket path /dddd"),
-                             testing::HasSubstr("has 128 bytes; the maximum is 107; set "
-                                                "SLEIGHT_SOCKET")));
+                             tests::HasFacts("128 bytes|107|SLEIGHT_SOCKET")));
   EXPECT_EQ(errors({{"SLEIGHT_STATE", deep}, {"SLEIGHT_SOCKET", "/run/s"}}, ""), "");
 }
 

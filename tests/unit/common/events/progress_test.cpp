@@ -3,10 +3,34 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/facts.h"
 
 namespace sleight::events {
 namespace {
+
+using ::testing::ElementsAre;
+
+/// Returns the numbers of a line in their order, with the signs that belong to them.
+std::vector<std::string> numbers_of(const std::string& line) {
+  constexpr std::string_view k_signs = "0123456789,.:%+-";
+  std::vector<std::string> numbers;
+  for (std::size_t at = line.find(' '); at < line.size();) {
+    at = line.find_first_of(k_signs, at);
+    if (at == std::string::npos) break;
+    const std::size_t end = std::min(line.find_first_not_of(k_signs, at), line.size());
+    const std::string token = line.substr(at, end - at);
+    const std::size_t size = token.find_last_of("0123456789%") + 1;
+    if (size > 0) numbers.push_back(token.substr(0, size));
+    at = end;
+  }
+  return numbers;
+}
 
 TEST(Grouped, GroupsByThousands) {
   // Goal: large counts are readable. Method: every number of digits around the commas.
@@ -48,29 +72,26 @@ TEST(ProgressLine, IsAsItsHeaderShows) {
                           .round_trips = 12,
                           .workers = 4,
                           .elapsed_s = 0.1};
-  EXPECT_EQ(progress_line("ball_2d", progress),
-            "ball_2d  12,400 of 40,000 scans (31%)  0:01 left  73,100 sims/s  solutions 4  "
-            "round trips 12  satisfied 4,431 (52%)  accepted 41%  4 workers");
+  EXPECT_THAT(numbers_of(progress_line("ball_2d", progress)),
+              ElementsAre("12,400", "40,000", "31%", "0:01", "73,100", "4", "12", "4,431", "52%",
+                          "41%", "4"));
 }
 
 TEST(ProgressLine, TellsTheOddsSoFar) {
   // Goal: a run that requests odds shows them, their error and the remaining time. Method: before
   // the first island, in the pilot, in the batch, and at the end.
   Progress progress{.odds = {.are_asked = true}, .workers = 2, .elapsed_s = 1};
-  EXPECT_EQ(progress_line("x", progress),
-            "x  log P not known yet (0 islands)  0 sims/s  2 workers");
+  EXPECT_THAT(numbers_of(progress_line("x", progress)), ElementsAre("0", "0", "2"));
   progress.odds = {.are_asked = true, .islands = 1, .log_p = -39.14};
-  EXPECT_EQ(odds_in_words(progress.odds), "log P about -39.1, still rough (1 island)");
+  EXPECT_THAT(odds_in_words(progress.odds), tests::HasFacts("-39.1|rough|1 island"));
   progress.scans_done = 41;
   progress.scans_total = 132;
   progress.session_scans = 41;
   progress.session_simulations = 7000;
   progress.odds = {
       .are_asked = true, .islands = 41, .wanted = 132, .log_p = -39.14, .log_error = 0.43};
-  EXPECT_EQ(
-      progress_line("x", progress),
-      "x  log P about -39.1 +- 0.4, still rough (41 of 132 islands)  0:03 left  7,000 sims/s  "
-      "2 workers");
+  EXPECT_THAT(numbers_of(progress_line("x", progress)),
+              ElementsAre("-39.1", "0.4", "41", "132", "0:03", "7,000", "2"));
   progress.odds = {.are_asked = true,
                    .islands = 100,
                    .wanted = 132,
@@ -89,34 +110,32 @@ TEST(ProgressLine, TellsFailures) {
 
 TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
   // Goal: unknown numbers are not shown. Method: at the very start; without a total; finished.
-  EXPECT_EQ(progress_line("x", {}),
-            "x  0 scans  0 sims/s  solutions 0  satisfied 0 (0%)  accepted 0%  0 workers");
-  EXPECT_EQ(progress_line("x", {.scans_done = 1500,
-                                .session_scans = 1000,
-                                .session_simulations = 1000,
-                                .workers = 1,
-                                .elapsed_s = 2}),
-            "x  1,500 scans  500 sims/s  solutions 0  satisfied 0 (0%)  accepted 0%  1 worker");
-  EXPECT_EQ(progress_line(
-                "x", {.scans_done = 100, .scans_total = 100, .session_scans = 100, .elapsed_s = 1}),
-            "x  100 of 100 scans (100%)  0 sims/s  solutions 0  satisfied 0 (0%)  accepted 0%  "
-            "0 workers");
-  EXPECT_EQ(progress_line("x", {.scans_done = 50, .scans_total = 100, .elapsed_s = 1}),
-            "x  50 of 100 scans (50%)  0 sims/s  solutions 0  satisfied 0 (0%)  accepted 0%  "
-            "0 workers");
+  EXPECT_THAT(numbers_of(progress_line("x", {})), ElementsAre("0", "0", "0", "0", "0%", "0%", "0"));
+  EXPECT_THAT(numbers_of(progress_line("x", {.scans_done = 1500,
+                                             .session_scans = 1000,
+                                             .session_simulations = 1000,
+                                             .workers = 1,
+                                             .elapsed_s = 2})),
+              ElementsAre("1,500", "500", "0", "0", "0%", "0%", "1"));
+  EXPECT_THAT(
+      numbers_of(progress_line(
+          "x", {.scans_done = 100, .scans_total = 100, .session_scans = 100, .elapsed_s = 1})),
+      ElementsAre("100", "100", "100%", "0", "0", "0", "0%", "0%", "0"));
+  EXPECT_THAT(
+      numbers_of(progress_line("x", {.scans_done = 50, .scans_total = 100, .elapsed_s = 1})),
+      ElementsAre("50", "100", "50%", "0", "0", "0", "0%", "0%", "0"));
 }
 
 TEST(ProgressLine, CountsWhatASearchDoes) {
   // Goal: the line never shows "0 sims/s" while something is simulated. Method: before the first
   // start has ended, among starts, and while finds are relaxed.
   Progress search{.finds = {.wanted = 5, .is_all = true}, .workers = 2, .elapsed_s = 12};
-  EXPECT_EQ(progress_line("x", search),
-            "x  0 of 5 found after 0.0 s  first starts running for 0:12  2 workers");
+  EXPECT_THAT(numbers_of(progress_line("x", search)), ElementsAre("0", "5", "0.0", "0:12", "2"));
   search.session_simulations = 600;
   search.finds.found = 2;
   search.found_s = 3;
-  EXPECT_EQ(progress_line("x", search),
-            "x  2 of 5 found after 3.0 s  600 simulations  50 sims/s  2 workers");
+  EXPECT_THAT(numbers_of(progress_line("x", search)),
+              ElementsAre("2", "5", "3.0", "600", "50", "2"));
   search.finds.found = search.finds.wanted = 6;
   search.finds.relaxed = 1;
   search.finds.relaxed_wanted = 5;
@@ -125,9 +144,9 @@ TEST(ProgressLine, CountsWhatASearchDoes) {
   search.session_scans = 60;
   search.prior_draws = 40;
   search.prior_draws_wanted = 100;
-  EXPECT_EQ(progress_line("x", search),
-            "x  6 found after 3.0 s  1 of 5 relaxed  100 of 400 scans (25%)  1:00 left  "
-            "600 simulations  50 sims/s  40 of 100 prior draws  2 workers");
+  EXPECT_THAT(numbers_of(progress_line("x", search)),
+              ElementsAre("6", "3.0", "1", "5", "100", "400", "25%", "1:00", "600", "50", "40",
+                          "100", "2"));
 }
 
 TEST(ProgressLine, HundredPercentMeansDone) {

@@ -9,6 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include "tests/support/facts.h"
+
 namespace sleight::motion {
 namespace {
 
@@ -56,7 +58,7 @@ TEST(Animation, RefusesWhatIsNoMotion) {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(refused(2, [](Segment&) {}), "taken");
-  EXPECT_THAT(refused(1, [](Segment&) {}), HasSubstr("body 2, but the scene has only 1"));
+  EXPECT_THAT(refused(1, [](Segment&) {}), tests::HasFacts("body 2|only 1"));
   EXPECT_THAT(refused(2, [](Segment& s) { s.start_s = 0.5; }), HasSubstr("time order"));
   EXPECT_THAT(refused(2, [&](Segment& s) { s.start_s = nan; }), HasSubstr("invalid numbers"));
   EXPECT_THAT(refused(2, [&](Segment& s) { s.position_m.z() = nan; }),

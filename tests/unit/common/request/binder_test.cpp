@@ -6,6 +6,8 @@
 
 #include <array>
 
+#include "tests/support/facts.h"
+
 namespace sleight::request {
 namespace {
 
@@ -43,20 +45,19 @@ TEST(BinderNumber, EndsOfTheRangeAreOpenOrClosed) {
       .minimum = 0, .above_minimum = true, .maximum = 2, .below_maximum = true, .unit = "D"};
   EXPECT_EQ(number("[s]\nx = 0", closed), "x = 0.0\n");
   EXPECT_EQ(number("[s]\nx = 2", closed), "x = 2.0\n");
-  EXPECT_EQ(number("[s]\nx = 2.1", closed),
-            "f:2:5: 'x' in [s]: expected a number from 0 to 2, found 2.1\n");
-  EXPECT_EQ(number("[s]\nx = 0", open),
-            "f:2:5: 'x' in [s]: expected a number above 0 and below 2 D, found 0\n");
-  EXPECT_EQ(number("[s]\nx = 2.0", open),
-            "f:2:5: 'x' in [s]: expected a number above 0 and below 2 D, found 2.0\n");
+  EXPECT_THAT(number("[s]\nx = 2.1", closed), tests::LinesHaveFacts("f:2:5: 'x' in [s]: |0|2|2.1"));
+  EXPECT_THAT(number("[s]\nx = 0", open),
+              tests::LinesHaveFacts("f:2:5: 'x' in [s]: |above|0|below|2 D|0"));
+  EXPECT_THAT(number("[s]\nx = 2.0", open),
+              tests::LinesHaveFacts("f:2:5: 'x' in [s]: |above|0|below|2 D|2.0"));
 }
 
 TEST(BinderNumber, NamesHalfOpenRanges) {
-  EXPECT_EQ(number("[s]\nx = -1", {.minimum = 0}),
-            "f:2:5: 'x' in [s]: expected a number of at least 0, found -1\n");
-  EXPECT_EQ(number("[s]\nx = 2", {.maximum = 1}),
-            "f:2:5: 'x' in [s]: expected a number at most 1, found 2\n");
-  EXPECT_EQ(number("[s]\nx = nan", {}), "f:2:5: 'x' in [s]: expected a finite number, found nan\n");
+  EXPECT_THAT(number("[s]\nx = -1", {.minimum = 0}),
+              tests::LinesHaveFacts("f:2:5: 'x' in [s]: |at least|0|-1"));
+  EXPECT_THAT(number("[s]\nx = 2", {.maximum = 1}),
+              tests::LinesHaveFacts("f:2:5: 'x' in [s]: |at most|1|2"));
+  EXPECT_THAT(number("[s]\nx = nan", {}), tests::LinesHaveFacts("f:2:5: 'x' in [s]: |finite|nan"));
 }
 
 TEST(BinderNumber, AnErrorLeavesTheDefault) {
@@ -78,8 +79,8 @@ TEST(BinderAngle, IsDegreesOutsideAndRadiansInside) {
   EXPECT_EQ(angle, 0.17453292519943295);
   EXPECT_EQ(bound("[s]\na = 30", bind), "a = 30.0\n");
   EXPECT_EQ(angle, 30 * 0.017453292519943295);
-  EXPECT_EQ(bound("[s]\na = 91", bind),
-            "f:2:5: 'a' in [s]: expected a number from 0 to 90 degrees, found 91\n");
+  EXPECT_THAT(bound("[s]\na = 91", bind),
+              tests::LinesHaveFacts("f:2:5: 'a' in [s]: |0|90 degrees|91"));
   EXPECT_EQ(bound("[s]\na = 10.000000000000002", bind), "a = 10.000000000000002\n");
 }
 
@@ -92,12 +93,11 @@ TEST(BinderInteger, ReadsItsRangeAndNothingElse) {
   EXPECT_EQ(bound("[s]\nn = 9223372036854775807", bind), "n = 9223372036854775807\n");
   EXPECT_EQ(n, 9223372036854775807U);
   EXPECT_EQ(bound("[s]\nn = 0x1F", bind), "n = 31\n");
-  EXPECT_EQ(bound("[s]\nn = -1", bind),
-            "f:2:5: 'n' in [s]: expected an integer from 0 to 9223372036854775807 scans, found "
-            "-1\n");
-  EXPECT_EQ(bound("[s]\nn = 2.0", bind),
-            "f:2:5: 'n' in [s]: expected an integer from 0 to 9223372036854775807 scans, found "
-            "2.0; an integer has no '.' and no exponent\n");
+  EXPECT_THAT(bound("[s]\nn = -1", bind),
+              tests::LinesHaveFacts("f:2:5: 'n' in [s]: |0|9223372036854775807 scans|-1"));
+  EXPECT_THAT(
+      bound("[s]\nn = 2.0", bind),
+      tests::LinesHaveFacts("f:2:5: 'n' in [s]: |integer|0|9223372036854775807 scans|2.0|'.'"));
 }
 
 TEST(BinderInteger, MayBeThereOrNot) {
@@ -105,8 +105,7 @@ TEST(BinderInteger, MayBeThereOrNot) {
   const auto bind = [&](Binder& b) { b.optional_integer("n", n, {.minimum = 1, .maximum = 5}); };
   EXPECT_EQ(bound("[s]", bind), "n = \n");
   EXPECT_EQ(n, std::nullopt);
-  EXPECT_EQ(bound("[s]\nn = 6", bind),
-            "f:2:5: 'n' in [s]: expected an integer from 1 to 5, found 6\n");
+  EXPECT_THAT(bound("[s]\nn = 6", bind), tests::LinesHaveFacts("f:2:5: 'n' in [s]: |1|5|6"));
   EXPECT_EQ(n, std::nullopt);
   EXPECT_EQ(bound("[s]\nn = 5", bind), "n = 5\n");
   EXPECT_EQ(n, 5U);
@@ -117,8 +116,8 @@ TEST(BinderBoolean, IsTrueOrFalse) {
   const auto bind = [&](Binder& b) { b.boolean("flag", flag, "help"); };
   EXPECT_EQ(bound("", bind), "flag = true\n");
   EXPECT_EQ(bound("[s]\nflag = false", bind), "flag = false\n");
-  EXPECT_EQ(bound("[s]\nflag = 1", bind),
-            "f:2:8: 'flag' in [s]: expected true or false, found 1\n");
+  EXPECT_THAT(bound("[s]\nflag = 1", bind),
+              tests::LinesHaveFacts("f:2:8: 'flag' in [s]: |true|false|1"));
 }
 
 TEST(BinderText, CountsCharactersNotBytes) {
@@ -127,12 +126,10 @@ TEST(BinderText, CountsCharactersNotBytes) {
   EXPECT_EQ(bound("", bind), "word = \"A\\\"\"\n");
   EXPECT_EQ(bound("[s]\nword = '\xc3\xa4\xc3\xa4\xc3\xa4'", bind),
             "word = \"\xc3\xa4\xc3\xa4\xc3\xa4\"\n");
-  EXPECT_EQ(bound("[s]\nword = 'four'", bind),
-            "f:2:8: 'word' in [s]: expected a string of at most 3 characters, found the string "
-            "\"four\", which has 4 characters\n");
-  EXPECT_EQ(bound("[s]\nword = 4", bind),
-            "f:2:8: 'word' in [s]: expected a string of at most 3 characters, found 4; a string "
-            "needs quotes: \"4\"\n");
+  EXPECT_THAT(bound("[s]\nword = 'four'", bind),
+              tests::LinesHaveFacts("f:2:8: 'word' in [s]: |3 characters|\"four\"|4 characters"));
+  EXPECT_THAT(bound("[s]\nword = 4", bind),
+              tests::LinesHaveFacts("f:2:8: 'word' in [s]: |3 characters|4|\"4\""));
 }
 
 enum class Colour { red, green };
@@ -146,15 +143,14 @@ TEST(BinderChoice, NamesItsChoicesAndTheNearest) {
   EXPECT_EQ(bound("", bind), "c = \"green\"\n");
   EXPECT_EQ(bound("[s]\nc = 'red'", bind), "c = \"red\"\n");
   EXPECT_EQ(colour, Colour::red);
-  EXPECT_EQ(bound("[s]\nc = 'gren'", bind),
-            "f:2:5: 'c' in [s]: expected one of \"red\", \"green\", found the string \"gren\"; did "
-            "you mean \"green\"?\n");
-  EXPECT_EQ(bound("[s]\nc = 1", bind),
-            "f:2:5: 'c' in [s]: expected one of \"red\", \"green\", found 1\n");
+  EXPECT_THAT(bound("[s]\nc = 'gren'", bind),
+              tests::LinesHaveFacts("f:2:5: 'c' in [s]: |\"red\"|\"green\"|\"gren\"|\"green\""));
+  EXPECT_THAT(bound("[s]\nc = 1", bind),
+              tests::LinesHaveFacts("f:2:5: 'c' in [s]: |\"red\"|\"green\"|1"));
 
   const auto required = [&](Binder& b) { b.required_choice("c", colour, colours, ""); };
-  EXPECT_EQ(bound("[s]", required),
-            "f:1:2: 'c' in [s]: missing; expected one of \"red\", \"green\"\n");
+  EXPECT_THAT(bound("[s]", required),
+              tests::LinesHaveFacts("f:1:2: 'c' in [s]: |missing|\"red\"|\"green\""));
   EXPECT_EQ(bound("[s]\nc = 'green'", required), "c = \"green\"\n");
   EXPECT_EQ(colour, Colour::green);
 }
@@ -174,8 +170,7 @@ TEST(BinderNumber, MayBeAbsent) {
   };
   EXPECT_EQ(bound("[s]", bind), "x = \n");
   EXPECT_EQ(bound("[s]\nx = 1", bind), "x = 1.0\n");
-  EXPECT_EQ(bound("[s]\nx = 3", bind),
-            "f:2:5: 'x' in [s]: expected a number from 0 to 2, found 3\n");
+  EXPECT_THAT(bound("[s]\nx = 3", bind), tests::LinesHaveFacts("f:2:5: 'x' in [s]: |0|2|3"));
 }
 
 TEST(BinderTables, AreReadOneByOne) {
@@ -200,10 +195,10 @@ TEST(BinderTables, AreReadOneByOne) {
   EXPECT_EQ(bound("[[s.t]]\nx = 1\n[[s.t]]\n", bind), "t = \n");
   EXPECT_EQ(values, (std::vector<double>{1, 7}));
   EXPECT_EQ(shown.back(), 2U);
-  EXPECT_EQ(bound("[[s.t]]\n[[s.t]]\nx = 10\n", bind),
-            "f:3:5: 'x' in [[s.t]]: expected a number from 0 to 9, found 10\n");
-  EXPECT_EQ(bound("[s]\nt = 4", bind),
-            "f:2:5: 't' in [s]: expected tables, each with the header [[s.t]], found 4\n");
+  EXPECT_THAT(bound("[[s.t]]\n[[s.t]]\nx = 10\n", bind),
+              tests::LinesHaveFacts("f:3:5: 'x' in [[s.t]]: |0|9|10"));
+  EXPECT_THAT(bound("[s]\nt = 4", bind),
+              tests::LinesHaveFacts("f:2:5: 't' in [s]: |tables|[[s.t]]|4"));
   EXPECT_EQ(bound("[[s.t]]\n[[s.t]]\n[[s.t]]", bind).substr(0, 3), "f:3");
   EXPECT_TRUE(values.empty());
 }

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/facts.h"
 #include "tests/unit/common/request/toy_world.h"
 
 namespace sleight::request::direction_request_test {
@@ -80,14 +81,12 @@ TEST(ReadRequest, SetsWhatIsGiven) {
 }
 
 TEST(ReadRequest, NamesTheWorlds) {
-  EXPECT_THAT(
-      toy::errors_of("[world]\nname = 'toi'\nany = 1\n[constraint]\nthing = 2\n[sampler]\n"
-                     "chains = 0\nx = 1\n[stop]\nscans = 1\nscan = 2"),
-      ElementsAre("r.toml:2:8: 'name' in [world]: expected one of \"toy\", \"toy_2\", found "
-                  "the string \"toi\"; did you mean \"toy\"?",
-                  "r.toml:7:10: 'chains' in [sampler]: expected an integer from 1 to 65536, "
-                  "found 0",
-                  "r.toml:11:1: unknown key 'scan' in [stop]; did you mean 'scans'?"));
+  EXPECT_THAT(toy::errors_of("[world]\nname = 'toi'\nany = 1\n[constraint]\nthing = 2\n[sampler]\n"
+                             "chains = 0\nx = 1\n[stop]\nscans = 1\nscan = 2"),
+              ElementsAre(tests::LinesHaveFacts(
+                              "r.toml:2:8: 'name' in [world]: |\"toy\"|\"toy_2\"|\"toi\"|\"toy\""),
+                          tests::LinesHaveFacts("r.toml:7:10: 'chains' in [sampler]: |1|65536|0"),
+                          tests::LinesHaveFacts("r.toml:11:1: |'scan' in [stop]|'scans'")));
 }
 
 TEST(ReadRequest, ChecksOfSeveralKeysAreAnchoredAtAKey) {
@@ -139,17 +138,16 @@ TEST(ReadRequest, ASearchHasFewKeys) {
           .value(),
       read_staged(least + "seed = 3\n[stop]\nfound = 8\n"));
   EXPECT_THAT(staged_errors(least + "chains = 2\nstep = 0.5\n"),
-              ElementsAre(HasSubstr("'chains' in [sampler]: not used by method"),
-                          HasSubstr("'step' in [sampler]: not used by method")));
+              ElementsAre(tests::HasFacts("'chains' in [sampler]: |method"),
+                          tests::HasFacts("'step' in [sampler]: |method")));
   EXPECT_THAT(staged_errors(least + "[stop]\nscans = 7\n"),
               ElementsAre(HasSubstr("set 'found' instead")));
   EXPECT_THAT(staged_errors(least + "[output]\nmin_distance = 1\n"),
-              ElementsAre(HasSubstr("'min_distance' in [output]: not used by method")));
+              ElementsAre(tests::HasFacts("'min_distance' in [output]: |method")));
   std::string other = least;
   other.replace(other.find("staged"), 6, "toy");
   EXPECT_THAT(staged_errors(other),
-              ElementsAre(HasSubstr("'method' in [sampler]: requires a world that acts in stages "
-                                    "(staged); toy does not")));
+              ElementsAre(tests::HasFacts("'method' in [sampler]: |stages|staged|toy")));
 }
 
 TEST(ReadRequest, OddsAreARuleOfIslands) {
@@ -183,24 +181,24 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
               HasSubstr("[stop]\nscans = 100000\nodds = 1.0\nfound = 2\n\n"));
   for (const std::string bad : {"0", "0.0009", "1.1", "-0.1"}) {
     EXPECT_THAT(staged_errors(islands + "[stop]\nodds = " + bad + "\n"),
-                ElementsAre(HasSubstr("'odds' in [stop]: expected a number from 0.001 to 1")));
+                ElementsAre(tests::HasFacts("'odds' in [stop]: |0.001|1")));
   }
   for (const std::string method :
        {"metropolis_hastings", "parallel_tempering", "simulated_tempering", "tempered_transitions",
         "annealed_importance"}) {
-    EXPECT_THAT(staged_errors("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
-                              "'\n[stop]\nscans = 100000\nodds = 0.1\n"),
-                ElementsAre("r.toml:7:1: 'odds' in [stop]: requires method \"sequential\", whose "
-                            "islands estimate the odds"));
+    EXPECT_THAT(
+        staged_errors("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
+                      "'\n[stop]\nscans = 100000\nodds = 0.1\n"),
+        ElementsAre(tests::LinesHaveFacts("r.toml:7:1: 'odds' in [stop]: |\"sequential\"")));
   }
   for (const std::string key : {"chains", "tour_scans", "burn_in_rounds", "round_scans"}) {
     EXPECT_THAT(staged_errors("[world]\nname = 'staged'\n[sampler]\nmethod = 'sequential'\n" + key +
                               " = 3\n[stop]\nodds = 0.1\n"),
-                Contains(HasSubstr("'" + key + "' in [sampler]: not used with [stop] odds")));
+                Contains(tests::HasFacts("'" + key + "' in [sampler]: |odds")));
   }
   for (const std::string rule : {"rounds", "independent_solutions"}) {
     EXPECT_THAT(staged_errors(islands + "[stop]\nodds = 0.1\n" + rule + " = 2\n"),
-                ElementsAre(HasSubstr("'" + rule + "' in [stop]: can't be combined with odds")));
+                ElementsAre(tests::HasFacts("'" + rule + "' in [stop]: |odds")));
   }
   EXPECT_THAT(staged_errors("[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n[stop]\n"
                             "odds = 0.1\n"),
@@ -223,14 +221,13 @@ TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
   EXPECT_THAT(staged_errors("sequential", "[stop]\nindependent_solutions = 3\n"), IsEmpty());
   EXPECT_THAT(staged_errors("sequential", "[stop]\nscans = 8\n"), IsEmpty());
   EXPECT_THAT(staged_errors("sequential", "[stop]\nscans = 7\n"),
-              ElementsAre(HasSubstr("'scans' in [stop]: expected more than 7")));
-  EXPECT_THAT(
-      staged_errors("sequential", "burn_in_rounds = 2\n[stop]\nscans = 50\n"),
-      ElementsAre(HasSubstr("'burn_in_rounds' in [sampler]: can't be combined with tour_scans")));
+              ElementsAre(tests::HasFacts("'scans' in [stop]: |more than|7")));
+  EXPECT_THAT(staged_errors("sequential", "burn_in_rounds = 2\n[stop]\nscans = 50\n"),
+              ElementsAre(tests::HasFacts("'burn_in_rounds' in [sampler]: |tour_scans")));
   EXPECT_THAT(staged_errors("sequential", "[stop]\nrounds = 2\n"),
-              ElementsAre(HasSubstr("'rounds' in [stop]: can't be combined with tour_scans")));
+              ElementsAre(tests::HasFacts("'rounds' in [stop]: |tour_scans")));
   EXPECT_THAT(staged_errors("parallel_tempering", "[stop]\nrounds = 2\n"),
-              Contains(HasSubstr("'tour_scans' in [sampler]: requires method \"sequential\"")));
+              Contains(tests::HasFacts("'tour_scans' in [sampler]: |\"sequential\"")));
 }
 
 TEST(ReadRequest, FindsAskedForStayFinds) {
@@ -288,11 +285,11 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
     return request ? "" : to_string(request.error().front());
   };
   EXPECT_THAT(error_of("[stop]\ntakes = 5\nscans = 9\n"),
-              HasSubstr("'takes' in [stop]: requires method \"search\" with relax_scans"));
+              tests::HasFacts("'takes' in [stop]: |\"search\"|relax_scans"));
   EXPECT_THAT(error_of("[sampler]\nrelax_scans = 2\n[stop]\nscans = 9\n"),
-              HasSubstr("'relax_scans' in [sampler]: requires method \"search\""));
+              tests::HasFacts("'relax_scans' in [sampler]: |\"search\""));
   EXPECT_THAT(error_of("[sampler]\nmethod = 'search'\nrelax_scans = 2\n[stop]\nfound = 9\n"),
-              HasSubstr("'found' in [stop]: can't be combined with relax_scans"));
+              tests::HasFacts("'found' in [stop]: |relax_scans"));
 }
 
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
@@ -333,8 +330,7 @@ TEST(ReadRequest, PlainChainsGiveOneSolutionEach) {
       "method = 'metropolis_hastings'\n";
   EXPECT_THAT(toy::errors_of(text + "chains = 5"), IsEmpty());
   EXPECT_THAT(toy::errors_of(text + "chains = 4"),
-              ElementsAre(HasSubstr("4:1: 'independent_solutions' in [stop]: expected at most 4, "
-                                    "the number of chains, found 5; ")));
+              ElementsAre(tests::HasFacts("4:1: 'independent_solutions' in [stop]: |4|chains|5")));
   EXPECT_THAT(toy::errors_of(text), ElementsAre(HasSubstr("set chains = 5 in [sampler]")));
 }
 
@@ -414,9 +410,9 @@ TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
   const auto errors = [](const std::string& table) {
     return toy::errors_of("[world]\nname = 'toy'\n[stop]\nscans = 1\n" + table);
   };
-  EXPECT_THAT(errors("[[world.peg]]\nx_n = 1\n"),
-              testing::ElementsAre("r.toml:6:1: unknown key 'x_n' in [[world.peg]]; did you mean "
-                                   "'x_m'?"));
+  EXPECT_THAT(
+      errors("[[world.peg]]\nx_n = 1\n"),
+      testing::ElementsAre(tests::LinesHaveFacts("r.toml:6:1: |'x_n' in [[world.peg]]|'x_m'")));
   EXPECT_THAT(errors("[[world.peg]]\nthreads = 1\n"),
               testing::ElementsAre(testing::HasSubstr("command-line option")));
   EXPECT_THAT(errors("[[world.peg]]\n[[world.peg]]\ny_m = 0.5\n"),

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "tests/support/facts.h"
+
 namespace sleight::request {
 namespace {
 
@@ -74,8 +76,8 @@ TEST(Document, ReadsNumbersWhateverTheLocaleAndHoweverSmall) {
 
 TEST(Document, RefusesMoreThanAMegabyte) {
   EXPECT_EQ(error_of(std::string(k_request_bytes_max, '\n')), "");
-  EXPECT_EQ(error_of(std::string(k_request_bytes_max + 1, '\n')),
-            "f.toml:1:1: the file has 1048577 bytes; the limit for a request is 1048576 (1 MiB)");
+  EXPECT_THAT(error_of(std::string(k_request_bytes_max + 1, '\n')),
+              tests::LinesHaveFacts("f.toml:1:1: |1048577 bytes|1048576"));
 }
 
 std::string repeated(std::string_view piece, std::size_t times) {
@@ -87,8 +89,8 @@ std::string repeated(std::string_view piece, std::size_t times) {
 
 TEST(Document, RefusesDeepKeysInEveryDisguise) {
   EXPECT_EQ(error_of("a" + repeated(".a", k_dots_per_line_max) + " = 1"), "");
-  EXPECT_EQ(error_of("a" + repeated(".a", k_dots_per_line_max + 1) + " = 1"),
-            "f.toml:1:202: more than 100 dots on one line; keys of a request do not nest");
+  EXPECT_THAT(error_of("a" + repeated(".a", k_dots_per_line_max + 1) + " = 1"),
+              tests::LinesHaveFacts("f.toml:1:202: |100 dots"));
   for (const std::string& deep :
        {"[a" + repeated(".a", 200000) + "]", "a" + repeated(" . \"a\"", 100000) + " = 1",
         "a = { a" + repeated(".a", 200000) + " = 1 }"}) {

@@ -10,6 +10,7 @@
 #include "common/access/certificates.h"
 #include "common/access/token_text.h"
 #include "common/rpc/client.h"
+#include "tests/support/facts.h"
 #include "tests/unit/common/rpc/fake_service.h"
 
 namespace sleight::rpc {
@@ -133,7 +134,7 @@ TEST_F(ScopesTest, EachScopeAllowsItsCallsAlone) {
     told.insert(call);
   EXPECT_EQ(told, k_audited);
   EXPECT_EQ(callers_.front().token_id, "0123456789");
-  EXPECT_EQ(heard()["submit"].outcome, "not_allowed: This token does not have the scope 'submit'.");
+  EXPECT_THAT(heard()["submit"].outcome, tests::LinesHaveFacts("not_allowed: |'submit'"));
   EXPECT_EQ(heard()["revoke_token"].of, "0123456789");
   EXPECT_TRUE(
       heard()["revoke_token"].outcome.starts_with("not_allowed: Tokens can only be managed"));

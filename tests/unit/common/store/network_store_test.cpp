@@ -21,6 +21,7 @@
 #include "common/store/run_store.h"
 #include "common/store/sessions.h"
 #include "common/store/stored_run.h"
+#include "tests/support/facts.h"
 #include "tests/unit/common/store/examples.h"
 #include "tests/unit/common/store/unshared_disk.h"
 
@@ -226,7 +227,7 @@ TEST_F(NetworkStore, OfTwoNodesOneWrites) {
       [&] { const RunLock second(folder(), {.lease_s = 5, .self = on_node("second")}); });
   EXPECT_THAT(conflict.value_or(""),
               AllOf(HasSubstr(fmt::format("process ({}) on first, since 20", ::getpid())),
-                    HasSubstr("wait for it, or stop it first")));
+                    tests::HasFacts("wait|stop")));
   store.put(result_of(0, 0, 3));
   store.flush();
   testing::expect_stored_of(store, 0, 3);

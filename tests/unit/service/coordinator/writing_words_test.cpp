@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/facts.h"
+
 namespace sleight::coordinator {
 namespace {
 
@@ -33,11 +35,9 @@ TEST(WritingWords, TellsWhatTakesItsTime) {
   clock.advance(1);
   words.hear({.part = Part::learning, .done = 1'000'000});
   EXPECT_THAT(said, ::testing::ElementsAre(
-                        "writing the archive: 1,250 of 5,000 draws (25%)  0:03 left  1,250 draws/s",
-                        "writing the archive: 1,000 of 3,000 animations (33%)  0:20 left  100 "
-                        "animations/s",
-                        "writing the archive: animations",
-                        "writing the archive: learning from stored scans: 1,000,000 so far"));
+                        tests::HasFacts("1,250 of 5,000 draws|25%|0:03|1,250 draws/s"),
+                        tests::HasFacts("1,000 of 3,000 animations|33%|0:20|100 animations/s"),
+                        ::testing::EndsWith(": animations"), tests::HasFacts("1,000,000")));
 }
 
 }  // namespace

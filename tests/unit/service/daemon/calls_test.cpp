@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "common/access/token_text.h"
+#include "tests/support/facts.h"
 #include "tests/unit/common/request/toy_world.h"
 
 namespace sleight::daemon {
@@ -225,8 +226,7 @@ TEST_F(CallsTest, ATokensLimits) {
   const auto too_many = submit(caller, submission("b", 2));
   ASSERT_FALSE(too_many.ok());
   EXPECT_EQ(too_many.error().kind, rpc::RefusalKind::limit);
-  EXPECT_THAT(too_many.error().sentence,
-              HasSubstr("at most 2 unfinished jobs; the current number is 1, and 2 more"));
+  EXPECT_THAT(too_many.error().sentence, tests::HasFacts("at most 2|1|2 more"));
   EXPECT_TRUE(submit(caller, submission("c", 1)).ok());
   EXPECT_FALSE(submit(caller, submission("d", 1)).ok());
   // The limits hold after a restart too.

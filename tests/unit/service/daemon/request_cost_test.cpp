@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/facts.h"
+
 namespace sleight::daemon {
 namespace {
 
@@ -21,8 +23,7 @@ TEST(RequestCostTest, StatesAreChainsTimesTemperaturesOrParticles) {
   EXPECT_EQ(cost_of(request_with(Method::metropolis_hastings, 7)).states, 7U);
   auto tempered = request_with(Method::parallel_tempering, 65536);
   EXPECT_EQ(cost_of(tempered).states, 65536U * 64U);
-  EXPECT_THAT(cost_of(tempered).states_sum,
-              HasSubstr("65,536 chains x up to 64 temperatures = 4,194,304 states"));
+  EXPECT_THAT(cost_of(tempered).states_sum, tests::HasFacts("65,536 chains|64|= 4,194,304 states"));
   tempered.sampler.replicas = 5;
   EXPECT_EQ(cost_of(tempered).states, 65536U * 5U);
   auto islands = request_with(Method::sequential, 10);
@@ -38,12 +39,12 @@ TEST(RequestCostTest, SimulationsFollowFromScansAndRounds) {
   asked.stop.scans = 1000;
   EXPECT_EQ(cost_of(asked).simulations, 40'000U);
   EXPECT_THAT(cost_of(asked).simulations_sum,
-              HasSubstr("4 chains x 10 iterations per scan x 1,000 scans = 40,000 simulations"));
+              tests::HasFacts("4 chains|10|1,000 scans|= 40,000 simulations"));
   auto small = request_with(Method::metropolis_hastings, 1);
   small.sampler.iterations_per_scan = 1;
   small.stop.scans = 7;
-  EXPECT_EQ(cost_of(small).simulations_sum,
-            "1 chain x 1 iteration per scan x 7 scans = 7 simulations");
+  EXPECT_THAT(cost_of(small).simulations_sum,
+              tests::HasFacts("1 chain |1|7 scans|= 7 simulations"));
   asked.stop.scans.reset();
   asked.stop.rounds = 3;
   EXPECT_EQ(cost_of(asked).simulations, 4U * 10U * 64U * 7U);

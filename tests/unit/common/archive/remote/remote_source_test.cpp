@@ -27,6 +27,7 @@
 #include "common/archive/hdf5/writer.h"
 #include "common/archive/remote/messages.h"
 #include "common/base/error.h"
+#include "tests/support/facts.h"
 #include "tests/unit/common/archive/fake_world.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 
@@ -182,7 +183,7 @@ TEST_F(Remote, AReaderThatEndsOrHangsIsNamed) {
   EXPECT_THAT(why_refused("crash"), HasSubstr("crashed (Illegal instruction)"));
   EXPECT_THAT(why_not_read("crash_later"), HasSubstr("crashed (Illegal instruction)"));
   EXPECT_THAT(why_refused("bomb", {.address_space_bytes = std::uint64_t{256} << 20}),
-              HasSubstr("takes more than 268435456 bytes of memory"));
+              tests::HasFacts("268435456 bytes of memory"));
 #endif
 }
 
@@ -205,7 +206,7 @@ TEST_F(Remote, AKilledReaderIsNamed) {
 }
 
 TEST_F(Remote, LiesAboutContentsAreFound) {
-  EXPECT_THAT(why_refused("huge_contents"), HasSubstr("did not begin with the list of contents"));
+  EXPECT_THAT(why_refused("huge_contents"), tests::HasFacts("did not begin|contents"));
   EXPECT_THAT(why_refused("broken_contents"), HasSubstr("list of contents is malformed"));
   EXPECT_THAT(why_refused("escaping_name"), HasSubstr("invalid name"));
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/facts.h"
 #include "tests/unit/worker/sampling/diagnostics/made_chains.h"
 #include "worker/sampling/diagnostics/effective_sample_size.h"
 #include "worker/sampling/diagnostics/r_hat.h"
@@ -79,9 +80,8 @@ TEST(Complaints, name_shifted_chains) {
     return value + 10 * static_cast<double>(chain);
   });
   const std::vector<std::string> found = complaints_of(shifted);
-  EXPECT_THAT(found, ElementsAre(StartsWith("x: R-hat is "),
-                                 StartsWith("x: the bulk effective sample size is "),
-                                 StartsWith("x: the tail effective sample size is ")));
+  EXPECT_THAT(found, ElementsAre(StartsWith("x: R-hat is "), tests::LinesHaveFacts("x: |bulk"),
+                                 tests::LinesHaveFacts("x: |tail")));
 }
 
 TEST(Complaints, name_chains_that_never_move) {
@@ -95,15 +95,14 @@ TEST(Complaints, name_chains_that_never_move) {
   }
   const auto first = [](double value, std::size_t chain) { return chain == 0 ? 2 : value; };
   EXPECT_THAT(complaints_of(changed(made({}), first))[0],
-              StartsWith("x: 1 of 4 chains never moves and R-hat is "));
+              tests::LinesHaveFacts("x: 1 of 4 chains|R-hat"));
 }
 
 TEST(Complaints, name_what_cannot_be_judged) {
   OwnedChains draws = made({});
   draws.values[17] = -std::numeric_limits<double>::infinity();
   draws.values[18] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(complaints_of(draws),
-              ElementsAre(StartsWith("x: 2 of 4000 draws are NaN or infinite")));
+  EXPECT_THAT(complaints_of(draws), ElementsAre(tests::LinesHaveFacts("x: 2 of 4000|NaN")));
   EXPECT_THAT(complaints_of(made({.draws = 5})),
               ElementsAre(MatchesRegex("x: 5 draws per chain .* 6 .*")));
 }
@@ -122,12 +121,10 @@ TEST(Complaints, keep_to_the_thresholds) {
   EXPECT_EQ(complaints("x", past).size(), 1U);
   past = at;
   past.ess_bulk = 399.9;
-  EXPECT_THAT(complaints("x", past),
-              ElementsAre("x: the bulk effective sample size is 399, below 400"));
+  EXPECT_THAT(complaints("x", past), ElementsAre(tests::LinesHaveFacts("x: |bulk|399|400")));
   past = at;
   past.ess_tail = 399.9;
-  EXPECT_THAT(complaints("x", past),
-              ElementsAre("x: the tail effective sample size is 399, below 400"));
+  EXPECT_THAT(complaints("x", past), ElementsAre(tests::LinesHaveFacts("x: |tail|399|400")));
   past = at;
   past.chains = 5;
   EXPECT_EQ(complaints("x", past).size(), 2U);
