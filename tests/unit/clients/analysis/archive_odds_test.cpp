@@ -1,6 +1,6 @@
 // Goal: an archive's odds have an interval if its ladders can be trusted; otherwise they are
-// unknown, with a key and a number that would make them known. Method: made-up tables of /tempering
-// in an in-memory archive.
+// unknown, with a key and a number that would make them known. Method: fill an in-memory archive
+// with made-up tables of /tempering.
 #include "clients/analysis/archive_odds.h"
 
 #include <gmock/gmock.h>
@@ -239,7 +239,7 @@ TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
 
 TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
   // Goal: islands before odds_from don't count, although a third of them would dominate the sum.
-  // Method: the first 20 of each chain are e^9 times as large.
+  // Method: make the first 20 islands of each chain e^9 times as large.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 20 ? 9 : 0) + (i % 3 == 0 ? -4.8 : -5.8));
@@ -298,9 +298,9 @@ TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
 }
 
 TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
-  // Goal: the advised error is never NaN or below its minimum. Method: a heavy tail after equal
-  // islands, which predict an error of 0; a heavy tail after islands without any solution, which
-  // predict nothing.
+  // Goal: the advised error is never NaN or below its minimum. Method: use a heavy tail after equal
+  // islands, which predict an error of 0, and after islands without any solution, which predict
+  // nothing.
   IslandTables tables;
   tables.odds_from.assign(4, 20);
   tables.stop = "scans = 20\nodds = 0.3\n";
@@ -316,7 +316,8 @@ TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
 
 TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
   // Goal: in a run for solutions, only the islands that any such run makes determine the odds.
-  // Method: 30 islands per chain, then ones e^9 times as large; a shorter run has no such table.
+  // Method: use 30 islands per chain, then ones e^9 times as large. A shorter run has no such
+  // table.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 30 ? 0 : 9) + (i % 3 == 0 ? -4.8 : -5.8));
@@ -332,8 +333,8 @@ TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
 }
 
 TEST(ArchiveOdds, WhatElseHelpsIsAdvised) {
-  // Goal: the advice is a valid request and includes the number of particles. Method: a default
-  // request for short words, with too few particles per island.
+  // Goal: the advice is a valid request and includes the number of particles. Method: use a default
+  // request for short words with too few particles per island.
   IslandTables tables;
   tables.sampler = "tour_scans = 16\nparticles = 2\n";
   tables.stop = "independent_solutions = 2\n";
@@ -353,8 +354,8 @@ TEST(ArchiveOdds, IslandsKnowOddsThatNoDoubleHolds) {
 }
 
 TEST(ArchiveOdds, IslandsThatCannotBeAreRefused) {
-  // Goal: tables that no run writes are a bad archive, not a crash. Method: values that are not
-  // logs of estimates, wrong numbers of chains, missing islands.
+  // Goal: tables that no run writes are a bad archive, not a crash. Method: use values that are not
+  // logs of estimates, wrong numbers of chains, and missing islands.
   const auto expect_refused = [](const IslandTables& tables, const char* what) {
     const Made made = islands_archive(tables);
     EXPECT_THROW(odds_of(made.source, made.summary), base::Error) << what;

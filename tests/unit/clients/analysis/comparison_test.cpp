@@ -1,4 +1,5 @@
-// Goal: `sleight compare` reports how requests differ. Method: requests that differ in single keys.
+// Goal: `sleight compare` reports how requests differ. Method: compare requests that differ in
+// single keys.
 #include "clients/analysis/comparison.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // Goal: the right draws of the right scalars are judged, every reason reaches the report, and
-// invalid ladders of a hostile archive are refused by name. Method: a fake in-memory run with and
-// without ladders, and a judge that records its input and complains on request.
+// invalid ladders of a hostile archive are refused by name. Method: judge a fake in-memory run,
+// with and without ladders, by a judge that records its input and complains on request.
 #include "clients/analysis/diagnosis.h"
 
 #include <gmock/gmock.h>
@@ -162,7 +162,7 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
 
 TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
   // Goal: independent draws always pass all measures, so no measure may vouch for tours; means are
-  // still shown. Method: draws that the judge likes, and one that it dislikes.
+  // still shown. Method: use a judge that likes all draws, and one that dislikes some.
   archive::ArchiveOptions of_tours = archive::testing::options_for(options(201));
   of_tours.request_text = "[sampler]\nmethod = \"sequential\"\ntour_scans = 16\n";
   archive::write_digested(archive_, [&](archive::Sink& sink) {

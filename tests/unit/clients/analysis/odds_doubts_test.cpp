@@ -1,6 +1,6 @@
 // Goal: an error is reported only if all facts behind it hold; each missing one is a doubt of its
-// own kind. Method: made-up tables of a ladder's two rounds, good except for one thing, on both
-// sides of every limit.
+// own kind. Method: make up tables of a ladder's two rounds that are good except for one thing, on
+// both sides of every limit.
 #include "clients/analysis/odds_doubts.h"
 
 #include <gmock/gmock.h>

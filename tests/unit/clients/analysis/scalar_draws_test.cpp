@@ -1,6 +1,6 @@
 // Goal: scalars are read entry by entry in bounded memory, and draws without a finite value rank
-// below all others. Method: a source that computes its values and records its longest read; every
-// value is checked against its formula.
+// below all others. Method: read a source that computes its values and records its longest read,
+// and check every value.
 #include "clients/analysis/scalar_draws.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Goal: ladders' estimates are combined on the log scale with the largest of three errors, and
-// printed with readable units. Method: cases worked out by hand, at every change of unit.
+// printed with readable units. Method: work out cases by hand at every change of unit.
 #include "clients/analysis/throw_odds.h"
 
 #include <gtest/gtest.h>

@@ -247,9 +247,9 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
 }
 
 TEST(AlikeSets, AreGroupedAgainAsTheFirstTime) {
-  // Goal: state stored between groupings doesn't change them. Method: increasing and decreasing
-  // numbers of groups by both methods, for a set with a full matrix and for a sampled set, compared
-  // with a grouping from scratch; distances compared with Sketches.
+  // Goal: state stored between groupings doesn't change them. Method: vary the number of groups by
+  // both methods, for a set with a full matrix and for a sampled set, and compare with a grouping
+  // from scratch. Compare distances with Sketches.
   random::Stream stream = testing::stream_of(k_seed, 27);
   for (const std::size_t size : {60UL, 505UL}) {
     const Index index = random_index(size, stream);

@@ -44,7 +44,7 @@ TEST(Outline, IsTheIndexWithoutMotions) {
 
 TEST(Outline, ComesBackFromItsBytesOrNotAtAll) {
   // Goal: an outline reads back equal; damaged bytes, or another version's, give nothing. Method:
-  // cuts, flipped bits, and groups with missing entries under a valid checksum.
+  // cut the bytes, flip bits, and name missing entries in groups under a valid checksum.
   const Outline outline = outline_of_many();
   const base::Bytes bytes = bytes_of(outline, "1.2");
   const auto back = outline_of_bytes(bytes, "1.2");

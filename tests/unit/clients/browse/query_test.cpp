@@ -1,6 +1,6 @@
-// Goal: a query means what its text states, and the fast answer equals the slow one. Method: random
-// queries on random animations, compared with tests/browse, which tests every segment of every
-// body; small cases with known answers; wrong answers, which the comparison must notice.
+// Goal: a query means what its text states, and the fast answer equals the slow one. Method:
+// compare random queries on random animations with tests/browse, which tests every segment of every
+// body. Check small cases with known answers, and that the comparison notices wrong answers.
 #include "clients/browse/query.h"
 
 #include <gtest/gtest.h>

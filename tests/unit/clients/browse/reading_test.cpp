@@ -1,6 +1,6 @@
 // Goal: an index agrees with its archive, even if it extends an earlier index, and reads back from
-// its bytes or not at all. Method: in-memory archives of the made-up world; longer archives of the
-// same run; changed bytes.
+// its bytes or not at all. Method: read in-memory archives of the made-up world, then longer
+// archives of the same run; change bytes.
 #include "clients/browse/reading.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // Goal: commands that name jobs make the right calls, print the answers and exit with the right
-// code. Method: a real server on a real socket, with a scripted handler.
+// code. Method: call a real server on a real socket, with a scripted handler.
 #include "clients/cli/job_commands.h"
 
 #include <gtest/gtest.h>
@@ -92,7 +92,7 @@ const rpc::ChangeAsk k_cancel{.kind = rpc::ChangeKind::cancel};
 
 TEST_F(JobCommands, ListShowsPagesAndFilters) {
   // Goal: filters reach the service, pages are joined, and a limited list prints the command for
-  // the next page. Method: a service with two jobs per page and a cursor.
+  // the next page. Method: list from a service with two jobs per page and a cursor.
   std::vector<rpc::ListAsk> asks;
   const std::vector<rpc::JobView> jobs = handler_.jobs;
   handler_.on_list = [&](rpc::ListAsk ask, rpc::Reply<rpc::JobPage> reply) {
@@ -242,8 +242,8 @@ TEST_F(JobCommands, WaitPrintsTheEndAlone) {
 }
 
 TEST_F(JobCommands, WatchTellsEachEventOnALine) {
-  // Goal: each event from a number on, each change of state and the end is one line. Method: JSON
-  // of a job with two events, from the second on.
+  // Goal: each event from a number on, each change of state and the end is one line. Method: print
+  // a job with two events as JSON, from the second on.
   serve();
   const std::string text = out([&] { return watch(socket_, watched({"17"}, true, 2)); });
   std::vector<Json> lines;
@@ -265,7 +265,7 @@ TEST_F(JobCommands, WatchTellsEachEventOnALine) {
 
 TEST_F(JobCommands, CtrlCLeavesTheJob) {
   // Goal: an interrupted watch exits with 130, prints how to resume watching, and cancels nothing.
-  // Method: SIGINT while watching a running job without news.
+  // Method: send SIGINT while watching a running job without news.
   serve();
   handler_.on_events = [&](const rpc::WatchPoint& point) {
     if (point.change > 0) {
@@ -283,8 +283,8 @@ TEST_F(JobCommands, CtrlCLeavesTheJob) {
 }
 
 TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
-  // Goal: if one of several jobs has not ended, none is deleted. Method: a group with a running
-  // job, then ended jobs.
+  // Goal: if one of several jobs has not ended, none is deleted. Method: delete a group with a
+  // running job, then ended jobs.
   std::vector<rpc::Target> erased;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     EXPECT_EQ(ask.kind, rpc::ChangeKind::erase);
@@ -344,8 +344,8 @@ TEST(ExtendOptions, TakeOneRule) {
 }
 
 TEST_F(JobCommands, LogsFollowsToTheEnd) {
-  // Goal: a log's bytes are printed once, in whole lines, until its end. Method: a log that grows
-  // by pieces cut inside a line and inside a character, with an escape sequence.
+  // Goal: a log's bytes are printed once, in whole lines, until its end. Method: print a log that
+  // grows by pieces cut inside a line and inside a character, with an escape sequence.
   const std::string log = "first\nse\x1b[2Jcond ü\nlast without an end";
   std::size_t written = 8;
   handler_.on_logs = [&](rpc::LogAsk ask, rpc::Reply<rpc::LogPiece> reply) {

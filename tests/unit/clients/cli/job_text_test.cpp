@@ -70,7 +70,7 @@ rpc::JobView queued_job() {
 
 TEST_F(JobText, TableHasWhatPeopleAskFor) {
   // Goal: a table shows place in the queue with its reason, time left by scans and by solutions,
-  // finds and draws separately, and failures by kind. Method: a running and a queued job.
+  // finds and draws separately, and failures by kind. Method: show a running and a queued job.
   const std::vector<rpc::JobView> jobs{running_job(), queued_job()};
   EXPECT_EQ(job_table(jobs, {}),
             "ID  NAME    GROUP  STATE    PLACE              SCANS  FOUND  IN PROPORTION  SIMS/S  "

@@ -1,5 +1,5 @@
 // Goal: the list of a world's own plots determines the available names, the help, the trace, and
-// the error for a plot that an archive lacks. Method: two made-up worlds, with archives of both and
+// the error for a plot that an archive lacks. Method: make up two worlds, with archives of both and
 // of a third world.
 #include "clients/cli/plot_command.h"
 

@@ -1,5 +1,5 @@
 // Goal: starting a background server returns once the server answers, or reports why it can't
-// start. Method: small scripts in place of the server.
+// start. Method: start small scripts in place of the server.
 #include "clients/service_client/server_process.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ bool ends(service_client::ServerProcess& process) {
 
 TEST(ServerProcess, LeavesItsWordsInTheLog) {
   // Goal: if the daemon exits at once, the error has its exit code and this start's log lines; only
-  // the owner can open the folder. Method: a shell in place of the daemon, twice.
+  // the owner can open the folder. Method: start a shell in place of the daemon, twice.
   const ScratchFolder scratch;
   const std::string folder = scratch / "deep/state";
   service_client::ServerProcess first({"/bin/sh", "-c", "echo first; exit 0"}, folder);

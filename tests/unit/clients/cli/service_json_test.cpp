@@ -14,7 +14,7 @@ namespace sleight::cli {
 namespace {
 
 TEST(ServiceJson, SubmittedHasTheIdThatCommandsTake) {
-  // Goal: a submission's `.id` works in every other command. Method: a job and a group.
+  // Goal: a submission's `.id` works in every other command. Method: print a job and a group.
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}}})),
             R"({"id":17,"group":null,"ids":[17]})");
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}, rpc::JobId{18}},
@@ -54,7 +54,7 @@ TEST(ServiceJson, OneJobAloneIsAnObject) {
 
 TEST(ServiceJson, AnEventKeepsItsFields) {
   // Goal: an event is printed as the run wrote it, with unknown fields and its job's id; an invalid
-  // line gives nothing. Method: an unknown kind, and texts that aren't objects.
+  // line gives nothing. Method: print an unknown kind of event, and texts that aren't objects.
   EXPECT_EQ(on_one_line(event_json({17}, R"({"number":3,"kind":"later","job":99,"x":[1]})")),
             R"({"job":17,"number":3,"kind":"later","x":[1]})");
   for (const char* line : {"", "[1]", "17", "{\"number\":", "\xff"})
@@ -62,8 +62,8 @@ TEST(ServiceJson, AnEventKeepsItsFields) {
 }
 
 TEST(ServiceJson, IsHarmlessOnATerminal) {
-  // Goal: JSON can't control a terminal, whatever its texts. Method: C0 and C1 control characters,
-  // a bidirectional mark, invalid UTF-8.
+  // Goal: JSON can't control a terminal, whatever its texts. Method: use C0 and C1 control
+  // characters, a bidirectional mark and invalid UTF-8.
   const rpc::JobView job{.id = {17}, .name = "\x1b[2J\u009b\u202e\x7f\xff\n"};
   for (const std::string& text : {indented(to_json(job, true)), on_one_line(to_json(job, true))}) {
     EXPECT_TRUE(std::ranges::all_of(text, [](char c) {

@@ -1,5 +1,6 @@
 // Goal: a submission has the request's text with its sets, once per combination, and refusals read
-// like those of `sleight check`. Method: a real server on a real socket, with a scripted handler.
+// like those of `sleight check`. Method: call a real server on a real socket, with a scripted
+// handler.
 #include "clients/cli/submit_command.h"
 
 #include <gtest/gtest.h>
@@ -43,8 +44,8 @@ rpc::Submission made(const SubmitOptions& options, const GivenRequest& given) {
 }
 
 TEST(Submit, AnUnchangedRequestGoesAsItIsWritten) {
-  // Goal: the service's errors have the file's line numbers, and all options arrive. Method: a
-  // file's text, and each option.
+  // Goal: the service's errors have the file's line numbers, and all options arrive. Method: submit
+  // a file's text with each option.
   const rpc::Submission submission =
       made({.request_path = "requests/hi.toml",
             .cores = 4,
@@ -85,7 +86,7 @@ TEST(Submit, SetsAndNumberAreApplied) {
 
 TEST(Submit, ARangeMakesAGroup) {
   // Goal: each value gives one job, named by its value; even a range of one value is a group.
-  // Method: a range beside a plain set.
+  // Method: submit a range beside a plain set.
   const rpc::Submission group = made(
       {.request_path = "hi.toml", .sets = {"sampler.seed=1..3", "stop.scans=9"}, .name = "try"},
       {"hi.toml", "text"});
@@ -109,8 +110,8 @@ TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
 }
 
 TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
-  // Goal: a set that contradicts an option is refused. Method: --word and -n with such sets, and
-  // with other sets.
+  // Goal: a set that contradicts an option is refused. Method: combine --word and -n with such sets
+  // and with other sets.
   const auto is_taken = [](const SubmitOptions& options) {
     return submission_of(options, {"x", "text"}, texts()).ok();
   };
@@ -144,8 +145,8 @@ TEST(Submit, MoreThanASubmissionTakesIsRefused) {
 
 TEST(Submit, NamesFitTheService) {
   // Goal: a job's default name is printable and within the service's limit, whatever the file's
-  // name; an explicit name is never cut silently. Method: a long name of wide characters, alone and
-  // in a group; a name with an escape.
+  // name; an explicit name is never cut silently. Method: use a long name of wide characters, alone
+  // and in a group, and a name with an escape.
   std::string name;
   for (int i = 0; i < 200; ++i)
     name += "ü";
@@ -176,7 +177,7 @@ Printed submit_to(const std::string& socket, const SubmitOptions& options) {
 
 TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
   // Goal: a refused request exits with 3 and lines that name the file, whatever the service calls
-  // the text. Method: a service with diagnostics, one with control characters.
+  // the text. Method: refuse with diagnostics, one of which has control characters.
   const ScratchFolder scratch;
   const std::string file = scratch / "hi.toml";
   std::ofstream(file) << "text";

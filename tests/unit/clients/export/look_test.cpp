@@ -1,6 +1,6 @@
 // Goal: each shape is where the scene has it, closed and lit from outside, and goals follow the
-// table. Method: known numbers of triangles; compare normals with the triangles' own, and heights
-// and slopes with common/scene's surface.
+// table. Method: count triangles; compare normals with the triangles' own, and heights and slopes
+// with common/scene's surface.
 #include "clients/export/look.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // Goal: answers agree with the archive and are addressed by number and name only; any other request
-// is refused with a message. Method: an archive of the made-up world; each address; wrong
-// addresses; malformed questions.
+// is refused with a message. Method: request each address of an archive of the made-up world, wrong
+// addresses and malformed questions.
 #include "clients/gallery_server/answers.h"
 
 #include <gmock/gmock.h>
@@ -152,8 +152,8 @@ TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
 }
 
 TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
-  // Goal: malformed JSON does no harm. Method: wrong types and numbers in each place; an old
-  // generation.
+  // Goal: malformed JSON does no harm. Method: use wrong types and numbers in each place, and an
+  // old generation.
   const Json good = at();
   const auto status = [&](const char* place, const Json& question) {
     return post(place, question.dump()).status;

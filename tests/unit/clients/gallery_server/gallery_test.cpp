@@ -167,7 +167,8 @@ TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
 
 TEST_F(GalleryTest, AFolderShowsWhatLiesInItAndNothingElse) {
   // Goal: a folder's archives are shown, including later ones. A damaged archive affects only
-  // itself; a link that leads outside is named and not opened. Method: a folder with one of each.
+  // itself; a link that leads outside is named and not opened. Method: show a folder with one of
+  // each.
   std::filesystem::create_directories(path("runs"));
   std::filesystem::create_directories(path("elsewhere"));
   files.put(path("runs/b.h5"), made_up(50));

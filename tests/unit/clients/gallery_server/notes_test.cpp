@@ -1,5 +1,6 @@
 // Goal: notes about animations are stored as written, for those who may write, and nothing else
-// enters a file. Method: a scratch folder; files that are changed, invalid or not writable.
+// enters a file. Method: write notes in a scratch folder, and make files that are changed, invalid
+// or not writable.
 #include "clients/gallery_server/notes.h"
 
 #include <fmt/format.h>
@@ -68,8 +69,8 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
 }
 
 TEST_F(NotesTest, NothingElseGetsIn) {
-  // Goal: invalid notes are refused and create no file. Method: wrong types, excessive sizes, names
-  // that lead elsewhere.
+  // Goal: invalid notes are refused and create no file. Method: use wrong types, excessive sizes
+  // and names that lead elsewhere.
   Notes notes(path("notes"));
   const auto refused = [&](const std::string& of, const std::string& name, const Json& note) {
     EXPECT_THROW(changed(notes, of, name, note), base::Error) << of << " " << name << " " << note;
@@ -92,8 +93,9 @@ TEST_F(NotesTest, NothingElseGetsIn) {
 }
 
 TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
-  // Goal: a bulk change is stored whole or not at all. Method: thousands of notes; the same with
-  // one wrong; too many; the maximum number, which takes seconds (half a minute with sanitizers).
+  // Goal: a bulk change is stored whole or not at all. Method: change thousands of notes at once,
+  // also with a wrong one and with too many. The maximum number takes seconds (half a minute with
+  // sanitizers).
   Notes notes(path("notes"));
   Json stars = Json::object();
   for (int i = 0; i < 5000; ++i)
@@ -138,7 +140,7 @@ TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
 
 TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
   // Goal: if notes can't be stored, they still work and a message reports it; an invalid file stays
-  // as it is. Method: a file in place of the folder; a file of nonsense; no folder.
+  // as it is. Method: put a file in place of the folder; use a file of nonsense; use no folder.
   std::ofstream(path("taken")) << "a file";
   Notes notes(path("taken/notes"));
   changed(notes, run, "c0.250", starred);
@@ -162,8 +164,8 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
 }
 
 TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
-  // Goal: an unreadable file affects only its own run. Method: nonsense for one run, a note for
-  // another, which is there next time; the error is still reported.
+  // Goal: an unreadable file affects only its own run. Method: write nonsense for one run and a
+  // note for another, and read both twice.
   fs::create_directories(path("notes"));
   std::ofstream(path("notes/3f2a9c01.json")) << "[]";
   Notes notes(path("notes"));
@@ -175,7 +177,7 @@ TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
 
 TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
   // Goal: a folder "sleight-notes" beside the archive shares notes; otherwise they are personal.
-  // Method: with and without the folder.
+  // Method: save with and without the folder.
   ::setenv("XDG_DATA_HOME", path("data").c_str(), 1);
   EXPECT_EQ(notes_folder(path("a.h5")), path("data/sleight/notes"));
   fs::create_directories(path("sleight-notes"));

@@ -1,6 +1,6 @@
 // Goal: an archive that was browsed before is shown at once by its outline, which agrees with the
-// whole; questions about motions wait. Method: galleries of one file whose second reading is
-// delayed, is damaged, or finds another file.
+// whole; questions about motions wait. Method: show one file whose second reading is delayed, is
+// damaged, or finds another file.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -39,8 +39,8 @@ namespace fs = std::filesystem;
 using Json = json::Value;
 
 TEST(Base64, IsThatOfTheStandard) {
-  // Goal: base64 is what browsers decode. Method: the test vectors of RFC 4648, section 10, and all
-  // digits.
+  // Goal: base64 is what browsers decode. Method: encode the test vectors of RFC 4648, section 10,
+  // and all digits.
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");
@@ -192,7 +192,7 @@ class Spoilt final : public archive::Source {
 
 TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
   // Goal: the error names the unreadable archive of several, and nothing is left behind. Method:
-  // the second of two becomes unreadable after it was opened.
+  // make the second of two archives unreadable after it was opened.
   files.put(path("b.h5"), testing::made_up(102, 3));
   bool is_spoilt = false;
   const auto second = std::make_shared<const Snapshot>(
@@ -212,8 +212,9 @@ TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
 }
 
 TEST_F(SavedGallery, TakesNothingElsesPlace) {
-  // Goal: a save replaces only a saved gallery or an empty place. Method: a folder with a file; a
-  // file; an empty folder; a gallery; a name with a slash at the end; a link, which stays.
+  // Goal: a save replaces only a saved gallery or an empty place. Method: save over a folder with a
+  // file, a file, an empty folder, a gallery, a name with a slash at the end, and a link, which
+  // stays.
   fs::create_directories(path("mine"));
   std::ofstream(path("mine/letter.txt")) << "dear";
   EXPECT_EQ(refusal_of([&] { save(options("mine")); }).first, base::ExitCode::conflict);
@@ -264,8 +265,8 @@ TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
 }
 
 TEST_F(SavedGallery, IsKnownByWhatItsManifestSays) {
-  // Goal: a file's name alone doesn't identify a folder as a gallery. Method: a foreign
-  // data/gallery.js; manifests with other content, or with names that no gallery writes.
+  // Goal: a file's name alone doesn't identify a folder as a gallery. Method: save over a foreign
+  // data/gallery.js, and over manifests with other content or names.
   fs::create_directories(path("photos/data"));
   std::ofstream(path("photos/data/gallery.js")) << "mine";
   EXPECT_EQ(refusal_of([&] { save(options("photos")); }).first, base::ExitCode::conflict);
@@ -286,8 +287,8 @@ TEST_F(SavedGallery, IsKnownByWhatItsManifestSays) {
 }
 
 TEST_F(SavedGallery, LeavesNoFileOfTheOneBefore) {
-  // Goal: the manifest names all files, and files that a new gallery lacks are removed. Method: a
-  // gallery of two archives, then of one.
+  // Goal: the manifest names all files, and files that a new gallery lacks are removed. Method:
+  // save a gallery of two archives, then of one.
   const SavedArchive archive{.name = "a.h5", .snapshot = snapshot};
   save_gallery({archive, archive}, options("saved"), rules);
   const Json manifest = Json::parse(text_of_file(path("saved/sleight-gallery.json")));
@@ -335,9 +336,9 @@ fs::path work_in(const fs::path& folder) {
 }
 
 TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
-  // Goal: an interrupted save leaves nothing but the earlier gallery. Method: a progress that
-  // throws halfway; a progress that spoils a file, so that a rename fails halfway; a file that
-  // appears during the save.
+  // Goal: an interrupted save leaves nothing but the earlier gallery. Method: save with a progress
+  // that throws halfway, with one that spoils a file so that a rename fails halfway, and with a
+  // file that appears meanwhile.
   save(options("saved"));
   std::ofstream(path("saved/index.html")) << "the first";
   const auto before = files_in(path("saved"));
@@ -371,7 +372,7 @@ TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
 
 TEST(NamedArchives, AbandonedFoldersAreRemoved) {
   // Goal: a killed gallery's temporary folder is removed, and a running gallery's stays. Method:
-  // folders of that name with and without a lock, and other files and folders.
+  // make folders of that name with and without a lock, and other files and folders.
   std::string form = (fs::temp_directory_path() / "sleight-test-XXXXXX").string();
   const fs::path temporary = ::mkdtemp(form.data());
   for (const char* name : {"sleight-gallery-aaaaaa", "sleight-gallery-bbbbbb", "sleight-gallery-c",

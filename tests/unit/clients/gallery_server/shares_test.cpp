@@ -1,6 +1,6 @@
 // Goal: shares of satisfying draws by group are right, with errors computed from lineages. Method:
-// small cases by hand; random cases counted draw by draw; the scatter of shares over many sets of
-// random lineages.
+// work out small cases by hand; count random cases draw by draw; measure the scatter of shares over
+// many sets of random lineages.
 #include "clients/gallery_server/shares.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ using Groups = std::vector<std::optional<std::size_t>>;
 
 TEST(Shares, ADrawGoesToWhatWasKeptLastOfItsLineage) {
   // Goal: each draw counts for the latest animation kept at or before it; lineages without kept
-  // animations are separate. Method: two lineages by hand, and one without kept animations.
+  // animations are separate. Method: use two lineages by hand, and one without kept animations.
   const std::vector<LineageDraw> kept{{.chain = 0, .lineage = 5, .draw = 10},
                                       {.chain = 0, .lineage = 5, .draw = 20},
                                       {.chain = 1, .lineage = 5, .draw = 3}};
@@ -43,8 +43,8 @@ TEST(Shares, ADrawGoesToWhatWasKeptLastOfItsLineage) {
 }
 
 TEST(Shares, NoDrawsAndOneLineage) {
-  // Goal: no draws give no share, and one lineage gives no error. Method: no draws; one lineage; an
-  // animation in no group.
+  // Goal: no draws give no share, and one lineage gives no error. Method: use no draws, one
+  // lineage, and an animation in no group.
   EXPECT_TRUE(shares_of({}, Groups{}, 2).empty());
   const std::vector<LineageDraw> kept{{.chain = 0, .lineage = 1, .draw = 1}};
   const std::vector<LineageDraw> twice{kept[0], {.chain = 0, .lineage = 1, .draw = 2}};
@@ -56,7 +56,7 @@ TEST(Shares, NoDrawsAndOneLineage) {
 }
 
 TEST(Shares, AreWhatCountingDrawByDrawSays) {
-  // Goal: fast and slow counting agree. Method: 300 random runs, seed 27.
+  // Goal: fast and slow counting agree. Method: compare 300 random runs (seed 27).
   random::Stream stream({.seed = 27, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   for (int run = 0; run < 300; ++run) {
@@ -94,9 +94,9 @@ TEST(Shares, AreWhatCountingDrawByDrawSays) {
 }
 
 TEST(Shares, ErrorsAreHowSharesScatter) {
-  // Goal: the error is the scatter of the share over runs. Method: 2,000 runs of 60 lineages of 1
-  // to 12 draws, each lineage in the group with probability 0.3 (seed 28); the mean error equals
-  // the shares' standard deviation to a tenth.
+  // Goal: the error is the scatter of the share over runs. Method: simulate 2,000 runs of 60
+  // lineages of 1 to 12 draws, each in the group with probability 0.3 (seed 28). The mean error
+  // must equal the shares' standard deviation to a tenth.
   random::Stream stream({.seed = 28, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   double sum = 0;

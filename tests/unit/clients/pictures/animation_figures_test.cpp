@@ -1,6 +1,6 @@
 // Goal: pictures show any world's scene and motions with bodies and goals in their places and
-// inside the panel. Method: made-up scenes of few and of many bodies; count and measure the
-// figure's series.
+// inside the panel. Method: count and measure the series of figures of made-up scenes with few and
+// many bodies.
 #include "clients/pictures/animation_figures.h"
 
 #include <gmock/gmock.h>
@@ -113,7 +113,7 @@ std::vector<plot::Polygon> squares_of(const plot::Panel& panel) {
 
 TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
   // Goal: dice are drawn where they rest, with the upper face's pips and a ring at the goal.
-  // Method: the view from above alone, which is in millimetres.
+  // Method: draw only the view from above, which is in millimetres.
   const plot::Figure figure = animation_figure("dice", dice_scene(), {throw_of()}, false);
   ASSERT_EQ(figure.panels.size(), 1U);
   const plot::Panel& panel = figure.panels.front();
@@ -141,7 +141,7 @@ TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
 }
 
 TEST(AnimationFigures, PatchesAreShadedByTheirHeights) {
-  // Goal: with control points, the table is darker where it is lower. Method: a slope of two
+  // Goal: with control points, the table is darker where it is lower. Method: draw a slope of two
   // patches.
   ShownAnimation animation = throw_of();
   for (std::int32_t j = -1; j <= 2; ++j) {
@@ -218,7 +218,7 @@ class MovingReader final : public archive::testing::FakeReader {
 
 TEST(AnimationFigures, AreDrawnFromAnArchiveAlone) {
   // Goal: an unknown world is drawn from its archive; an animation without motion, and an archive
-  // without a scene, are refused. Method: the made-up world of the archive's tests.
+  // without a scene, are refused. Method: draw the made-up world of the archive's tests.
   const archive::testing::FakeRunOptions options;
   archive::ArchiveOptions archive_options = archive::testing::options_for(options);
   archive_options.request_text = "[world]\nname = \"fake\"\n[sampler]\nchains = 3\n";

@@ -253,8 +253,8 @@ TEST_F(Frames, AreWrittenAsPngFiles) {
 }
 
 TEST_F(Frames, NothingOfOthersIsOverwritten) {
-  // Goal: a folder with files stays unchanged, and a failure leaves nothing behind. Method: such a
-  // folder; a progress that throws.
+  // Goal: a folder with files stays unchanged, and a failure leaves nothing behind. Method: write
+  // into such a folder; write with a progress that throws.
   const fs::path folder = path("mine");
   fs::create_directory(folder);
   std::ofstream(folder / "frame-0001.png") << "dear";
@@ -275,7 +275,7 @@ TEST_F(Frames, NothingOfOthersIsOverwritten) {
 
 TEST_F(Frames, GoToFfmpegAsPixels) {
   // Goal: the encoder gets the right arguments and all bytes; its file gets its name once complete.
-  // Method: a script that records its arguments and counts bytes.
+  // Method: run a script that records its arguments and counts bytes.
   const std::string output = path("a film.mp4");
   {
     const OtherPath path(
@@ -305,8 +305,8 @@ TEST_F(Frames, GoToFfmpegAsPixels) {
 }
 
 TEST_F(Frames, FfmpegsFailureIsShown) {
-  // Goal: ffmpeg's messages are shown without control characters, and no file is left. Method:
-  // scripts that fail at once, at the end, by a signal, or silently; no ffmpeg.
+  // Goal: ffmpeg's messages are shown without control characters, and no file is left. Method: run
+  // scripts that fail at once, at the end, by a signal, or silently; run without ffmpeg.
   const std::string output = path("film.mp4");
   const auto refused = [&](const std::string& programs, const std::string& words) {
     const OtherPath other(programs);

@@ -72,7 +72,7 @@ TEST(SceneView, ADieThatIsNotTurnedShowsItsThree) {
 
 TEST(SceneView, EveryFaceComesUp) {
   // Goal: each face is on top in its pose and shows as many pips; its opposite adds up to 7.
-  // Method: quarter turns about x and y.
+  // Method: make quarter turns about x and y.
   const std::vector<std::pair<Quat, std::uint32_t>> poses{
       {turned({0, 1, 0}, -90), 1}, {turned({1, 0, 0}, 90), 2},  {turned({1, 0, 0}, 0), 3},
       {turned({1, 0, 0}, 180), 4}, {turned({1, 0, 0}, -90), 5}, {turned({0, 1, 0}, 90), 6}};
@@ -102,8 +102,8 @@ TEST(SceneView, OneTwoThreeGoRoundAnticlockwise) {
 }
 
 TEST(SceneView, OutlineOfATiltedDie) {
-  // Goal: a die on its edge shows two faces, each as wide as its cosine. Method: turns about y,
-  // which bring the 6, on -x, up beside the 3.
+  // Goal: a die on its edge shows two faces, each as wide as its cosine. Method: turn about y,
+  // which brings the 6, on -x, up beside the 3.
   for (const double angle_deg : {20.0, 45.0, 70.0}) {
     const double angle = angle_deg * M_PI / 180;
     const auto seen =

@@ -13,8 +13,8 @@ namespace {
 
 TEST(Decimation, KeepsTheExtremesOfEachColumn) {
   // Goal: thinning is invisible: each column keeps its lowest, highest, first and last values, in
-  // order, so at most four. Method: a million made-up points with rare spikes on 800 columns,
-  // compared with a plain search.
+  // order, so at most four. Method: thin a million made-up points with rare spikes on 800 columns,
+  // and compare with a plain search.
   MadeUp made_up(5);
   std::vector<Point> points;
   constexpr std::size_t k_count = 1'000'000;
@@ -41,7 +41,7 @@ TEST(Decimation, KeepsTheExtremesOfEachColumn) {
 }
 
 TEST(Decimation, LeavesShortLinesAndPathsThatTurnBack) {
-  // Goal: sparse lines keep every point. Method: a sparse line, a path to and fro, a vertical
+  // Goal: sparse lines keep every point. Method: thin a sparse line, a path to and fro, a vertical
   // stroke, no point and one point.
   const std::vector<Point> sparse = {{0, 0}, {1, 5}, {2, -5}, {3, 0}};
   EXPECT_EQ(decimated_line(sparse, 1.0), sparse);
@@ -57,7 +57,7 @@ TEST(Decimation, LeavesShortLinesAndPathsThatTurnBack) {
 
 TEST(Decimation, BoundsMarkersByTheArea) {
   // Goal: a million dots on a small picture become few, and each cell with a dot keeps one. Method:
-  // made-up points on 100 x 50 pixels.
+  // thin made-up points on 100 x 50 pixels.
   MadeUp made_up(9);
   std::vector<Point> points;
   for (int i = 0; i < 1'000'000; ++i)
@@ -68,8 +68,8 @@ TEST(Decimation, BoundsMarkersByTheArea) {
 }
 
 TEST(Runs, AreWhatLiesBetweenGaps) {
-  // Goal: a NaN or an infinity splits a line and belongs to neither part. Method: gaps at both
-  // ends, two together, none.
+  // Goal: a NaN or an infinity splits a line and belongs to neither part. Method: put gaps at both
+  // ends, two together, and none.
   const std::vector<Point> points = {{k_nan, 0},      {1, 1}, {2, 2},    {3, k_nan},
                                      {4, -1.0 / 0.0}, {5, 5}, {6, k_nan}};
   const auto runs = drawable_runs(points);

@@ -34,7 +34,7 @@ TEST(Examples, AreDrawnToFiles) {
 }
 
 TEST(Png, RefusesWhatIsNoPicture) {
-  // Goal: invalid SVG and absurd sizes are errors with a reason, not crashes. Method: broken
+  // Goal: invalid SVG and absurd sizes are errors with a reason, not crashes. Method: use broken
   // documents, and a scale that would need gigabytes.
   EXPECT_THROW(svg_to_png("", 1), base::Error);
   EXPECT_THROW(svg_to_png("<svg", 1), base::Error);
@@ -71,8 +71,8 @@ TEST(Save, ExplainsWhatIsWrong) {
 }
 
 TEST(Save, TellsOfAFullDisk) {
-  // Goal: a short write is an error. Method: Linux's /dev/full behind a link; skipped if the system
-  // has none.
+  // Goal: a short write is an error. Method: write to Linux's /dev/full behind a link; skip if the
+  // system has none.
   const std::string path = testing::TempDir() + "full.svg";
   std::error_code failure;
   std::filesystem::remove(path, failure);

@@ -1,5 +1,6 @@
 // Goal: a film's frame is the still picture with its moving series, without traces of the last
-// frame; both forms have the same pixels. Method: small figures; cairo reads the PNG images.
+// frame; both forms have the same pixels. Method: draw small figures and read the PNG images with
+// cairo.
 #include "clients/plot/film.h"
 
 #include <cairo.h>

@@ -9,8 +9,8 @@ namespace sleight::plot {
 namespace {
 
 TEST(Layout, KeepsFramesApartAndInside) {
-  // Goal: no panel leaves the page or overlaps another, for tiny to large pages. Method: the
-  // example figures at several sizes; at ordinary sizes, labels stay inside their cell.
+  // Goal: no panel leaves the page or overlaps another, for tiny to large pages. Method: lay out
+  // the example figures at several sizes; at ordinary sizes, labels stay inside their cell.
   for (Figure figure : {landing_figure(), paths_figure(), hostile_figure()}) {
     for (const double scale : {0.05, 0.5, 1.0, 3.0}) {
       Figure sized = figure;
@@ -38,7 +38,7 @@ TEST(Layout, KeepsFramesApartAndInside) {
 }
 
 TEST(Layout, SeparatesTickLabels) {
-  // Goal: neighbouring labels on the x axis never touch. Method: positions and measured widths for
+  // Goal: neighbouring labels on the x axis never touch. Method: measure positions and widths for
   // the example figures and for wide labels.
   Figure wide{.width_px = 360,
               .panels = {Panel{.x_range = Range{100000, 100001}}, Panel{.x_range = Range{0, 9e9}}}};
@@ -56,8 +56,8 @@ TEST(Layout, SeparatesTickLabels) {
 }
 
 TEST(Layout, NarrowPanelsStillHaveAScale) {
-  // Goal: an axis with room for two ticks has at least two, and labels don't touch. Method: ranges
-  // that few nice steps hit only once, in narrow panels.
+  // Goal: an axis with room for two ticks has at least two, and labels don't touch. Method: use
+  // ranges that few nice steps hit only once, in narrow panels.
   for (const double width_px : {250.0, 360.0}) {
     for (const Range range : {Range{-4, 4}, Range{-3.75, 3.75}, Range{-0.9, 0.9}, Range{1, 9}}) {
       const Figure figure{.width_px = width_px, .panels = {Panel{.x_range = range}}};
@@ -74,7 +74,7 @@ TEST(Layout, NarrowPanelsStillHaveAScale) {
 }
 
 TEST(Layout, LinesUpPanelsOfAColumn) {
-  // Goal: stacked panels' x axes align. Method: labels of very different widths.
+  // Goal: stacked panels' x axes align. Method: use labels of very different widths.
   const Figure figure{
       .panels = {Panel{.y_range = Range{0, 1}}, Panel{.y_range = Range{0, 123456}}}};
   const FigureLayout layout = layout_of(figure);
@@ -84,7 +84,7 @@ TEST(Layout, LinesUpPanelsOfAColumn) {
 
 TEST(Layout, DrawingsWithoutAxesFillTheirCell) {
   // Goal: a panel without axes has its whole cell below the title, so that its units can be pixels.
-  // Method: the frame's sides; no ticks.
+  // Method: check the frame's sides; there are no ticks.
   const Panel panel{.title = "a drawing", .x_label = "x", .y_label = "y", .axes = false};
   const PanelLayout layout = layout_of({.panels = {panel}}).panels[0];
   EXPECT_DOUBLE_EQ(layout.frame.left, layout.cell.left);
@@ -97,7 +97,7 @@ TEST(Layout, DrawingsWithoutAxesFillTheirCell) {
 
 TEST(Layout, LegendNamesEachLabelOnceAndWraps) {
   // Goal: arrows with one label share an entry, and entries wrap into rows within the frame.
-  // Method: many labels in a narrow figure.
+  // Method: put many labels into a narrow figure.
   Panel panel;
   for (int i = 0; i < 3; ++i)
     panel.series.push_back(Arrow{.label = "normal"});

@@ -41,8 +41,8 @@ std::string svg_of(Series series) {
 }
 
 TEST(Svg, IsWellFormedXml) {
-  // Goal: any figure is valid XML without "nan" or "inf". Method: GLib's parser on the examples, an
-  // empty figure and an empty panel; the parser must reject broken XML.
+  // Goal: any figure is valid XML without "nan" or "inf". Method: run GLib's parser on the
+  // examples, an empty figure and an empty panel. The parser must reject broken XML.
   for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure(), Figure{},
                                Figure{.panels = {Panel{}}}}) {
     const std::string svg = to_svg(figure);
@@ -83,7 +83,7 @@ TEST(Svg, SaysWhereItComesFrom) {
 }
 
 TEST(Notes, RefusesWhatIsNone) {
-  // Goal: a note has a unique name and a value of one line. Method: texts with one fault each.
+  // Goal: a note has a unique name and a value of one line. Method: use texts with one fault each.
   using Texts = std::vector<std::string>;
   EXPECT_EQ(notes_of(Texts{"a_b=c=d"}), (Notes{{.name = "a_b", .value = "c=d"}}));
   for (const Texts& bad : {Texts{""}, Texts{"a"}, Texts{"=b"}, Texts{"a="}, Texts{"A=b"},
@@ -92,8 +92,8 @@ TEST(Notes, RefusesWhatIsNone) {
 }
 
 TEST(Svg, StaysSmallForAMillionPoints) {
-  // Goal: a long chain makes a small file that still shows its only spike. Method: a million noisy
-  // points; the file's size, and the spike's height among the coordinates.
+  // Goal: a long chain makes a small file that still shows its only spike. Method: draw a million
+  // noisy points; check the file's size, and the spike's height among the coordinates.
   MadeUp made_up(2);
   Line line;
   for (int i = 0; i < 1'000'000; ++i)
@@ -121,8 +121,8 @@ TEST(Svg, LeavesGapsAndMarksInfinities) {
 }
 
 TEST(Svg, DrawsEachKindOfSeries) {
-  // Goal: every kind of series has its own element. Method: one panel each; labels appear in the
-  // legend.
+  // Goal: every kind of series has its own element. Method: draw one panel each; labels appear in
+  // the legend.
   EXPECT_EQ(occurrences(svg_of(Steps{.points = {{0, 0}, {1, 1}}}), "<polyline"), 2U);
   EXPECT_EQ(occurrences(svg_of(Markers{.points = {{0, 0}, {1, 1}}}), "h0"), 2U);
   EXPECT_EQ(occurrences(svg_of(HorizontalBand{.low = 1, .high = 2}), "fill-opacity"), 1U);

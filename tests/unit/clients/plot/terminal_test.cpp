@@ -68,7 +68,8 @@ TEST(Terminal, DrawsARisingLine) {
 }
 
 TEST(Terminal, UsesBraille) {
-  // Goal: dots are in the right Unicode pattern. Method: one marker in each corner of a canvas.
+  // Goal: dots are in the right Unicode pattern. Method: draw one marker in each corner of a
+  // canvas.
   const Panel panel{.x_range = Range{0, 1},
                     .y_range = Range{0, 1},
                     .series = {Markers{.points = {{0, 0}, {0, 1}, {1, 0}, {1, 1}}}}};
@@ -80,7 +81,7 @@ TEST(Terminal, UsesBraille) {
 }
 
 TEST(Terminal, DrawsVerticalLines) {
-  // Goal: a vertical line takes the whole height at its x. Method: a line at the right edge.
+  // Goal: a vertical line takes the whole height at its x. Method: draw a line at the right edge.
   const Panel panel{.x_range = Range{0, 1},
                     .y_range = Range{0, 1},
                     .series = {VerticalLine{.x = 1, .dashed = false}}};
@@ -98,8 +99,8 @@ TEST(Terminal, MarksInfinitiesAndSurvivesNothing) {
 }
 
 TEST(Terminal, ColorsAndResets) {
-  // Goal: escapes appear only if requested, and every line resets the terminal's colour. Method: a
-  // coloured line; each line with an escape ends in the reset.
+  // Goal: escapes appear only if requested, and every line resets the terminal's colour. Method:
+  // draw a coloured line; each line with an escape ends in the reset.
   const Panel panel{.series = {Line{.points = {{0, 0}, {1, 1}}}}};
   EXPECT_EQ(to_terminal(panel, {}).find('\x1b'), std::string::npos);
   const std::string colored = to_terminal(panel, {.color = true});

@@ -6,8 +6,8 @@ namespace sleight::plot {
 namespace {
 
 TEST(Text, IsRepairedToPrintableUtf8) {
-  // Goal: any bytes become text that is safe for XML and terminals. Method: bad bytes, overlong
-  // forms, surrogates, controls; valid text of all lengths stays.
+  // Goal: any bytes become text that is safe for XML and terminals. Method: use bad bytes, overlong
+  // forms, surrogates and controls; valid text of all lengths stays.
   EXPECT_EQ(printable("σ ≤ 0.1 D 🎲"), "σ ≤ 0.1 D 🎲");
   EXPECT_EQ(printable("a\tb\nc"), "a b c");
   EXPECT_EQ(printable("\x1b[31m"), "\uFFFD[31m");
@@ -31,7 +31,7 @@ TEST(Text, IsCountedAndCutByCodePoints) {
 }
 
 TEST(Text, FitsItsWidth) {
-  // Goal: a fitted text is no wider than requested and keeps its start. Method: widths from
+  // Goal: a fitted text is no wider than requested and keeps its start. Method: use widths from
   // generous to none.
   const std::string long_text = "The horizontal resting position of each sample";
   EXPECT_EQ(fitted(long_text, 12, 1000), long_text);
@@ -46,7 +46,7 @@ TEST(Text, FitsItsWidth) {
 }
 
 TEST(Text, HasAnAsciiForm) {
-  // Goal: labels stay readable without Unicode. Method: characters of axes and figures.
+  // Goal: labels stay readable without Unicode. Method: convert characters of axes and figures.
   EXPECT_EQ(to_ascii("−1.5×10⁻⁹"), "-1.5e-9");
   EXPECT_EQ(to_ascii("σ = ±10°"), "sigma = +-10deg");
   EXPECT_EQ(to_ascii("Ж🎲"), "??");

@@ -19,7 +19,7 @@ TEST(JobNames, AreNumbersRangesAndGroups) {
 }
 
 TEST(JobNames, OtherTextsAreNone) {
-  // Goal: a typing error never names a job. Method: similar texts; the error shows the text in
+  // Goal: a typing error never names a job. Method: use similar texts; the error shows the text in
   // printable form.
   for (const char* text : {"",
                            "0",
@@ -53,7 +53,7 @@ TEST(JobNames, OtherTextsAreNone) {
 }
 
 TEST(JobNames, ARangeIsBounded) {
-  // Goal: ranges up to the limit are accepted. Method: the largest range and the next.
+  // Goal: ranges up to the limit are accepted. Method: use the largest range and the next.
   EXPECT_TRUE(job_names_of(std::vector<std::string>{"1..10000"}));
   EXPECT_FALSE(job_names_of(std::vector<std::string>{"2..10002"}));
 }

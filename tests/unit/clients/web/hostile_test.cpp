@@ -1,5 +1,5 @@
-// Goal: hostile peers get no answer of others and delay nobody, within limits. Method: real sockets
-// and raw bytes, with short time limits; another client is answered during each attack.
+// Goal: hostile peers get no answer of others and delay nobody, within limits. Method: send raw
+// bytes to real sockets, with short time limits; another client is answered during each attack.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

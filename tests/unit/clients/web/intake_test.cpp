@@ -1,6 +1,6 @@
 // Goal: any bytes yield the requests that a plain reader finds, or a refusal, within limits.
-// Method: known bytes with known outcomes; random and hostile requests beside the second reader of
-// checked_exchange.h; bytes that the second reader must refuse.
+// Method: use known bytes with known outcomes; compare random and hostile requests with the second
+// reader of checked_exchange.h; use bytes that the second reader must refuse.
 #include "clients/web/intake.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// Goal: an authorized browser gets what its page needs. Method: real sockets, and bytes as browsers
-// send them.
+// Goal: an authorized browser gets what its page needs. Method: send bytes as browsers do over real
+// sockets.
 #include "clients/web/server.h"
 
 #include <fcntl.h>

@@ -1,5 +1,5 @@
-// Goal: a page's folder is read once, with the right types, and nothing outside it. Method: folders
-// with links, pipes and odd names; decompress what is compressed.
+// Goal: a page's folder is read once, with the right types, and nothing outside it. Method: make
+// folders with links, pipes and odd names; decompress what is compressed.
 #include "clients/web/static_files.h"
 
 #include <gtest/gtest.h>

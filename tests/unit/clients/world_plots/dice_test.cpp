@@ -1,5 +1,5 @@
 // Goal: the plausibility of satisfying animations follows from their numbers and the prior. Method:
-// a small archive of known starts and heights; cheap draws of the prior itself.
+// use a small archive of known starts and heights, and cheap draws of the prior itself.
 #include "clients/world_plots/dice.h"
 
 #include <gmock/gmock.h>
@@ -253,8 +253,8 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
 
 TEST(DicePlausibility, ThePriorIsTheArchives) {
   // Goal: the archive determines the prior of blind throws: components that vary, in the order of
-  // dice, and whether the table varies. Method: a small archive with known priors, without, and
-  // damaged.
+  // dice, and whether the table varies. Method: use a small archive with known priors, without
+  // priors, and damaged.
   const DicePrior prior = dice_prior_of(SmallArchive({.has_prior = true}));
   EXPECT_EQ(prior.dice, 2U);
   EXPECT_TRUE(prior.is_table_random);
@@ -301,7 +301,7 @@ TEST(DicePlausibility, NothingRandomIsSaid) {
 }
 
 TEST(DicePlausibility, BinsAreThoseOfTheWorld) {
-  // Goal: scores fall into the bins by which the world counts control points. Method: both
+  // Goal: scores fall into the bins by which the world counts control points. Method: compare both
   // functions over scores in and beyond all bins.
   EXPECT_EQ(k_offset_bins, worlds::dice::k_offset_bins);
   EXPECT_EQ(k_offset_first_sd, worlds::dice::k_offset_first_sd);

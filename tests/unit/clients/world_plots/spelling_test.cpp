@@ -30,7 +30,7 @@ class SmallArchive final : public archive::StoredArchive {
 
 TEST(SpellingTrace, CountsIterations) {
   // Goal: filled bins are plotted over iterations, not scans, below a line at the total. Method:
-  // the series of one chain and of all.
+  // draw the series of one chain and of all.
   const Spelling spelling;
   const SmallArchive source;
   const plot::Figure one =

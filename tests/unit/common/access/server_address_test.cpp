@@ -1,5 +1,5 @@
-// Goal: addresses are read as people write them, and malformed ones are refused. Method: a table of
-// each kind.
+// Goal: addresses are read as people write them, and malformed ones are refused. Method: read a
+// table of each kind.
 #include "common/access/server_address.h"
 
 #include <gtest/gtest.h>

@@ -110,8 +110,8 @@ class CountedLikenesses final : public FakeReader {
 
 TEST(Distinct, AsksOfEachAnimationOnceWhatIsCompared) {
   // Goal: each animation is simulated once. If likenesses don't fit in memory, some are computed
-  // again, and the same animations are kept. Method: one long lineage of different states, with
-  // room for all likenesses and then for five.
+  // again, and the same animations are kept. Method: offer one long lineage of different states,
+  // with room for all likenesses and then for five.
   constexpr std::uint64_t k_scans = 300;
   DistinctOptions options{.keep_max = 1000, .keep_per_lineage = 1000, .min_distance = 1e-3};
   const auto kept_by = [&](const StateReader& reader) {

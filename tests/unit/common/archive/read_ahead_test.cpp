@@ -1,6 +1,6 @@
 // Goal: ReadAhead returns the source's values and errors, and many small sequential reads need few
-// source reads. Method: random and sequential reads, compared with the source; a source with one
-// damaged element; counts.
+// source reads. Method: compare random and sequential reads with the source; damage one element of
+// a source; count reads.
 #include "common/archive/read_ahead.h"
 
 #include <gtest/gtest.h>

@@ -40,7 +40,7 @@ TEST_F(CheckDeathTest, PrintsPlaceConditionAndBothOperands) {
 }
 
 TEST_F(CheckDeathTest, PrintsTextIdsAndWhatHasNoFormat) {
-  // Goal: operands of any type compile and print if they can. Method: a string, an id and an
+  // Goal: operands of any type compile and print if they can. Method: use a string, an id and an
   // unprintable struct.
   EXPECT_DEATH(CHECK_EQ(std::string("left"), std::string("right")), "\\(left against right\\)");
   EXPECT_DEATH(CHECK_EQ(ChainId{7}, ChainId{8}), "\\(7 against 8\\)");
@@ -48,8 +48,8 @@ TEST_F(CheckDeathTest, PrintsTextIdsAndWhatHasNoFormat) {
 }
 
 TEST_F(CheckDeathTest, PrintsHowToRepeatTheRun) {
-  // Goal: a check that fails in any thread prints the main thread's notes in order. Method: two
-  // notes, then a failed check in this thread and in another thread.
+  // Goal: a check that fails in any thread prints the main thread's notes in order. Method: add two
+  // notes, then fail a check in this thread and in another thread.
   const auto note = [] {
     add_repeat_note("to repeat: sleight direct hi.toml");
     add_repeat_note("seed 7");
@@ -127,7 +127,8 @@ TEST(Check, EvaluatesEachOperandOnce) {
 }
 
 TEST(Check, StandsWhereAStatementStands) {
-  // Goal: a macro is one statement. Method: branches without braces; the untaken check would fail.
+  // Goal: a macro is one statement. Method: use branches without braces; the untaken check would
+  // fail.
   const bool yes = true;
   if (yes)
     CHECK_EQ(1, 1);

@@ -35,7 +35,7 @@ class FileSystemOfPosix : public archive::testing::Scratch {
 };
 
 TEST_F(FileSystemOfPosix, KnowsWhatExists) {
-  // Goal: existence tests answer yes or no correctly, and report an error if unsure. Method: a
+  // Goal: existence tests answer yes or no correctly, and report an error if unsure. Method: test a
   // file, a folder, a missing path, a path through a file, and an overlong name.
   put_bytes(path("file"), "x");
   EXPECT_TRUE(files_.exists(path("file")));
@@ -47,8 +47,8 @@ TEST_F(FileSystemOfPosix, KnowsWhatExists) {
 }
 
 TEST_F(FileSystemOfPosix, TellsFoldersAndWhatIsInThem) {
-  // Goal: folders and files are distinguished, and names are sorted. Method: a folder, a file, a
-  // missing path, and a path through a file; an error names a path that can't be listed.
+  // Goal: folders and files are distinguished, and names are sorted. Method: list a file, a folder,
+  // a missing path, and a path through a file; an error names a path that can't be listed.
   put_bytes(path("b"), "x");
   put_bytes(path("a"), "x");
   std::filesystem::create_directory(path("c"));
@@ -81,7 +81,7 @@ TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
 
 TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
   // Goal: create doesn't follow a link at the new file's path, and errors are the system's. Method:
-  // a link to a file, a missing folder, a folder, and a full device.
+  // create a file over a link, in a missing folder, over a folder, and on a full device.
   put_bytes(path("target"), "kept");
   std::filesystem::create_symlink(path("target"), path("link"));
   EXPECT_EQ(files_.create(path("link")).error(), std::errc::too_many_symbolic_link_levels);
@@ -111,8 +111,8 @@ TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {
 }
 
 TEST_F(FileSystemOfPosix, ReadsTextUpToALimit) {
-  // Goal: read returns the whole file or an error, never a part. Method: sizes around the limit,
-  // zero bytes within, a folder, a missing file.
+  // Goal: read returns the whole file or an error, never a part. Method: read sizes around the
+  // limit, zero bytes within, a folder and a missing file.
   const std::string text("a\0b\n", 4);
   put_bytes(path("text"), text);
   put_bytes(path("empty"), "");

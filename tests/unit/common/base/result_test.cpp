@@ -12,8 +12,8 @@ namespace {
 using Number = Result<int, std::string>;
 
 TEST(Result, KeepsSidesApartWhenTypesAreClose) {
-  // Goal: a value and an error of related types aren't confused. Method: an error that converts to
-  // the value's type.
+  // Goal: a value and an error of related types aren't confused. Method: use an error that converts
+  // to the value's type.
   struct Reason {
     operator int() const { return 5; }
   };

@@ -1,5 +1,6 @@
 // Goal: sizes and times are read in the forms that people write, other texts are refused, and
-// written values read back equal. Method: examples, and a round trip over sizes of every magnitude.
+// written values read back equal. Method: read examples, and make a round trip over sizes of every
+// magnitude.
 #include "common/config/quantities.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Goal: a run's event log keeps the newest events, and readers see them while it is written.
-// Method: real files, threads and limits.
+// Method: use real files, threads and limits.
 #include "common/events/event_log.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ class EventLogTest : public archive::testing::Scratch {
 
 TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
   // Goal: a new session appends to a killed session's log and drops its incomplete line. Method:
-  // three sessions with an incomplete line and a damaged line between them.
+  // run three sessions with an incomplete line and a damaged line between them.
   EXPECT_TRUE(read_event_log(folder()).empty());
   EXPECT_TRUE(read_event_log(path("nowhere")).empty());
   {
@@ -63,7 +63,7 @@ TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
 
 TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
   // Goal: a log stays within its bound and holds the newest events without a gap, at least half the
-  // bound's worth. Method: many events, a small bound.
+  // bound's worth. Method: append many events under a small bound.
   constexpr std::uint64_t k_bytes_max = 10'000;
   EventLog log(folder(), k_bytes_max);
   for (std::uint64_t number = 1; number <= 2000; ++number) {
@@ -130,8 +130,8 @@ class FullDisk {
 
 TEST_F(EventLogTest, GoesOnWhenThereIsRoomAgain) {
   // Goal: a full disk never splits a line and loses only the lines written meanwhile. The log
-  // resumes a second after space is free again, or after somebody deletes it. Method: a file-size
-  // limit that is lifted, and a manual clock.
+  // resumes a second after space is free again, or after somebody deletes it. Method: lift a
+  // file-size limit after a while, with a manual clock.
   base::ManualClock clock;
   EventLog log(folder(), k_event_log_bytes_max, clock);
   log.append(numbered(1));
@@ -159,8 +159,8 @@ TEST_F(EventLogTest, GoesOnWhenThereIsRoomAgain) {
 }
 
 TEST_F(EventLogTest, ADiskThatFailsEndsNothing) {
-  // Goal: a log that can't be written is abandoned without stopping the run. Method: a missing
-  // folder; a rotated log whose name a folder occupies.
+  // Goal: a log that can't be written is abandoned without stopping the run. Method: use a missing
+  // folder, and a rotated log whose name a folder occupies.
   EventLog nowhere(path("nowhere"));
   nowhere.append(numbered(1));
   EventLog log(folder(), 1'000);

@@ -33,7 +33,7 @@ std::vector<std::string> numbers_of(const std::string& line) {
 }
 
 TEST(Grouped, GroupsByThousands) {
-  // Goal: large counts are readable. Method: every number of digits around the commas.
+  // Goal: large counts are readable. Method: format every number of digits around the commas.
   EXPECT_EQ(grouped(0), "0");
   EXPECT_EQ(grouped(999), "999");
   EXPECT_EQ(grouped(1000), "1,000");
@@ -44,8 +44,8 @@ TEST(Grouped, GroupsByThousands) {
 }
 
 TEST(ClockTime, ShowsMinutesAndHours) {
-  // Goal: times appear as people write them, rounded up, so that 0:00 means done. Method: both
-  // sides of each boundary; invalid times must show as something harmless.
+  // Goal: times appear as people write them, rounded up, so that 0:00 means done. Method: format
+  // both sides of each boundary; invalid times must show as something harmless.
   EXPECT_EQ(clock_time(0), "0:00");
   EXPECT_EQ(clock_time(0.2), "0:01");
   EXPECT_EQ(clock_time(4), "0:04");
@@ -78,8 +78,8 @@ TEST(ProgressLine, IsAsItsHeaderShows) {
 }
 
 TEST(ProgressLine, TellsTheOddsSoFar) {
-  // Goal: a run that requests odds shows them, their error and the remaining time. Method: before
-  // the first island, in the pilot, in the batch, and at the end.
+  // Goal: a run that requests odds shows them, their error and the remaining time. Method: print
+  // the line before the first island, in the pilot, in the batch, and at the end.
   Progress progress{.odds = {.are_asked = true}, .workers = 2, .elapsed_s = 1};
   EXPECT_THAT(numbers_of(progress_line("x", progress)), ElementsAre("0", "0", "2"));
   progress.odds = {.are_asked = true, .islands = 1, .log_p = -39.14};
@@ -109,7 +109,8 @@ TEST(ProgressLine, TellsFailures) {
 }
 
 TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
-  // Goal: unknown numbers are not shown. Method: at the very start; without a total; finished.
+  // Goal: unknown numbers are not shown. Method: print the line at the very start, without a total,
+  // and after the end.
   EXPECT_THAT(numbers_of(progress_line("x", {})), ElementsAre("0", "0", "0", "0", "0%", "0%", "0"));
   EXPECT_THAT(numbers_of(progress_line("x", {.scans_done = 1500,
                                              .session_scans = 1000,
@@ -127,8 +128,8 @@ TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
 }
 
 TEST(ProgressLine, CountsWhatASearchDoes) {
-  // Goal: the line never shows "0 sims/s" while something is simulated. Method: before the first
-  // start has ended, among starts, and while finds are relaxed.
+  // Goal: the line never shows "0 sims/s" while something is simulated. Method: print the line
+  // before the first start has ended, among starts, and while finds are relaxed.
   Progress search{.finds = {.wanted = 5, .is_all = true}, .workers = 2, .elapsed_s = 12};
   EXPECT_THAT(numbers_of(progress_line("x", search)), ElementsAre("0", "5", "0.0", "0:12", "2"));
   search.session_simulations = 600;
@@ -150,7 +151,7 @@ TEST(ProgressLine, CountsWhatASearchDoes) {
 }
 
 TEST(ProgressLine, HundredPercentMeansDone) {
-  // Goal: 100% isn't shown before the end. Method: one scan short of many.
+  // Goal: 100% isn't shown before the end. Method: print the line one scan short of many.
   const std::string line =
       progress_line("x", {.scans_done = 99'999'999, .scans_total = 100'000'000});
   EXPECT_NE(line.find("(99%)"), std::string::npos) << line;

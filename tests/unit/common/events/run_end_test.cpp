@@ -23,8 +23,8 @@ RunEnd example() {
 }
 
 TEST(RunEnd, IsOneLineThatComesBack) {
-  // Goal: any record is one line and reads back equal. Method: every kind of end; texts with
-  // quotes, line ends and non-ASCII letters.
+  // Goal: any record is one line and reads back equal. Method: write every kind of end, and texts
+  // with quotes, line ends and non-ASCII letters.
   for (int kind = 0; kind <= static_cast<int>(End::bug); ++kind) {
     RunEnd end = example();
     end.end = static_cast<End>(kind);
@@ -41,9 +41,9 @@ TEST(RunEnd, IsOneLineThatComesBack) {
 }
 
 TEST(RunEnd, FitsAPipe) {
-  // Goal: every record fits a pipe's atomic write, with its long text shortened. Method: texts of
-  // many lengths, of characters that take one to six bytes in JSON, and of invalid UTF-8; the
-  // shortened text keeps its beginning and end.
+  // Goal: every record fits a pipe's atomic write, with its long text shortened. Method: write
+  // texts of many lengths, of characters that take one to six bytes in JSON, and of invalid UTF-8;
+  // the shortened text keeps its beginning and end.
   for (const char* character : {"x", "\n", "\x01", "\xff", "\u20ac"}) {
     for (const std::size_t count : {1U, 700U, 3900U, 4096U, 5000U, 100'000U}) {
       RunEnd end = example();

@@ -28,8 +28,8 @@ FailureFile example() {
 }
 
 TEST(FailureFile, ComesBack) {
-  // Goal: a failure file reads back equal. Method: awkward texts, large numbers, every kind, states
-  // of many sizes.
+  // Goal: a failure file reads back equal. Method: write awkward texts, large numbers, every kind,
+  // and states of many sizes.
   for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
     FailureFile file = example();
     file.failed.failure.kind = static_cast<plan::FailureKind>(kind);
@@ -47,7 +47,7 @@ TEST(FailureFile, ComesBack) {
 }
 
 TEST(FailureFile, NamesWhatIsWrong) {
-  // Goal: each error names the file, the place and the key. Method: one fault at a time.
+  // Goal: each error names the file, the place and the key. Method: make one fault at a time.
   const std::string good = to_text(example());
   const auto error_of = [&](const std::string& from, const std::string& to) {
     std::string text = good;
@@ -131,8 +131,8 @@ TEST(FailureFile, AnyBytesAreReadOrRefused) {
 }
 
 TEST(FailureFile, IsNamedByWhereItHappened) {
-  // Goal: a failure has the same file name in every session. Method: the first and second failure
-  // of a scan.
+  // Goal: a failure has the same file name in every session. Method: name the first and second
+  // failure of a scan.
   const plan::ReplicaKey replica{base::ChainId{2}, base::ReplicaId{5}};
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 0), "failure-2-5-77.toml");
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 1), "failure-2-5-77-1.toml");

@@ -1,5 +1,5 @@
-// Goal: common/json keeps its promises about order, numbers, limits and errors. Method: examples;
-// the library tests its grammar itself.
+// Goal: common/json keeps its promises about order, numbers, limits and errors. Method: check
+// examples; the library tests its grammar itself.
 #include "common/json/value.h"
 
 #include <cstdint>
@@ -14,8 +14,8 @@ namespace sleight::json {
 namespace {
 
 TEST(JsonValue, KeepsTheOrderOfKeysAndOneValueForEach) {
-  // Goal: output preserves insertion order. Method: keys set, set again, parsed twice, erased and
-  // updated.
+  // Goal: output preserves insertion order. Method: set keys, set them again, parse them twice,
+  // erase and update them.
   Value value{{"z", 1}, {"a", Value::object()}};
   value["m"] = "x";
   value["z"] = nullptr;
@@ -38,7 +38,7 @@ TEST(JsonValue, BracesMakeAnObjectOfPairsAndElseAnArray) {
 }
 
 TEST(JsonValue, NumbersComeBackAsTheyWere) {
-  // Goal: no number loses bits. Method: a round trip of each kind's limits.
+  // Goal: no number loses bits. Method: make a round trip of each kind's limits.
   constexpr auto k_most = std::numeric_limits<std::uint64_t>::max();
   constexpr auto k_least = std::numeric_limits<std::int64_t>::min();
   EXPECT_EQ(Value::parse(Value(k_most).dump()).get<std::uint64_t>(), k_most);
@@ -83,7 +83,7 @@ TEST(JsonValue, TextThatIsNotJsonIsRefused) {
 }
 
 TEST(JsonValue, WhatIsNotUtf8IsReplaced) {
-  // Goal: dump always writes valid JSON. Method: bytes that are not UTF-8, and text as ASCII.
+  // Goal: dump always writes valid JSON. Method: dump bytes that are not UTF-8, and text as ASCII.
   EXPECT_EQ(Value("a\xff").dump(), "\"a\uFFFD\"");
   EXPECT_EQ(Value("\u00e9\n").dump(-1, true), R"("\u00e9\n")");
 }

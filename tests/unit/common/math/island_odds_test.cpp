@@ -22,7 +22,7 @@ std::vector<double> logs_of(const std::vector<double>& estimates, double shift =
 
 TEST(IslandOdds, AreMeanErrorAndShare) {
   // Goal: mean, relative standard error and largest share match the textbook in any order and below
-  // the range of doubles. Method: 1, 2, 3 and 6 by hand have mean 3 and variance 14 / 3.
+  // the range of doubles. Method: use 1, 2, 3 and 6, which by hand have mean 3 and variance 14 / 3.
   for (const double shift : {0.0, -207.0, -5000.0, 5000.0}) {
     for (const std::vector<double>& estimates :
          {std::vector{1.0, 2.0, 3.0, 6.0}, std::vector{6.0, 3.0, 1.0, 2.0}}) {
@@ -38,7 +38,8 @@ TEST(IslandOdds, AreMeanErrorAndShare) {
 }
 
 TEST(IslandOdds, IslandsWithoutASolutionCount) {
-  // Goal: estimates of 0 count. Method: two zeros of four (mean 1/2, variance 1/3); four of four.
+  // Goal: estimates of 0 count. Method: use two zeros of four (mean 1/2, variance 1/3), and four of
+  // four.
   const IslandOdds half = island_odds(logs_of({0, 1, 0, 1}, -300));
   EXPECT_NEAR(half.log_mean, std::log(0.5) - 300, 1e-11);
   EXPECT_NEAR(half.relative_sd, 2 / std::sqrt(3.0), 1e-12);
@@ -67,8 +68,8 @@ TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
 }
 
 TEST(IslandOdds, EqualIslandsHaveNoError) {
-  // Goal: rounding can't make the variance negative and give NaN. Method: equal numbers whose sums
-  // round.
+  // Goal: rounding can't make the variance negative and give NaN. Method: use equal numbers whose
+  // sums round.
   for (const double log_estimate : {0.0, -0.1, -207.3, 1e300, -1e300}) {
     const IslandOdds odds = island_odds(std::vector<double>(177, log_estimate));
     EXPECT_TRUE(odds.known());
@@ -78,8 +79,8 @@ TEST(IslandOdds, EqualIslandsHaveNoError) {
 }
 
 TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
-  // Goal: known() applies each limit exactly. Method: both sides of each limit, with estimates of 1
-  // and a single one of `largest`.
+  // Goal: known() applies each limit exactly. Method: test both sides of each limit, with estimates
+  // of 1 and a single one of `largest`.
   const auto odds = [](std::size_t count, double largest) {
     std::vector<double> estimates(count, 1);
     estimates[count / 2] = largest;
@@ -93,7 +94,7 @@ TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
 
 TEST(IslandSums, AreThoseOfAllAtOnce) {
   // Goal: the running sums equal sums in long doubles, wherever the largest estimate occurs.
-  // Method: normal logs in ascending, descending and random order.
+  // Method: use normal logs in ascending, descending and random order.
   random::Stream stream({.seed = 40417, .purpose = random::Purpose::prior}, 0);
   std::vector<double> logs;
   for (int i = 0; i < 500; ++i)

@@ -1,5 +1,5 @@
 // Goal: products, norms and plane rotations are right, and sums run in the order that vector.h
-// states. Method: hand values, identities, Eigen, and arguments for which another order of
+// states. Method: use hand values, identities, Eigen, and arguments for which another order of
 // summation changes the double.
 #include "common/math/vector.h"
 

@@ -1,6 +1,6 @@
-// Goal: directions and rotations are drawn from their stated densities. Method: chi-square of draws
-// against Boost.Math's normal summed over images, and against the geometry of circle, sphere and
-// rotations; compare densities with the same sums and integrate them.
+// Goal: directions and rotations are drawn from their stated densities. Method: test draws by
+// chi-square against Boost.Math's normal summed over images, and against the geometry of circle,
+// sphere and rotations. Compare densities with the same sums and integrate them.
 #include "common/random/angular_distributions.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Goal: Bernoulli, UniformInteger and draw_by_share have their stated probabilities without bias.
-// Method: chi-square against exact probabilities, with counts for which scaling a random word is
-// badly biased; supports, extreme and invalid parameters.
+// Method: test draws by chi-square against exact probabilities, with counts for which scaling a
+// random word is badly biased. Test supports, extreme and invalid parameters.
 #include "common/random/discrete_distributions.h"
 
 #include <gtest/gtest.h>
@@ -96,7 +96,7 @@ TEST(UniformInteger, handles_the_largest_and_smallest_counts) {
 
 TEST(DrawByShare, draws_each_by_its_share) {
   // Goal: probabilities are shares of the sum, whatever its size; a zero share is never drawn, even
-  // in last place. Method: chi-square over the positive shares; counts of the zero shares.
+  // in last place. Method: test the positive shares by chi-square, and count the zero shares.
   for (const double total : {1.0, 1e-300, 7e100}) {
     const std::vector<double> shares{0, 0.5 * total, 0, 0.125 * total, 0.375 * total, 0};
     Stream stream = test_stream();

@@ -1,5 +1,5 @@
-// Goal: Uniform and Normal draw from their stated densities. Method: chi-square of draws; compare
-// densities with Boost.Math; integrate them by quadrature; supports, extreme and invalid
+// Goal: Uniform and Normal draw from their stated densities. Method: test draws by chi-square;
+// compare densities with Boost.Math and integrate them; test supports, extreme and invalid
 // parameters.
 #include "common/random/linear_distributions.h"
 
@@ -107,8 +107,8 @@ TEST(Normal, density_holds_far_out) {
 }
 
 TEST(Normal, neighbouring_draws_are_independent) {
-  // Goal: successive draws are independent although two draws share two random words. Method:
-  // chi-square of the products of signs and of sizes on a grid of 8 x 8 equally likely cells.
+  // Goal: successive draws are independent although two draws share two random words. Method: test
+  // the products of signs and of sizes by chi-square on a grid of 8 x 8 equally likely cells.
   const boost::math::normal_distribution<double> normal;
   Stream stream = test_stream();
   std::vector<int> counts(64);

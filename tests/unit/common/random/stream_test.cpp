@@ -1,6 +1,6 @@
 // Goal: a Stream is Philox4x64-10 at the address that stream.h states, and depends on nothing else.
-// Method: known answers for Random123 and for a reference written from the paper; compare the
-// Stream with the reference; vary each field alone; statistics across neighbouring addresses.
+// Method: check known answers of Random123 and of a reference written from the paper; compare the
+// Stream with the reference; vary each field alone; test statistics across neighbouring addresses.
 #include "common/random/stream.h"
 
 #include <Random123/philox.h>

@@ -1,5 +1,5 @@
-// Goal: TruncatedNormal is exact from the centre to the farthest tails. Method: for every interval
-// below, chi-square of draws and comparison of log densities with MPFR at 1500 bits, whose
+// Goal: TruncatedNormal is exact from the centre to the farthest tails. Method: test draws by
+// chi-square for every interval below, and compare log densities with MPFR at 1500 bits, whose
 // exponents don't underflow. The densities are also integrated, to show any fault that density and
 // oracle share.
 #include "common/random/truncated_normal.h"

@@ -163,7 +163,7 @@ TEST(BinderError, IsPlacedAtTheKeyOrItsSection) {
 }
 
 TEST(BinderNumber, MayBeAbsent) {
-  // Goal: an optional number may be absent. Method: a present, an absent and a wrong number.
+  // Goal: an optional number may be absent. Method: bind a present, an absent and a wrong number.
   const auto bind = [](Binder& b) {
     std::optional<double> x;
     b.optional_number("x", x, {.minimum = 0, .maximum = 2});
@@ -174,8 +174,8 @@ TEST(BinderNumber, MayBeAbsent) {
 }
 
 TEST(BinderTables, AreReadOneByOne) {
-  // Goal: each table has its own values; keys(), help and errors include tables. Method: no table,
-  // some, too many, and values that are not tables.
+  // Goal: each table has its own values; keys(), help and errors include tables. Method: bind no
+  // table, some tables, too many, and values that are not tables.
   std::vector<double> values;
   std::vector<std::size_t> shown;
   const auto bind = [&](Binder& b) {

@@ -1,6 +1,6 @@
-// Goal: rules that involve several keys of a request hold. Method: small files over a toy world;
-// comparing the whole list of errors shows repeats and wrong order. tests/requests holds the corpus
-// of bad requests.
+// Goal: rules that involve several keys of a request hold. Method: read small files over a toy
+// world; comparing the whole list of errors shows repeats and wrong order. tests/requests holds the
+// corpus of bad requests.
 #include "common/request/direction_request.h"
 
 #include <fmt/format.h>
@@ -96,7 +96,7 @@ TEST(ReadRequest, ChecksOfSeveralKeysAreAnchoredAtAKey) {
 
 TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
   // Goal: a default stop rule appears in the request and its normalised text, and is not added to
-  // an explicit rule. Method: no section, an empty section, and each rule.
+  // an explicit rule. Method: read no section, an empty section, and each rule.
   for (const std::string stop : {"", "[stop]\n"}) {
     const DirectionRequest request = read("[world]\nname = 'toy'\n" + stop);
     EXPECT_EQ(request.stop, (StopRule{{}, {}, 5, {}}));
@@ -232,7 +232,7 @@ TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
 
 TEST(ReadRequest, FindsAskedForStayFinds) {
   // Goal: a requested number of solutions counts finds if the request only searches, or draws
-  // beside other stop rules. Method: with an open sampler, and with chains.
+  // beside other stop rules. Method: read requests with an open sampler, and with chains.
   const std::array worlds{toy::staged_binding()};
   const auto rules_of = [&](const std::string& text) {
     return read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, Asked{.number = 4})
@@ -294,7 +294,7 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
 
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
   // Goal: a cut request for islands keeps its odds rules beside its scans; for other methods it
-  // keeps its scans alone. Method: all rules at once, for both.
+  // keeps its scans alone. Method: set all rules at once, for both.
   const std::array worlds{toy::staged_binding()};
   const auto cut_of = [&](const std::string& method, const std::string& rules) {
     const auto request = read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
@@ -394,7 +394,7 @@ TEST(WithSeed, IsAsIfTheFileHadIt) {
 
 TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
   // Goal: tables of a section belong to a request like its keys, in values, error places, canonical
-  // text and identity. Method: a good request, and one fault each.
+  // text and identity. Method: read a good request, and one fault each.
   const std::array worlds{toy::binding()};
   const std::string pegs = "[[world.peg]]\ny_m = 2\n[[world.peg]]\nx_m = 3\n";
   const std::string text = "[world]\nname = 'toy'\n" + pegs + "[stop]\nscans = 1\n";

@@ -1,5 +1,5 @@
 // Goal: TOML of every form becomes sections of keys with places, and files that could harm the
-// parser never reach it. Method: worked examples; hostile files at and beyond each limit.
+// parser never reach it. Method: read worked examples, and hostile files at and beyond each limit.
 #include "common/request/document.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ TEST(Document, KeepsSectionsAndKeysInFileOrderWithPlaces) {
 
 TEST(Document, KeepsArraysOfTables) {
   // Goal: tables of an array come in order, with places, beside the section's keys; arrays of other
-  // values don't count. Method: both notations for tables, and arrays of other values.
+  // values don't count. Method: read both notations for tables, and arrays of other values.
   const Document document = parsed(
       "[a]\nk = 1\n[[a.t]]\ny = 2\n\n  [[a.t]]\nx = 3\ny = 4\n[b]\nt = [{x = 5}]\nu = [1]\n");
   const Section& a = document.sections[0];
@@ -104,7 +104,7 @@ TEST(Document, RefusesDeepKeysInEveryDisguise) {
 
 TEST(Document, TakesBitmapsOnOneLine) {
   // Goal: the largest bitmap's normalised text, on one line, can be read; dotted keys can't hide
-  // among its dots. Method: 12 rows of 40 with escaped line ends; then long dotted keys.
+  // among its dots. Method: read 12 rows of 40 with escaped line ends, then long dotted keys.
   const std::string bitmap = "a = \"" + repeated(repeated(".", 39) + "#\\U0000000A", 6) +
                              repeated(repeated(".", 40) + "\\U0000000A", 6) + "\"";
   EXPECT_EQ(error_of(bitmap), "");

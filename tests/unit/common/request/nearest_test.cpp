@@ -1,4 +1,4 @@
-// Goal: a typing error finds the intended name, and unrelated words find none. Method: known
+// Goal: a typing error finds the intended name, and unrelated words find none. Method: check known
 // distances, a slow reference distance, and typical typing errors.
 #include "common/request/nearest.h"
 

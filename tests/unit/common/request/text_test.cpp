@@ -1,5 +1,5 @@
-// Goal: text is harmless on terminals and exact in TOML. Method: worked examples of each class of
-// character; for numbers, a round trip over bit patterns.
+// Goal: text is harmless on terminals and exact in TOML. Method: check worked examples of each
+// class of character; for numbers, make a round trip over bit patterns.
 #include "common/request/text.h"
 
 #include <gtest/gtest.h>

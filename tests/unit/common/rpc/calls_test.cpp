@@ -1,5 +1,5 @@
-// Goal: every call travels from a client over a socket to a handler and back. Method: a client and
-// a server with a fake service.
+// Goal: every call travels from a client over a socket to a handler and back. Method: connect a
+// client to a server with a fake service.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -151,7 +151,7 @@ TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
 
 TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
   // Goal: a refusal arrives whole. A handler's failure, such as a dropped reply, arrives as a bug
-  // whose text only the log has. Method: a handler that refuses, throws and drops replies.
+  // whose text only the log has. Method: call a handler that refuses, throws and drops replies.
   ServerThread server(socket(), service);
   Client client(socket());
   const Refusal bad = refusal_of(
@@ -190,7 +190,7 @@ TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
 
 TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
   // Goal: while a handler delays a reply, other clients are answered, and a client that left blocks
-  // nobody. Method: four clients, answered in reverse; one of them leaves early.
+  // nobody. Method: answer four clients in reverse; one of them leaves early.
   service.keeps_status = true;
   ServerThread server(socket(), service);
   std::thread gives_up(
@@ -261,8 +261,8 @@ TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
 }
 
 TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
-  // Goal: a client can read any answer; long texts are cut at a whole character. Method: a page of
-  // 120 jobs with texts of 70 kB, and a status with a long history.
+  // Goal: a client can read any answer; long texts are cut at a whole character. Method: list a
+  // page of 120 jobs with texts of 70 kB, and read a status with a long history.
   JobView huge = full_view();
   huge.reason = std::string(1, 'a') + [] {
     std::string text;
@@ -289,8 +289,8 @@ TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
 
 TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
   // Goal: a socket has mode 0600. A server refuses a living server's socket, replaces a dead
-  // server's socket, and leaves its successor's alone when it ends. Method: servers one after
-  // another; a killed process; a path beyond the system's limit.
+  // server's socket, and leaves its successor's alone when it ends. Method: start servers one after
+  // another; kill a process; use a path beyond the system's limit.
   const std::string deep = path(std::string(200, 'd'));
   std::filesystem::create_directory(deep);
   const std::string place = deep + "/socket";
@@ -324,8 +324,8 @@ TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
 }
 
 TEST_F(CallsTest, AClientOutlivesItsServers) {
-  // Goal: a client reconnects to the next server. Method: servers one after another, with a pause
-  // between.
+  // Goal: a client reconnects to the next server. Method: start servers one after another, with a
+  // pause between.
   Client client(socket());
   for (int i = 0; i < 3; ++i) {
     EXPECT_THROW(client.info(), NoServer);
@@ -335,7 +335,8 @@ TEST_F(CallsTest, AClientOutlivesItsServers) {
 }
 
 TEST_F(CallsTest, AClientMayPauseForLongerThanACallMayTake) {
-  // Goal: a call's time limit starts with the call. Method: calls with a limit of 2 s, 2.5 s apart.
+  // Goal: a call's time limit starts with the call. Method: make calls with a limit of 2 s, 2.5 s
+  // apart.
   ServerThread server(socket(), service);
   Client client(socket(), {.call_s_max = 2});
   EXPECT_EQ(client.info().version, "1.2");

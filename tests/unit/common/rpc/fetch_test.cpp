@@ -1,4 +1,4 @@
-// Goal: a fetched file is complete or absent, whatever happens. Method: real servers and
+// Goal: a fetched file is complete or absent, whatever happens. Method: use real servers and
 // connections with faults.
 #include <fmt/format.h>
 #include <signal.h>
@@ -140,7 +140,7 @@ TEST_F(FetchTest, GoesOnOverKilledServers) {
 
 TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
   // Goal: a file with wrong bytes is never put in place; after a few tries the fetch fails. Method:
-  // a wrong digest; a damaged partial file, which a new try repairs.
+  // announce a wrong digest; damage a partial file, which a new try repairs.
   const std::string content = content_of(3 * k_piece_bytes_max, 3);
   service.add_file("ball.h5", content);
   ServerThread server(socket(), service);
@@ -191,7 +191,7 @@ TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
 
 TEST_F(FetchTest, BringsManyFilesByPages) {
   // Goal: one call fetches several files into a folder, over pages and killed connections; names
-  // that leave the folder are refused. Method: 20 files, 7 in a page; a hostile name.
+  // that leave the folder are refused. Method: fetch 20 files, 7 in a page, and a hostile name.
   for (int i = 10; i < 30; ++i)
     service.add_file(fmt::format("failure-{}.bin", i), content_of(1000, static_cast<unsigned>(i)));
   service.files_in_page = 7;
@@ -209,8 +209,8 @@ TEST_F(FetchTest, BringsManyFilesByPages) {
 }
 
 TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
-  // Goal: a failed write is reported and leaves the destination unchanged. Method: a limit on file
-  // sizes, as on a full disk, in a separate process; then without the limit.
+  // Goal: a failed write is reported and leaves the destination unchanged. Method: limit file
+  // sizes, as on a full disk, in a separate process; then lift the limit.
   const std::string content = content_of(3 * k_piece_bytes_max, 4);
   service.add_file("ball.h5", content);
   ServerThread server(socket(), service);
@@ -237,8 +237,8 @@ TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
 }
 
 TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
-  // Goal: a file that is replaced during a fetch arrives in its old version. Method: open_source;
-  // then rename another file over it.
+  // Goal: a file that is replaced during a fetch arrives in its old version. Method: call
+  // open_source, then rename another file over it.
   std::ofstream(path("a"), std::ios::binary) << "old content";
   const auto source = open_source(path("a"), "a.h5", "digest");
   std::ofstream(path("b"), std::ios::binary) << "new";
@@ -286,8 +286,8 @@ class CutLink final : public Link {
 
 TEST_F(FetchTest, AFirstCallThatIsCutIsRepeated) {
   // Goal: a client waits for a daemon that is killed during a fetch's first call, but not for a
-  // daemon that never ran. Method: a link that loses the first call and then finds nobody; a link
-  // that finds nobody at once.
+  // daemon that never ran. Method: use a link that loses the first call and then finds nobody, and
+  // a link that finds nobody at once.
   CutLink cut;
   EXPECT_EQ(fetch_file_over(cut, {}, archive, path("out/a.h5"), {}, {}, AtItsPlace::replaced).how,
             Waited::settled);

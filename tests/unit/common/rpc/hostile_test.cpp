@@ -1,6 +1,6 @@
 // Goal: whatever peers send, or leave unread, the server's memory stays bounded and other clients
-// are served. Method: a server in its own process, whose peak memory is measured; another client
-// calls during and after each attack.
+// are served. Method: measure the peak memory of a server in its own process; another client calls
+// during and after each attack.
 #include <capnp/message.h>
 #include <capnp/rpc-twoparty.h>
 #include <capnp/rpc.capnp.h>
@@ -144,8 +144,8 @@ void open(Raw& raw) {
 }
 
 TEST_F(HostileTest, AnyBytes) {
-  // Goal: no bytes harm the server or other clients. Method: random bytes; our messages with some
-  // bytes changed.
+  // Goal: no bytes harm the server or other clients. Method: send random bytes, and our messages
+  // with some bytes changed.
   for (const std::uint64_t n : property::cases(property::of_tier(40, 120))) {
     random::Stream stream({.seed = 25, .purpose = random::Purpose::prior}, n);
     Raw raw(socket());
@@ -174,8 +174,8 @@ TEST_F(HostileTest, AnyBytes) {
 }
 
 TEST_F(HostileTest, MessagesThatAreTooLargeEndTheirConnection) {
-  // Goal: announced sizes are checked before memory is allocated. Method: sizes beyond the limit,
-  // too many parts, parts whose sum is too large.
+  // Goal: announced sizes are checked before memory is allocated. Method: announce sizes beyond the
+  // limit, too many parts, and parts whose sum is too large.
   const std::vector<std::vector<std::uint32_t>> heads = {{0, 0xFFFFFFFF},
                                                          {0, (4U << 20U) / 8 + 1},
                                                          {0xFFFFFFFF, 1},
@@ -191,8 +191,8 @@ TEST_F(HostileTest, MessagesThatAreTooLargeEndTheirConnection) {
 }
 
 TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
-  // Goal: depth and total content of a message are bounded. Method: a call with 200 levels of
-  // lists; a submission of 1,000 jobs that all point at one text of 1 MB.
+  // Goal: depth and total content of a message are bounded. Method: send a call with 200 levels of
+  // lists, and a submission of 1,000 jobs that all point at one text of 1 MB.
   Raw deep(socket());
   open(deep);
   capnp::MallocMessageBuilder nested;
@@ -238,8 +238,8 @@ TEST_F(HostileTest, HalfMessagesAreGivenUp) {
 }
 
 TEST_F(HostileTest, AThousandConnections) {
-  // Goal: any number of connections leaves others served and takes little memory. Method: 1,000
-  // idle connections, half of them with the beginning of a message, beside ordinary clients.
+  // Goal: any number of connections leaves others served and takes little memory. Method: open
+  // 1,000 idle connections, half of them with the beginning of a message, beside ordinary clients.
   rlimit files = {};
   ::getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = files.rlim_max;
@@ -257,7 +257,7 @@ TEST_F(HostileTest, AThousandConnections) {
 
 TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
   // Goal: unread answers take bounded memory, and their connections are ended in time. Method:
-  // connections that request the same status and pieces of a file repeatedly and read nothing.
+  // request the same status and pieces of a file repeatedly and read nothing.
   std::vector<std::unique_ptr<Raw>> raws;
   for (int i = 0; i < 20; ++i) {
     raws.push_back(std::make_unique<Raw>(socket()));
@@ -313,8 +313,8 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
 
 TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
   // Goal: a peer can't make the server store answers, neither by never releasing them nor by
-  // leaving results on the server. Method: more questions than allowed, with their answers read; a
-  // call whose results are to stay.
+  // leaving results on the server. Method: ask more questions than allowed and read their answers;
+  // make a call whose results are to stay.
   Raw many(socket());
   open(many);
   bool is_ended = false;
@@ -373,7 +373,7 @@ TEST_F(HostileTest, APeerBringsNoCapabilities) {
 
 TEST_F(HostileTest, MoreCallsAtOnceThanAllowedAreRefused) {
   // Goal: a connection's simultaneous calls are bounded, and a dropped watch frees its place.
-  // Method: more watches than allowed on one connection; drop some and open as many new ones.
+  // Method: open more watches than allowed on one connection; drop some and open as many new ones.
   auto io = kj::setupAsyncIo();
   auto stream = io.lowLevelProvider->wrapSocketFd(connect_to(socket()).value(),
                                                   kj::LowLevelAsyncIoProvider::TAKE_OWNERSHIP);

@@ -1,5 +1,5 @@
 // Goal: the event loop calls timers, file callbacks, posts and signal handlers correctly. Method:
-// short real times and pipes.
+// use short real times and pipes.
 #include "common/rpc/loop.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ double now_s() {
 }
 
 TEST(LoopTest, CallsInTimeAndInOrder) {
-  // Goal: timers fire in time order and never early; a destroyed timer doesn't fire. Method:
+  // Goal: timers fire in time order and never early; a destroyed timer doesn't fire. Method: start
   // several timers; one is dropped, one ends another.
   Loop loop;
   const double began_s = now_s();
@@ -43,8 +43,8 @@ TEST(LoopTest, CallsInTimeAndInOrder) {
 }
 
 TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
-  // Goal: a delay starts when it is requested, not when the loop last woke. Method: a callback that
-  // takes 50 ms and then requests 20 ms.
+  // Goal: a delay starts when it is requested, not when the loop last woke. Method: run a callback
+  // that takes 50 ms and then requests 20 ms.
   Loop loop;
   double asked_s = 0.0;
   double called_s = 0.0;
@@ -79,7 +79,7 @@ TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
 
 TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
   // Goal: a callback fires while data is readable, even after a partial read, and when the other
-  // end closes, but not after its handle is destroyed. Method: a pipe, read a byte per call.
+  // end closes, but not after its handle is destroyed. Method: read a pipe one byte per call.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   Loop loop;
@@ -107,7 +107,7 @@ TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
 
 TEST(LoopTest, TakesPostsFromOtherThreadsInOrder) {
   // Goal: posts of threads run on the loop's thread, each thread's in order, including posts before
-  // run(). Method: four threads of 500 posts.
+  // run(). Method: post 500 times from each of four threads.
   Loop loop;
   const auto here = std::this_thread::get_id();
   std::vector<int> next(4, 0);

@@ -1,6 +1,6 @@
 // Goal: over TLS, only clients with a valid token are served, and revoking a token ends its
-// sessions. An untrusted server gets no token, and strangers can't disturb others. Method: loopback
-// connections to a server with a generated certificate; an authority that counts its calls.
+// sessions. An untrusted server gets no token, and strangers can't disturb others. Method: connect
+// over loopback to a server with a generated certificate and an authority that counts its calls.
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <netinet/in.h>

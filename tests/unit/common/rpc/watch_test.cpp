@@ -1,5 +1,5 @@
 // Goal: a watcher gets every numbered event once and in order, whatever happens to connections and
-// servers. Method: real servers, some of them killed.
+// servers. Method: use real servers and kill some of them.
 #include <atomic>
 #include <chrono>
 
@@ -71,8 +71,8 @@ class WatchTest : public testing::SocketFolder {
 };
 
 TEST_F(WatchTest, TellsAllFromAnyNumberOnAndSettles) {
-  // Goal: a watch from any number gets each event once, in order, and the end. Method: a finished
-  // job with more events than an answer holds; a sink that stops.
+  // Goal: a watch from any number gets each event once, in order, and the end. Method: watch a
+  // finished job with more events than an answer holds; use a sink that stops.
   service.jobs[1] = {.view = {.id = {1}}, .events = 1000, .changes = 3, .is_over = true};
   ServerThread server(socket(), service);
   Client client(socket());
@@ -91,7 +91,7 @@ TEST_F(WatchTest, TellsAllFromAnyNumberOnAndSettles) {
 
 TEST_F(WatchTest, NewsArriveAsTheyCome) {
   // Goal: a watch waits without polling, gets each event at once, and can be interrupted. Method:
-  // events one by one; the handler counts its calls.
+  // send events one by one; the handler counts its calls.
   service.jobs[1] = {.view = {.id = {1}}};
   ServerThread server(socket(), service);
   Listener listener;
@@ -125,7 +125,7 @@ TEST_F(WatchTest, NewsArriveAsTheyCome) {
 
 TEST_F(WatchTest, ASlowWatcherMissesNothingNumberedAndNothingQueues) {
   // Goal: a slow watcher gets all events and fewer progress reports, and the server buffers nothing
-  // for it. Method: 20,000 changes of progress and 2,000 events; the watcher sleeps after each
+  // for it. Method: send 20,000 changes of progress and 2,000 events; the watcher sleeps after each
   // hundredth.
   const auto shared = testing::make_shared_memory();
   ServerProcess server(socket(), *shared);
@@ -204,8 +204,8 @@ TEST_F(WatchTest, GivesUpAServiceThatStaysAway) {
 }
 
 TEST_F(WatchTest, WatchesManyJobsAtOnce) {
-  // Goal: one watch of many jobs settles when each job has ended or is refused. Method: finished
-  // jobs, a job that ends later, a missing job, a job that is deleted meanwhile.
+  // Goal: one watch of many jobs settles when each job has ended or is refused. Method: watch
+  // finished jobs, a job that ends later, a missing job, and a job that is deleted meanwhile.
   for (std::uint64_t id = 1; id <= 50; ++id)
     service.jobs[id] = {.view = {.id = {id}}, .events = 0, .changes = 0, .is_over = id > 2};
   ServerThread server(socket(), service);
@@ -235,7 +235,7 @@ TEST_F(WatchTest, WatchesManyJobsAtOnce) {
 
 TEST_F(WatchTest, ASilentServerIsHeardOfAndAGapIsSaid) {
   // Goal: a watch without news gets empty answers now and then, which the sink doesn't see; a
-  // missing event causes a refusal. Method: a short limit; a handler with a gap.
+  // missing event causes a refusal. Method: use a short limit, and a handler with a gap.
   service.jobs[1] = {.view = {.id = {1}}, .events = 3, .is_over = false};
   service.jobs[2] = {.view = {.id = {2}}, .events = 5, .is_over = true};
   service.gap_at = 4;

@@ -1,5 +1,6 @@
 // Goal: a surface has its formula's heights where its control points exist, and none elsewhere.
-// Method: planes and parabolas, which splines reproduce up to a constant; control points removed.
+// Method: use planes and parabolas, which splines reproduce up to a constant; remove control
+// points.
 #include "common/scene/surface.h"
 
 #include <gtest/gtest.h>

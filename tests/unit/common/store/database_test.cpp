@@ -16,8 +16,8 @@ using ::testing::HasSubstr;
 class DatabaseOf : public archive::testing::Scratch {};
 
 TEST_F(DatabaseOf, ValuesComeBack) {
-  // Goal: every kind of value reads back as it was bound. Method: a row of extremes, an empty blob
-  // that is not NULL, text with a zero byte.
+  // Goal: every kind of value reads back as it was bound. Method: store a row of extremes, an empty
+  // blob that is not NULL, and text with a zero byte.
   Database database(path("a.sqlite"), Access::read_write);
   database.execute("CREATE TABLE t(i INTEGER, r REAL, t TEXT, b BLOB NOT NULL, n BLOB)");
   Statement insert = database.prepare("INSERT INTO t VALUES(?1,?2,?3,?4,?5)");
@@ -48,8 +48,8 @@ TEST_F(DatabaseOf, IsDurableByItsSettings) {
 }
 
 TEST_F(DatabaseOf, ErrorsNameTheFileAndWhatToDo) {
-  // Goal: each error's message says what to fix. Method: a missing file, a missing folder, a file
-  // that is no database, invalid SQL, a row that violates a constraint.
+  // Goal: each error's message says what to fix. Method: open a missing file, a missing folder and
+  // a file that is no database; run invalid SQL; violate a constraint.
   const auto failure = [](const auto& act) -> std::string {
     try {
       act();

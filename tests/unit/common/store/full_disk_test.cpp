@@ -87,8 +87,8 @@ TEST_F(FullDisk, AnyCallMayFail) {
 
 TEST_F(FullDisk, MiddleOfALargeGroup) {
   // Goal: if one write within a group fails, no part of the group is stored, even if the disk works
-  // again at once. Method: a result larger than SQLite's cache, so that pages are written during
-  // inserts; one call of many fails.
+  // again at once. Method: store a result larger than SQLite's cache, so that pages are written
+  // during inserts, and fail one call of many.
   testing::FaultyDisk disk;
   const std::uint64_t step = property::of_tier(120, 40);
   std::uint64_t failed = 0;

@@ -81,8 +81,8 @@ std::vector<std::uint64_t> numbers_to(std::uint64_t count) {
 }
 
 TEST(GroupCommit, KeepsOrderInFewCommits) {
-  // Goal: results are committed in the order of put, many at a time. Method: a thousand puts and a
-  // flush; far fewer commits than results.
+  // Goal: results are committed in the order of put, many at a time. Method: put a thousand results
+  // and flush; there must be far fewer commits than results.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   for (std::uint64_t i = 0; i < 1000; ++i)
@@ -108,8 +108,8 @@ TEST(GroupCommit, CountsOnlyWhatIsCommitted) {
 }
 
 TEST(GroupCommit, CommitsWithoutBeingAsked) {
-  // Goal: a lone small result is committed soon without a flush, a large one at once. Method: one
-  // of each; a missing commit would exceed the test's time limit.
+  // Goal: a lone small result is committed soon without a flush, a large one at once. Method: put
+  // one of each; a missing commit would exceed the test's time limit.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   group_commit.put(small(0));
@@ -148,7 +148,7 @@ TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
 
 TEST(GroupCommit, FailureComesOutAndNothingFollows) {
   // Goal: after a failed commit nothing more is written, and every caller gets the error. Method:
-  // the second commit fails; then all puts and flushes must throw.
+  // let the second commit fail; then all puts and flushes must throw.
   Recorder recorder;
   recorder.fail_at(2);
   GroupCommit group_commit(recorder.commit());

@@ -66,8 +66,8 @@ class KilledStore : public testing::RunFolder {};
 
 TEST_F(KilledStore, KeepsWhatItReported) {
   // Goal: scans counted by committed() survive kill -9 at any moment; the store has no gap and the
-  // right state, and the next session continues it. Method: sessions of one run, each a process
-  // killed at a random moment, from a printed seed.
+  // right state, and the next session continues it. Method: run sessions of one run, each in a
+  // process that is killed at a random moment, from a printed seed.
   std::vector<std::uint64_t> next(k_chains, 0);
   const std::uint64_t kills = property::of_tier(10, 50);
   std::uint64_t reported_in_all = 0;

@@ -1,4 +1,5 @@
-// Goal: two holders may never act at once. Method: leases of simulated machines (lease_world.h).
+// Goal: two holders may never act at once. Method: simulate leases of several machines
+// (lease_world.h).
 #include <gtest/gtest.h>
 
 #include "tests/support/property.h"
@@ -13,8 +14,8 @@ using testing::simulate_leases;
 
 TEST(LeaseProperty, NeverTwoThatMayAct) {
   // Goal: although processes pause, die, fail or come late, at most one holder believes that it may
-  // act, and the lock passes from holder to holder. Method: 4 processes on 3 machines for a
-  // simulated quarter of an hour, many seeds; check before and after every step.
+  // act, and the lock passes from holder to holder. Method: simulate 4 processes on 3 machines for
+  // a quarter of an hour, with many seeds; check before and after every step.
   const std::uint64_t stories = property::long_run() ? 20'000 : property::of_tier(20, 100);
   LeaseStory all;
   for (const std::uint64_t seed : property::seeds(stories)) {
@@ -35,7 +36,7 @@ TEST(LeaseProperty, NeverTwoThatMayAct) {
 class LeaseMistake : public ::testing::TestWithParam<Mistake> {};
 
 TEST_P(LeaseMistake, IsCaught) {
-  // Goal: the property can fail. Method: one planted mistake; some seed must find two holders that
+  // Goal: the property can fail. Method: plant one mistake; some seed must find two holders that
   // may act.
   constexpr std::uint64_t k_seeds_max = 300;
   for (std::uint64_t seed = 1; seed <= k_seeds_max; ++seed) {

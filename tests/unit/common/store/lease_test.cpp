@@ -1,5 +1,5 @@
 // Goal: each step of the lease protocol (common/store/lease.h) returns and writes the right state.
-// Method: worked examples with a manual clock.
+// Method: work through examples with a manual clock.
 #include "common/store/lease.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ std::string holder(const Lease::Outcome& outcome) {
 
 TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
   // Goal: an observer waits one lease by its own clock from its first look; a renewal meanwhile
-  // shows that the holder lives. Method: two leases on one clock.
+  // shows that the holder lives. Method: use two leases on one clock.
   Folder folder;
   base::ManualClock clock;
   Lease first(folder, clock, of("a", 1));
@@ -107,8 +107,8 @@ TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
 
 TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
   // Goal: the holder may act for three quarters of a lease after the start of its last successful
-  // renewal. A failing disk doesn't prolong that, and a short failure has no effect. Method: a
-  // clock, and a disk that fails for a while.
+  // renewal. A failing disk doesn't prolong that, and a short failure has no effect. Method: move a
+  // clock, and let a disk fail for a while.
   Folder folder;
   base::ManualClock clock;
   Lease lease(folder, clock, of("a", 1));
@@ -130,7 +130,7 @@ TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
 
 TEST(Lease, IsTakenAtOnceFromWhoeverIsGone) {
   // Goal: a lease is free at once if its holder released it or died on this machine; a holder that
-  // runs here keeps it without renewing. Method: one case after the other.
+  // runs here keeps it without renewing. Method: try one case after the other.
   Folder folder;
   base::ManualClock clock;
   {
@@ -181,8 +181,8 @@ TEST(Lease, CopiesAreOwedUntilTheyAreMade) {
 }
 
 TEST(Lease, TextComesBack) {
-  // Goal: a lease's text reads back, has a fixed size, and can't control a terminal. Method: a full
-  // lease; a host name with strange bytes.
+  // Goal: a lease's text reads back, has a fixed size, and can't control a terminal. Method: write
+  // a full lease, and a host name with strange bytes.
   LeaseText lease = of("node\x1b[2J\n7", 123);
   lease.holder.started = 456;
   lease.epoch = 9;
@@ -207,7 +207,7 @@ TEST(Lease, TextComesBack) {
 
 TEST(Lease, AStrangeFileIsAHolderThatSaysNothing) {
   // Goal: an invalid lease file is observed like a dead holder's, for one lease at most, whatever
-  // its content. Method: short, foreign, and hostile texts.
+  // its content. Method: read short, foreign and hostile texts.
   const std::string sound = of("a", 1).to_text();
   std::string endless = sound;
   endless.replace(endless.find("lease_s 60"), 10, "lease_s 1e9");

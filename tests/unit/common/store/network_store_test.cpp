@@ -1,5 +1,5 @@
 // Goal: run stores work on a disk that machines share, without shared memory and flock. Method:
-// several "nodes" on one machine.
+// simulate several "nodes" on one machine.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -176,7 +176,7 @@ TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
 
 TEST_F(NetworkStore, NeedsItsOwnMode) {
   // Goal: the tests' disk breaks SQLite's usual write-ahead log, and the network-disk mode repairs
-  // that. Method: the same database with the variable off and on.
+  // that. Method: open the same database with the variable off and on.
   const auto mode = [&](const char* said, const std::string& name) {
     ::setenv(base::k_network_disk_variable, said, 1);
     Database database(path(name), Access::read_write);
@@ -219,7 +219,8 @@ TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
 
 TEST_F(NetworkStore, OfTwoNodesOneWrites) {
   // Goal: of two starts on two nodes one writes; the other reports the writer's node, process,
-  // start time and session. Method: leases of 5 s; the second start must see the first one renew.
+  // start time and session. Method: use leases of 5 s; the second start must see the first one
+  // renew.
   RunLock lock(folder(), {.lease_s = 5, .self = on_node("first")});
   RunStore store(folder(), example_identity(1), &lock);
   lock.keep();
@@ -234,8 +235,8 @@ TEST_F(NetworkStore, OfTwoNodesOneWrites) {
 }
 
 TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
-  // Goal: a run can be resumed right after kill -9 on the same machine. Method: a successor that
-  // had to wait for the lease would owe copies; this one must not.
+  // Goal: a run can be resumed right after kill -9 on the same machine. Method: check that the
+  // successor owes no copies, as it would after waiting for the lease.
   const Moment taken;
   Child holder([&] {
     RunLock lock(folder());

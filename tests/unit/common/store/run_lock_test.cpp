@@ -88,7 +88,7 @@ TEST_F(RunLockOf, OneObjectAtATime) {
 }
 
 TEST_F(RunLockOf, MakesTheFolder) {
-  // Goal: a first session needs no preparation, and reports why it can't start. Method: a new
+  // Goal: a first session needs no preparation, and reports why it can't start. Method: use a new
   // folder, a folder whose parent is missing, and a file.
   EXPECT_EQ(conflict_of(path("new")), std::nullopt);
   EXPECT_EQ(bytes_of(path("new/lock")), fmt::format("{}\n", ::getpid()));

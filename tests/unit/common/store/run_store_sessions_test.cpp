@@ -136,8 +136,8 @@ TEST_F(RunStoreSessions, SeeNoHalfOfAUnit) {
 }
 
 TEST_F(RunStoreSessions, NeedAFolderAndADatabase) {
-  // Goal: a folder without a run store is refused and not written to. Method: a missing folder, and
-  // a text file in place of the store.
+  // Goal: a folder without a run store is refused and not written to. Method: use a missing folder,
+  // and a text file in place of the store.
   const std::string missing = failure_of(base::ExitCode::environment,
                                          [&] { RunStore(path("missing"), example_identity(1)); });
   EXPECT_THAT(missing, HasSubstr(path("missing")));

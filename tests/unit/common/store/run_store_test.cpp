@@ -43,8 +43,8 @@ TEST_F(RunStoreOf, NewRunIsEmpty) {
 }
 
 TEST_F(RunStoreOf, GivesBackWhatWasPut) {
-  // Goal: results can be read after a flush, also by other readers and after reopening. Method: two
-  // chains in units of several sizes, together longer than a replay's batch.
+  // Goal: results can be read after a flush, also by other readers and after reopening. Method:
+  // store two chains in units of several sizes, together longer than a replay's batch.
   open();
   std::uint64_t next = 0;
   for (const std::uint32_t scans : {1U, 2U, 100U, 4096U, 7U, 1000U}) {
@@ -83,8 +83,8 @@ TEST_F(RunStoreOf, ProgressIsInOrder) {
 }
 
 TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
-  // Goal: invariants 2 and 4 hold for any history. Method: random units that continue, repeat or
-  // overlap, with flushes and new sessions between; parts that are already stored are changed.
+  // Goal: invariants 2 and 4 hold for any history. Method: put random units that continue, repeat
+  // or overlap, with flushes and new sessions between; change parts that are already stored.
   constexpr std::uint64_t k_seed = 4711;
   SCOPED_TRACE(fmt::format("seed {}", k_seed));
   random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 0);
@@ -113,7 +113,7 @@ TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
 }
 
 TEST_F(RunStoreOf, TakesFromManyThreads) {
-  // Goal: put, flush and committed may be called from any thread. Method: four threads with
+  // Goal: put, flush and committed may be called from any thread. Method: use four threads with
   // separate chains.
   open(4);
   std::vector<std::thread> threads;

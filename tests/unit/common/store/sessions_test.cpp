@@ -1,4 +1,4 @@
-// Goal: a supervisor reads a run's sessions from its store. Method: sessions that end in every way.
+// Goal: a supervisor reads a run's sessions from its store. Method: end sessions in every way.
 #include "common/store/sessions.h"
 
 #include <gmock/gmock.h>
@@ -32,7 +32,7 @@ class Sessions : public testing::RunFolder {
 
 TEST_F(Sessions, TellHowEachEnded) {
   // Goal: a finished session is listed with its record, a dead or running one without, each with
-  // whether it committed anything. Method: sessions that die before and after they commit, fail,
+  // whether it committed anything. Method: let sessions die before and after they commit, fail,
   // finish, and run.
   { RunStore died(folder(), example_identity(1)); }
   {
@@ -71,7 +71,7 @@ TEST_F(Sessions, TellHowEachEnded) {
 
 TEST_F(Sessions, OneThatWasTakenForDeadSaysNothing) {
   // Goal: a session whose successor has begun stores no record, and the successor's record stays.
-  // Method: two open stores; the older one closes.
+  // Method: open two stores and close the older one.
   RunStore older(folder(), example_identity(1));
   RunStore newer(folder(), example_identity(1));
   try {

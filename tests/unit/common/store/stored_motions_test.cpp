@@ -100,7 +100,7 @@ TEST_F(StoredMotionsTest, ComeBackBitForBit) {
 
 TEST_F(StoredMotionsTest, BelongToOneOwner) {
   // Goal: motions of another version or request are never returned, and new motions replace them.
-  // Method: another owner's text, which then stores the same states.
+  // Method: use another owner's text, and store the same states.
   keep_fifty("a");
   EXPECT_EQ(remembered("b"), 0);
   EXPECT_EQ(remembered("a"), 50);
@@ -153,7 +153,7 @@ TEST_F(StoredMotionsTest, AFileDamagedWithinIsMadeAnew) {
 
 TEST_F(StoredMotionsTest, GrowsToItsBound) {
   // Goal: a file exceeds its limit at most by the pending motions, and its stored motions stay.
-  // Method: a limit of 1 MB, motions of 100 kB.
+  // Method: use a limit of 1 MB and motions of 100 kB.
   StoredMotions motions(folder(), "a", 1 << 20);
   const archive::Motion large{.segments = std::vector<motion::Segment>(521)};
   for (int number = 0; number < 400; ++number)

@@ -33,8 +33,8 @@ class StoredRunOf : public testing::RunFolder {
 };
 
 TEST_F(StoredRunOf, KeepsEveryBit) {
-  // Goal: an archive gets a worker's exact bits. Method: one record of extremes: NaNs with payloads
-  // as outcomes, densities of minus infinity, empty lists, the largest lineage.
+  // Goal: an archive gets a worker's exact bits. Method: store one record of extremes: NaNs with
+  // payloads as outcomes, densities of minus infinity, empty lists, the largest lineage.
   plan::ScanRecord record;
   record.log_prior = std::numeric_limits<double>::denorm_min();
   record.log_constraint = -std::numeric_limits<double>::infinity();
@@ -46,8 +46,8 @@ TEST_F(StoredRunOf, KeepsEveryBit) {
 }
 
 TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
-  // Goal: the two densities keep their bits in their own columns. Method: doubles that a database
-  // might convert: whole numbers, signed zeros, the largest.
+  // Goal: the two densities keep their bits in their own columns. Method: store doubles that a
+  // database might convert: whole numbers, signed zeros, the largest.
   const std::vector<double> values{-0.0,
                                    0.0,
                                    1.0,
@@ -123,8 +123,8 @@ TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
 
 TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
   // Goal: with several replicas, an archive holds the replica at inverse temperature 1 of each
-  // scan, in order, and each replica's newest state. Method: two replicas that swap after each
-  // scan; the second exists only from scan 2 on.
+  // scan, in order, and each replica's newest state. Method: store two replicas that swap after
+  // each scan; the second exists only from scan 2 on.
   RunStore store(folder(), example_identity(1));
   plan::UnitResult first = result_of(0, 0, 5);
   plan::UnitResult second = testing::forged(result_of(0, 2, 3));
@@ -157,7 +157,7 @@ TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
 
 TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
   // Goal: a replay visits dependent replicas together, so that a plan buffers little; each
-  // replica's scans come once and in order. Method: three replicas with more scans than some
+  // replica's scans come once and in order. Method: store three replicas with more scans than some
   // batches; measure how far apart they are.
   constexpr std::uint64_t k_scans = 10'000;
   constexpr std::uint64_t k_apart_max = 4096;
@@ -188,7 +188,7 @@ TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
 }
 
 TEST_F(StoredRunOf, MissingStoreIsAnError) {
-  // Goal: reading creates no file. Method: a folder without a store.
+  // Goal: reading creates no file. Method: use a folder without a store.
   EXPECT_THROW(StoredRun(folder(), {.chains = 1, .scans = 1}), base::Error);
   EXPECT_TRUE(std::filesystem::is_empty(folder()));
 }

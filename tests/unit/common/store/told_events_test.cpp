@@ -82,8 +82,8 @@ class ToldEventsTest : public testing::RunFolder {
 
 TEST_F(ToldEventsTest, NumbersGoOnOverSessionsAndEnds) {
   // Goal: numbers run from 1 without a gap in the order of put. A session's end has a number, a
-  // dead session leaves none, and the frontier is the last committed number. Method: three
-  // sessions, the second dies; compare what each reports with what is read back.
+  // dead session leaves none, and the frontier is the last committed number. Method: run three
+  // sessions, of which the second dies; compare what each reports with what is read back.
   std::vector<std::uint64_t> heard;
   const auto hear = [&](std::span<const events::RunEvent> told) {
     for (const events::RunEvent& event : told)
@@ -158,8 +158,8 @@ TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
 
 TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
   // Goal: a reader gets each number once and in order, whatever part of the events the log holds.
-  // Method: twenty events in the store; logs with all, the end, the beginning, the middle, none, or
-  // a damaged line; read in large and small answers, from several numbers.
+  // Method: store twenty events, with logs that hold all, the end, the beginning, the middle, none,
+  // or a damaged line; read in large and small answers, from several numbers.
   store_rounds(20);
   const auto read_all = [&](std::uint64_t first, std::size_t at_once) {
     ToldEvents told(folder(), first);
@@ -253,7 +253,7 @@ TEST_F(ToldEventsTest, TellsTheNewestOfWhatHasNoNumber) {
 
 TEST_F(ToldEventsTest, ReadsBesideAWriter) {
   // Goal: beside a session that commits and logs all the time, a follower gets every number once,
-  // in order, and only after its commit. Method: a follower in its own thread.
+  // in order, and only after its commit. Method: run a follower in its own thread.
   constexpr std::uint64_t k_events = 3000;
   std::atomic<bool> is_over = false;
   std::vector<std::uint64_t> has;

@@ -1,6 +1,6 @@
 // Goal: indexes stored between commands are used only for their own archive; several archives
-// together count each animation once; requests are compared by key. Method: indexes of made-up
-// animations in a scratch folder, changed and cut; small lists.
+// together count each animation once; requests are compared by key. Method: store indexes of
+// made-up animations in a scratch folder, then change or cut them.
 #include "clients/browse/archives/browsed.h"
 
 #include <gmock/gmock.h>

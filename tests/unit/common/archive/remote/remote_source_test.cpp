@@ -1,7 +1,7 @@
 // Goal: whatever an archive holds and its reader does, the calling program survives, reports the
-// cause and reads its other archives. Method: the real reader on sound and damaged archives from
-// several threads; a reader under the same limits (lying_reader.cpp) that crashes, hangs, lies or
-// tries forbidden calls.
+// cause and reads its other archives. Method: open sound and damaged archives from several threads
+// with the real reader, and with a reader under the same limits (lying_reader.cpp) that crashes,
+// hangs, lies or tries forbidden calls.
 #include "common/archive/remote/remote_source.h"
 
 #include <fcntl.h>

@@ -128,7 +128,8 @@ TEST(HostileMessages, AreRefusedOrWellFormed) {
 }
 
 TEST(HostileMessages, EveryCutIsRefused) {
-  // Goal: no part of a message passes for a whole one. Method: every proper prefix of each.
+  // Goal: no part of a message passes for a whole one. Method: decode every proper prefix of each
+  // message.
   for (const base::Bytes& whole : short_messages()) {
     for (std::size_t size = 0; size < whole.size(); ++size) {
       EXPECT_FALSE(decode(base::BytesView(whole).first(size)).ok()) << size;
@@ -137,8 +138,8 @@ TEST(HostileMessages, EveryCutIsRefused) {
 }
 
 TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
-  // Goal: noise does no harm. Method: noise of 0 to 60 words, half of it after a head that claims
-  // one segment of the right length.
+  // Goal: noise does no harm. Method: decode noise of 0 to 60 words, half of it after a head that
+  // claims one segment of the right length.
   for (const std::uint64_t input : property::cases(inputs())) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::proposal}, input);
     base::Bytes bytes(below(480, stream));

@@ -102,8 +102,8 @@ std::string refusal(const Message& message) {
 
 TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
   // Goal: a result's unit travels as replica, first scan and number of records, whatever number of
-  // scans the unit claims. The coordinator knows the other fields. Method: a unit with every field
-  // filled, and claims of other lengths.
+  // scans the unit claims. The coordinator knows the other fields. Method: fill every field of a
+  // unit, and claim other lengths.
   for (const std::uint32_t claimed : {3U, 0U, 2U, 4U, 0xffffffffU}) {
     Delivery delivery = testing::example_delivery({3});
     plan::Unit& unit = delivery.results[0].unit;
@@ -124,8 +124,8 @@ TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
 }
 
 TEST(Messages, ResultWithoutScansIsRefused) {
-  // Goal: each result of a delivery has scans. Method: one of three results without scans; a
-  // delivery without results.
+  // Goal: each result of a delivery has scans. Method: encode three results, one of them without
+  // scans, and a delivery without results.
   EXPECT_THAT(refusal(testing::example_delivery({0})), HasSubstr("without scans"));
   EXPECT_THAT(refusal(testing::example_delivery({2, 0, 1})), HasSubstr("without scans"));
   EXPECT_EQ(refusal(testing::example_delivery({})), "");
@@ -207,8 +207,8 @@ TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
 }
 
 TEST(Messages, PiecesOfNothingAreRefused) {
-  // Goal: impossible lengths are refused before reading. Method: no bytes, and a message with one
-  // byte more or less.
+  // Goal: impossible lengths are refused before reading. Method: decode no bytes, and a message
+  // with one byte more or less.
   EXPECT_FALSE(decode({}).ok());
   const base::Bytes whole = encode(testing::example_delivery({2}));
   EXPECT_FALSE(decode(base::BytesView(whole).first(whole.size() - 1)).ok());
