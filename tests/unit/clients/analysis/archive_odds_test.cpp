@@ -146,7 +146,7 @@ TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
 }
 
 TEST(ArchiveOdds, ThrowsThatAreNoDrawsAreNamed) {
-  // Like a word of three balls: draws satisfy once in e^6.88, and throws of all balls 8 times as
+  // For a word of three balls, draws satisfy once in e^6.88, and all balls' throws 8 times as
   // often.
   Tables tables;
   tables.world = "spelling";
@@ -219,8 +219,7 @@ json::Value json_of(const IslandTables& tables) {
 }
 
 TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
-  // Of every three islands, one is 1 and two are 1/4: mean 1/2, relative variance 1/2 (times 240 /
-  // 239).
+  // One island of three is 1, two are 1/4: mean 1/2, relative variance 1/2 (times 240 / 239).
   const double log_p = -4.8 + std::log(0.5);
   const double error = std::sqrt(0.5 / 239);
   const json::Value said = json_of(IslandTables{});
@@ -269,8 +268,8 @@ TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
 }
 
 TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
-  // A sized round whose largest island has 4 tenths of the sum needs four times as many islands, so
-  // half the error.
+  // A sized round with 4 tenths of the sum in one island needs four times as many islands: half the
+  // error.
   IslandTables tables;
   tables.values.assign(240, -210);
   tables.values[100] = -210 + std::log(160);
@@ -299,8 +298,7 @@ TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
 
 TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
   // Goal: the advised error is never NaN or below its minimum. Method: use a heavy tail after equal
-  // islands, which predict an error of 0, and after islands without any solution, which predict
-  // nothing.
+  // islands, which predict an error of 0, and after islands without solutions.
   IslandTables tables;
   tables.odds_from.assign(4, 20);
   tables.stop = "scans = 20\nodds = 0.3\n";
@@ -316,8 +314,7 @@ TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
 
 TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
   // Goal: in a run for solutions, only the islands that any such run makes determine the odds.
-  // Method: use 30 islands per chain, then ones e^9 times as large. A shorter run has no such
-  // table.
+  // Method: use 30 islands per chain, then ones e^9 times as large.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 30 ? 0 : 9) + (i % 3 == 0 ? -4.8 : -5.8));

@@ -1,5 +1,4 @@
-// Goal: `sleight compare` reports how requests differ. Method: compare requests that differ in
-// single keys.
+// Goal: `sleight compare` reports how requests differ. Method: change single keys.
 #include "clients/analysis/comparison.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,5 @@
 // Goal: an error is reported only if all facts behind it hold; each missing one is a doubt of its
-// own kind. Method: make up tables of a ladder's two rounds that are good except for one thing, on
-// both sides of every limit.
+// own kind. Method: spoil one thing in good tables of two rounds, on both sides of every limit.
 #include "clients/analysis/odds_doubts.h"
 
 #include <gmock/gmock.h>
@@ -85,8 +84,7 @@ TEST(OddsDoubts, TheFirstRoundIsNotTrusted) {
 }
 
 TEST(OddsDoubts, RoundsHaveToAgree) {
-  // Means are -4.8 and -4.8 + shift; errors are 0.05 and 0.1 (jackknife), so three errors are
-  // 0.335.
+  // Means are -4.8 and -4.8 + shift; three errors (0.05, and 0.1 by jackknife) are 0.335.
   LadderFacts facts = good();
   const auto shifted = [&](double shift) {
     facts.before.clear();

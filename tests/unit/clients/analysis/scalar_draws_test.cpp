@@ -1,6 +1,5 @@
 // Goal: scalars are read entry by entry in bounded memory, and draws without a finite value rank
-// below all others. Method: read a source that computes its values and records its longest read,
-// and check every value.
+// below all others. Method: check every value of a source that records its longest read.
 #include "clients/analysis/scalar_draws.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Goal: groups follow their stated methods, whatever the order of animations. Method: compare
-// medoids with all choices and all single exchanges, hierarchies with the plain algorithm, and sets
-// in random orders.
+// medoids with all choices and exchanges, hierarchies with the plain algorithm, and sets in random
+// orders.
 #include "clients/browse/groups.h"
 
 #include <gtest/gtest.h>

@@ -23,8 +23,8 @@ Outline outline_of_many() {
 }
 
 TEST(Outline, IsTheIndexWithoutMotions) {
-  // Goal: an outline has everything of an entry but its motion. Method: remove motions of a random
-  // index by hand.
+  // Goal: an outline has everything of an entry but its motion. Method: strip a random index by
+  // hand.
   random::Stream stream = testing::stream_of(5, 0);
   const Index index = testing::random_index(40, stream);
   const Outline outline = outline_of_many();

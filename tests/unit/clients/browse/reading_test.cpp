@@ -175,7 +175,7 @@ TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(read.value().taken_over, 0U);
   expect_same(read.value().index, whole);
-  // Nothing is reused from another run, from another world's numbers, or with contacts of missing
+  // Nothing is reused from another run, with another world's numbers, or contacts of missing
   // features.
   for (int damage = 0; damage < 3; ++damage) {
     Index other = whole;

@@ -425,8 +425,8 @@ TEST_F(Fetching, BringsTheFileWhole) {
 }
 
 TEST_F(Fetching, LeavesOtherFilesAlone) {
-  // Goal: without --force, a fetch accepts an existing file only if its content is the same. No
-  // partial file is left.
+  // Goal: without --force, a fetch only accepts an existing file of the same content. No part is
+  // left.
   const std::string path = scratch_ / "hi.h5";
   base::PosixFileSystem files;
   base::write_text_file(files, path, "mine");
@@ -459,8 +459,7 @@ TEST_F(Fetching, DamagedArchivesTakeNoPlace) {
 }
 
 TEST_F(Fetching, AGroupFillsAFolder) {
-  // Goal: each job's archive gets its own name; a job without an archive is reported and doesn't
-  // stop the others.
+  // Goal: each archive gets its own name; a job without an archive is reported and stops no other.
   const std::string folder = scratch_ / "deep/g5";
   testing::internal::CaptureStderr();
   const Json json = Json::parse(out(
@@ -505,8 +504,7 @@ TEST(FetchAsk, PlacesAreNamedByJobs) {
 }
 
 TEST_F(JobCommands, ServerCommandsTellOfTheServer) {
-  // Goal: JSON has the pid, text is for people; without a server `status` exits with 12, and `stop`
-  // succeeds.
+  // Goal: JSON has the pid; without a server `status` exits with 12, and `stop` succeeds.
   out([&] { return show_server(socket_, false); });
   EXPECT_EQ(code_, 12);
   out([&] { return stop_server(socket_, false); });

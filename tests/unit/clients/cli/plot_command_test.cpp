@@ -1,6 +1,5 @@
 // Goal: the list of a world's own plots determines the available names, the help, the trace, and
-// the error for a plot that an archive lacks. Method: make up two worlds, with archives of both and
-// of a third world.
+// the error for a plot that an archive lacks. Method: make up two worlds, and archives of three.
 #include "clients/cli/plot_command.h"
 
 #include <gmock/gmock.h>

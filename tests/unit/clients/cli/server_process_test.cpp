@@ -60,8 +60,7 @@ TEST(ServerProcess, IsASessionOfItsOwnWithNothingInherited) {
 }
 
 TEST(ServerProcess, SaysWhatIsMissing) {
-  // Goal: a missing daemon program, or a state folder that can't be created, is an error with its
-  // path.
+  // Goal: errors about a missing daemon program or a bad state folder name its path.
   try {
     static_cast<void>(service_client::program_beside("no-such-daemon"));
     FAIL() << "no error";

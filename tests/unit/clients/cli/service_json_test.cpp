@@ -44,8 +44,7 @@ TEST(ServiceJson, AJobTellsWhatIsNotKnownAsNull) {
 }
 
 TEST(ServiceJson, OneJobAloneIsAnObject) {
-  // Goal: one job is an object, so that `status 17 --json | jq .state` works; other queries give a
-  // list.
+  // Goal: one job is an object, for `status 17 --json | jq .state`; other queries give a list.
   const std::vector<rpc::JobView> jobs{{.id = {17}}};
   EXPECT_TRUE(jobs_json(jobs, true).is_object());
   EXPECT_TRUE(jobs_json(jobs, false).is_array());

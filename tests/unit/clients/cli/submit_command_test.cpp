@@ -1,6 +1,5 @@
 // Goal: a submission has the request's text with its sets, once per combination, and refusals read
-// like those of `sleight check`. Method: call a real server on a real socket, with a scripted
-// handler.
+// like those of `sleight check`. Method: call a real server with a scripted handler.
 #include "clients/cli/submit_command.h"
 
 #include <gtest/gtest.h>
@@ -67,8 +66,7 @@ TEST(Submit, AnUnchangedRequestGoesAsItIsWritten) {
 }
 
 TEST(Submit, SetsAndNumberAreApplied) {
-  // Goal: sets change the text that is sent, as does -n for a file; a word's text contains its
-  // number already.
+  // Goal: sets change the text that is sent, and so does -n for a file.
   const rpc::Submission of_file = made({.request_path = "hi.toml",
                                         .asked = request::Asked{.number = 7},
                                         .asked_by = "-n 7",
@@ -110,8 +108,8 @@ TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
 }
 
 TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
-  // Goal: a set that contradicts an option is refused. Method: combine --word and -n with such sets
-  // and with other sets.
+  // Goal: a set that contradicts an option is refused. Method: add such sets and others to --word
+  // and -n.
   const auto is_taken = [](const SubmitOptions& options) {
     return submission_of(options, {"x", "text"}, texts()).ok();
   };
@@ -195,8 +193,7 @@ TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
   EXPECT_EQ(printed.err, file + ":12:9: unknown key 'lamda'\n" + file + ":13:1: \\u{1b}[2J\n");
 }
 
-/// A server in its own process, killed by the first submission. The submission's key can be read
-/// afterwards.
+/// A server process that the first submission kills. The submission's key can be read later.
 class DyingServer {
  public:
   explicit DyingServer(const std::string& socket) {
@@ -245,9 +242,8 @@ class DyingServer {
 };
 
 TEST(Submit, ALostAnswerSubmitsNothingTwice) {
-  // Goal: if a server dies between accepting a submission and answering, the client repeats the
-  // call with the same key. Method: the submission kills the first server; a second one takes its
-  // place.
+  // Goal: if a server dies before answering a submission, the client repeats the call with the same
+  // key. Method: the submission kills the first server; a second one takes its place.
   const ScratchFolder scratch;
   const std::string socket = scratch / "socket";
   const DyingServer first(socket);

@@ -1,6 +1,5 @@
 // Goal: tokens are requested with the given options, shown once, and stored in private files; so is
-// what is known of a server. Method: call a real server on a real socket with a scripted handler,
-// in scratch folders.
+// what is known of a server. Method: call a real server with a scripted handler.
 #include "clients/cli/token_commands.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 // Goal: the tree has everything that the help has, and nothing hidden. Method: compare a toy
-// program's tree with its definition; tests/programs/test_completion.py tries the generated scripts
-// in real shells.
+// program's tree with its definition; test_completion.py in tests/programs runs the scripts.
 #include "clients/command_tree/command_tree.h"
 
 #include <gmock/gmock.h>

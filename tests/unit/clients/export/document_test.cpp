@@ -1,6 +1,5 @@
 // Goal: files are sound glTF, match their documents, and have the same bytes each time; hostile
-// names and texts do no harm. Method: export small scenes and read the files back with the tests'
-// own reader (read_glb.h).
+// names and texts do no harm. Method: read small scenes back with read_glb.h.
 #include "clients/export/document.h"
 
 #include <gmock/gmock.h>

@@ -1,7 +1,6 @@
 // Goal: between keys, players show the archive's motion to 0.1 mm and 0.2 degrees, for every kind
-// of motion. Method: compare random continuous motions, played at random times with both
-// interpolations that players use, with the closed forms; a coarse set of keys must fail the
-// comparison.
+// of motion. Method: play random motions at random times with both interpolations of players, and
+// compare with the closed forms; coarse keys must fail.
 #include "clients/export/keys.h"
 
 #include <gmock/gmock.h>

@@ -91,8 +91,7 @@ TEST(Look, DiceHavePipsAboveTheirFaces) {
   ASSERT_EQ(die.size(), 2U);
   EXPECT_EQ(die[0].material.name, "ivory");
   EXPECT_NEAR(volume_m3(faces_of(die[0])), 8e-6, 1e-11);
-  // A pip has ten triangles of twelve corners. Opposite faces add up to 7, with 1, 2, 3 on +x, +y,
-  // +z.
+  // A pip has ten triangles. Opposite faces add up to 7, with 1, 2, 3 on +x, +y, +z.
   EXPECT_EQ(die[1].material.name, "ink");
   std::map<std::pair<int, bool>, int> corners;
   for (const Float3& place : die[1].places) {

@@ -173,8 +173,7 @@ inline Track track_of(const File& file, std::size_t clip, std::size_t node,
 
 enum class Turning { slerp, normalised };
 
-/// Returns the value that a player shows at a time; quaternions (four numbers) turn the shortest
-/// way.
+/// Returns the value that a player shows at a time; quaternions turn the shortest way.
 inline std::vector<double> played(const Track& track, double t_s,
                                   Turning turning = Turning::slerp) {
   const auto next = std::ranges::upper_bound(track.times_s, t_s);

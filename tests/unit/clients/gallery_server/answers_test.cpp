@@ -99,8 +99,7 @@ TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
 }
 
 TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
-  // Goal: questions are answered by the functions of `browse`. Method: compare with these
-  // functions.
+  // Goal: answers equal those of the functions of `browse`. Method: call both.
   const browse::Index& index = snapshot->index();
   const std::string query = "bounces >= 2";
   const Json found = posted("/api/find", {{"query", query}, {"archives", Json::array({at()})}});
@@ -152,8 +151,7 @@ TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
 }
 
 TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
-  // Goal: malformed JSON does no harm. Method: use wrong types and numbers in each place, and an
-  // old generation.
+  // Goal: malformed JSON does no harm. Method: use wrong types and numbers, and an old generation.
   const Json good = at();
   const auto status = [&](const char* place, const Json& question) {
     return post(place, question.dump()).status;

@@ -1,6 +1,5 @@
 // Goal: the page always has all available data; archives that grow, vanish, are damaged or return
-// lose nothing that was read. Method: replace, delete and damage files while a gallery watches
-// them.
+// lose nothing that was read. Method: change, delete and damage files under a gallery.
 #include "clients/gallery_server/gallery.h"
 
 #include <gmock/gmock.h>
@@ -167,8 +166,7 @@ TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
 
 TEST_F(GalleryTest, AFolderShowsWhatLiesInItAndNothingElse) {
   // Goal: a folder's archives are shown, including later ones. A damaged archive affects only
-  // itself; a link that leads outside is named and not opened. Method: show a folder with one of
-  // each.
+  // itself; a link that leads outside is named and not opened. Method: show one of each.
   std::filesystem::create_directories(path("runs"));
   std::filesystem::create_directories(path("elsewhere"));
   files.put(path("runs/b.h5"), made_up(50));

@@ -1,6 +1,5 @@
 // Goal: notes about animations are stored as written, for those who may write, and nothing else
-// enters a file. Method: write notes in a scratch folder, and make files that are changed, invalid
-// or not writable.
+// enters a file. Method: write notes, and change, spoil or lock their files.
 #include "clients/gallery_server/notes.h"
 
 #include <fmt/format.h>
@@ -39,8 +38,7 @@ class NotesTest : public archive::testing::Scratch {
 };
 
 TEST_F(NotesTest, AreThereAgainTheNextTime) {
-  // Goal: a note outlives the gallery, is private, and is deleted when empty. Method: one after
-  // another.
+  // Goal: a note outlives the gallery, is private, and is deleted when empty. Method: do each.
   {
     Notes notes(path("notes"));
     EXPECT_EQ(changed(notes, run, "c0.250", starred)["changed"], 1);
@@ -94,8 +92,8 @@ TEST_F(NotesTest, NothingElseGetsIn) {
 
 TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   // Goal: a bulk change is stored whole or not at all. Method: change thousands of notes at once,
-  // also with a wrong one and with too many. The maximum number takes seconds (half a minute with
-  // sanitizers).
+  // also with a wrong one and with too many. The maximum takes seconds, with sanitizers half a
+  // minute.
   Notes notes(path("notes"));
   Json stars = Json::object();
   for (int i = 0; i < 5000; ++i)

@@ -39,8 +39,8 @@ namespace fs = std::filesystem;
 using Json = json::Value;
 
 TEST(Base64, IsThatOfTheStandard) {
-  // Goal: base64 is what browsers decode. Method: encode the test vectors of RFC 4648, section 10,
-  // and all digits.
+  // Goal: base64 is what browsers decode. Method: encode the vectors of RFC 4648, section 10, and
+  // all digits.
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");
@@ -212,9 +212,8 @@ TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
 }
 
 TEST_F(SavedGallery, TakesNothingElsesPlace) {
-  // Goal: a save replaces only a saved gallery or an empty place. Method: save over a folder with a
-  // file, a file, an empty folder, a gallery, a name with a slash at the end, and a link, which
-  // stays.
+  // Goal: a save replaces only a saved gallery or an empty place. Method: save over a file, over
+  // folders of each kind, over a name with a final slash, and over a link, which stays.
   fs::create_directories(path("mine"));
   std::ofstream(path("mine/letter.txt")) << "dear";
   EXPECT_EQ(refusal_of([&] { save(options("mine")); }).first, base::ExitCode::conflict);
@@ -237,8 +236,7 @@ TEST_F(SavedGallery, TakesNothingElsesPlace) {
 
 TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
   // Goal: a save never deletes files that people put into a saved gallery, and names them. Method:
-  // save again over a gallery with a file, folders of each kind, or a link in a file's place; then
-  // without them.
+  // save over a gallery with a file, folders of each kind, or a link in a file's place.
   const std::map<std::string, std::string> others = {{"hi.h5", "hi.h5"},
                                                      {"CNAME", "CNAME"},
                                                      {".git/HEAD", ".git"},
@@ -399,8 +397,8 @@ TEST(NamedArchives, AbandonedFoldersAreRemoved) {
 }
 
 TEST(NothingToShow, IsSaidWhereNothingIsOrMayCome) {
-  // Goal: a message appears only if no archive is shown and none is being read. Method: states of a
-  // gallery.
+  // Goal: a message appears only if no archive is shown and none is being read. Method: try each
+  // state.
   using Ordered = json::Value;
   const auto is_said = [](const std::string& archives) {
     return !gallery::nothing_to_show(

@@ -1,5 +1,4 @@
-// Files that stand for made-up archives in memory: a gallery watches the files and reads the
-// memory.
+// Files that stand for in-memory archives: a gallery watches the files and reads the memory.
 #pragma once
 
 #include <filesystem>

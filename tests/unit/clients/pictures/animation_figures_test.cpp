@@ -1,6 +1,5 @@
 // Goal: pictures show any world's scene and motions with bodies and goals in their places and
-// inside the panel. Method: count and measure the series of figures of made-up scenes with few and
-// many bodies.
+// inside the panel. Method: count and measure the series for few and many bodies.
 #include "clients/pictures/animation_figures.h"
 
 #include <gmock/gmock.h>
@@ -141,8 +140,7 @@ TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
 }
 
 TEST(AnimationFigures, PatchesAreShadedByTheirHeights) {
-  // Goal: with control points, the table is darker where it is lower. Method: draw a slope of two
-  // patches.
+  // Goal: with control points, the table is darker where it is lower. Method: draw a slope.
   ShownAnimation animation = throw_of();
   for (std::int32_t j = -1; j <= 2; ++j) {
     for (std::int32_t i = -1; i <= 3; ++i)

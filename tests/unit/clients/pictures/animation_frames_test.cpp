@@ -190,8 +190,7 @@ TEST_F(Frames, SayWhichAnimationAndWhen) {
 }
 
 TEST_F(Frames, FitTheirSizes) {
-  // Goal: frames are no larger than requested and contain everything. Method: several sizes and
-  // views.
+  // Goal: frames are no larger than requested and contain everything. Method: vary size and view.
   for (const double width_px : {100.0, 480.0, 1920.0}) {
     for (const double height_px : {100.0, 360.0, 1080.0}) {
       for (const FrameViews views : {FrameViews::both, FrameViews::above, FrameViews::front}) {

@@ -115,8 +115,7 @@ TEST(SceneView, OutlineOfATiltedDie) {
 }
 
 TEST(SceneView, PipsLieApartWithinTheirFace) {
-  // Goal: pips are within the face, apart, and symmetric about its middle. Method: each face from
-  // above.
+  // Goal: pips are within the face, apart, and symmetric about its middle. Method: draw each face.
   for (std::uint32_t face = 1; face <= 6; ++face) {
     const Quat up = face == 1   ? turned({0, 1, 0}, -90)
                     : face == 6 ? turned({0, 1, 0}, 90)

@@ -92,8 +92,8 @@ TEST(Ranges, OfNothingOneAndConstantCanBeDrawn) {
 }
 
 TEST(Ranges, EqualAspectGrowsTheOneWithRoom) {
-  // Goal: a unit has the same length both ways and nothing is cut. Method: lay out a wide and a
-  // high frame.
+  // Goal: a unit has the same length both ways, and nothing is cut. Method: use a wide and a high
+  // frame.
   const PanelRanges square{{0, 1}, {0, 1}};
   const PanelRanges wide = with_equal_aspect(square, 400, 100);
   EXPECT_EQ(wide.y, (Range{0, 1}));

@@ -71,8 +71,7 @@ TEST(Save, ExplainsWhatIsWrong) {
 }
 
 TEST(Save, TellsOfAFullDisk) {
-  // Goal: a short write is an error. Method: write to Linux's /dev/full behind a link; skip if the
-  // system has none.
+  // Goal: a short write is an error. Method: write to /dev/full behind a link, if there is one.
   const std::string path = testing::TempDir() + "full.svg";
   std::error_code failure;
   std::filesystem::remove(path, failure);

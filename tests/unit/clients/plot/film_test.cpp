@@ -1,6 +1,5 @@
 // Goal: a film's frame is the still picture with its moving series, without traces of the last
-// frame; both forms have the same pixels. Method: draw small figures and read the PNG images with
-// cairo.
+// frame; both forms have the same pixels. Method: draw small figures and read the PNGs.
 #include "clients/plot/film.h"
 
 #include <cairo.h>

@@ -121,8 +121,7 @@ TEST(Svg, LeavesGapsAndMarksInfinities) {
 }
 
 TEST(Svg, DrawsEachKindOfSeries) {
-  // Goal: every kind of series has its own element. Method: draw one panel each; labels appear in
-  // the legend.
+  // Goal: every kind of series has its own element. Method: draw one panel each, with labels.
   EXPECT_EQ(occurrences(svg_of(Steps{.points = {{0, 0}, {1, 1}}}), "<polyline"), 2U);
   EXPECT_EQ(occurrences(svg_of(Markers{.points = {{0, 0}, {1, 1}}}), "h0"), 2U);
   EXPECT_EQ(occurrences(svg_of(HorizontalBand{.low = 1, .high = 2}), "fill-opacity"), 1U);

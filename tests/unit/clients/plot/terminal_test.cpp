@@ -21,8 +21,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 TEST(Terminal, NeverExceedsItsSize) {
   // Goal: no line wraps and nothing scrolls, for all example panels at many sizes, with and without
-  // Unicode. Method: count each line's code points and the lines, down to the documented minimum
-  // size.
+  // Unicode. Method: count lines and their code points, down to the minimum size.
   for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure()}) {
     for (const Panel& panel : figure.panels) {
       for (const std::size_t columns : {1U, 24U, 40U, 80U, 200U}) {
@@ -43,8 +42,7 @@ TEST(Terminal, NeverExceedsItsSize) {
 }
 
 TEST(Terminal, IsPureAsciiWhereAsked) {
-  // Goal: without Unicode and colours, output is ASCII without escapes. Method: every byte, labels
-  // included.
+  // Goal: without Unicode and colours, output is plain ASCII. Method: check every byte.
   for (const Panel& panel : hostile_figure().panels) {
     for (const char c : to_terminal(panel, {.unicode = false})) {
       ASSERT_TRUE((c >= ' ' && c <= '~') || c == '\n') << static_cast<int>(c);
@@ -68,8 +66,7 @@ TEST(Terminal, DrawsARisingLine) {
 }
 
 TEST(Terminal, UsesBraille) {
-  // Goal: dots are in the right Unicode pattern. Method: draw one marker in each corner of a
-  // canvas.
+  // Goal: dots are in the right Unicode pattern. Method: draw a marker in each corner.
   const Panel panel{.x_range = Range{0, 1},
                     .y_range = Range{0, 1},
                     .series = {Markers{.points = {{0, 0}, {0, 1}, {1, 0}, {1, 1}}}}};

@@ -31,8 +31,7 @@ TEST(Text, IsCountedAndCutByCodePoints) {
 }
 
 TEST(Text, FitsItsWidth) {
-  // Goal: a fitted text is no wider than requested and keeps its start. Method: use widths from
-  // generous to none.
+  // Goal: a fitted text is no wider than requested and keeps its start. Method: vary the width.
   const std::string long_text = "The horizontal resting position of each sample";
   EXPECT_EQ(fitted(long_text, 12, 1000), long_text);
   for (const double width : {200.0, 90.0, 30.0}) {

@@ -19,8 +19,8 @@ TEST(JobNames, AreNumbersRangesAndGroups) {
 }
 
 TEST(JobNames, OtherTextsAreNone) {
-  // Goal: a typing error never names a job. Method: use similar texts; the error shows the text in
-  // printable form.
+  // Goal: a typing error never names a job. Method: try similar texts; the error shows them
+  // printably.
   for (const char* text : {"",
                            "0",
                            "-1",
@@ -59,8 +59,7 @@ TEST(JobNames, ARangeIsBounded) {
 }
 
 TEST(JobNames, OnlyANumberAloneIsASingleJob) {
-  // Goal: the arguments alone determine the shape of JSON. Method: a group and a range of one job
-  // are lists.
+  // Goal: arguments alone determine JSON's shape. Method: try a group and a range of one job.
   const auto is_single = [](const std::vector<std::string>& texts) {
     return is_single_job(job_names_of(texts).value());
   };

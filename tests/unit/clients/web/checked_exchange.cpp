@@ -108,8 +108,7 @@ void check_head(std::string_view head) {
     CHECK_EQ(is_end, head[i + 1] == '\n');
     if (is_end) ++lines;
   }
-  // A line end in a value would add lines: the common lines and at most three optional ones are
-  // allowed.
+  // A line end in a value would add lines beyond the common and three optional ones.
   CHECK_LE(lines, 14U);
 }
 

@@ -1,5 +1,4 @@
-// Random requests, mostly similar to a browser's; some have hostile parts, some are damaged, some
-// follow another request.
+// Random requests, mostly like a browser's; some are hostile or damaged, some follow others.
 #pragma once
 
 #include <fmt/format.h>

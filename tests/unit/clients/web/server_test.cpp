@@ -1,4 +1,4 @@
-// Goal: an authorized browser gets what its page needs. Method: send bytes as browsers do over real
+// Goal: an authorized browser gets what its page needs. Method: send a browser's bytes over
 // sockets.
 #include "clients/web/server.h"
 

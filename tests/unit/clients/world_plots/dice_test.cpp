@@ -122,8 +122,8 @@ TEST(DicePlausibility, AreScoresAndCosts) {
   EXPECT_DOUBLE_EQ(all.start_cost.spread, std::sqrt(1.5));
   EXPECT_DOUBLE_EQ(all.table_cost.mean, 0.5 * (5 - 4));
   EXPECT_DOUBLE_EQ(all.table_cost.spread, std::sqrt(2));
-  // Costs per animation are -1/2 and 3, -1 and 2, -3/2 and 5. The error of a mean of two is half
-  // their difference.
+  // Costs per animation are -1/2 and 3, -1 and 2, -3/2 and 5. A mean of two has half their
+  // difference as error.
   EXPECT_DOUBLE_EQ(all.start_cost.error, 1.75);
   EXPECT_DOUBLE_EQ(all.table_cost.error, 1.5);
   EXPECT_DOUBLE_EQ(all.cost.mean, 1.75);

@@ -1,5 +1,4 @@
-// Goal: addresses are read as people write them, and malformed ones are refused. Method: read a
-// table of each kind.
+// Goal: addresses are read as written, and malformed ones are refused. Method: read both kinds.
 #include "common/access/server_address.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 // Goal: kept animations match the definition in distinct.h, and memory is bounded. Method: compare
-// the selector on random runs with a reference that walks by (scan, chain) and applies the four
-// conditions literally.
+// the selector on random runs with a reference that applies the four conditions by (scan, chain).
 #include "common/archive/distinct.h"
 
 #include <gtest/gtest.h>

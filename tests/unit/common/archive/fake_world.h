@@ -233,8 +233,8 @@ class FakeRun : public RunView {
   FakeRunOptions options_;
 };
 
-/// The same run, tempered with two replicas and with a method's tables. In chain 0, replica 1 has
-/// no state yet.
+/// The same run, tempered with two replicas and a method's tables. In chain 0, replica 1 has no
+/// state.
 class FakeTemperedRun final : public FakeRun {
  public:
   explicit FakeTemperedRun(const FakeRunOptions& options) : FakeRun(options) {}

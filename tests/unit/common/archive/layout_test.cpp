@@ -42,8 +42,7 @@ std::vector<std::string> dims_of(const Source& source, std::string_view group,
 
 TEST(Layout, HoldsWhatATemperedRunLearntAndEachReplicasState) {
   // Goal: /tempering holds a method's tables with their coordinates, the root holds its warning,
-  // and /replicas holds each replica's newest state or NaN. Method: write a fake tempered run and
-  // verify it.
+  // and /replicas holds each replica's newest state or NaN. Method: write a tempered run.
   const FakeRunOptions options;
   const testing::FakeTemperedRun run(options);
   MemoryArchive archive;
@@ -279,8 +278,7 @@ class StuckReader : public FakeReader {
 
 TEST(Layout, AnimationsThatFailAreCounted) {
   // Goal: satisfying animations that can't be simulated to their end are counted but not kept.
-  // Method: write a run with a reader that fails for half of the motions, and with one that never
-  // fails.
+  // Method: use a reader that fails for half of the motions, and one that never fails.
   const FakeRunOptions options;
   MemoryArchive stuck;
   write_digested(stuck, [&](Sink& sink) {

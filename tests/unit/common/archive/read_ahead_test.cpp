@@ -1,6 +1,5 @@
 // Goal: ReadAhead returns the source's values and errors, and many small sequential reads need few
-// source reads. Method: compare random and sequential reads with the source; damage one element of
-// a source; count reads.
+// source reads. Method: compare and count random and sequential reads; damage one element.
 #include "common/archive/read_ahead.h"
 
 #include <gtest/gtest.h>

@@ -43,8 +43,7 @@ TEST(Bytes, ComeBackAsTheyWerePut) {
 }
 
 TEST(Bytes, AreLittleEndian) {
-  // Goal: stored bytes are the same on every machine. Method: write a number whose bytes all
-  // differ.
+  // Goal: stored bytes are the same on every machine. Method: write a number of different bytes.
   ByteWriter writer;
   writer.put(std::uint32_t{0x04030201});
   EXPECT_EQ(writer.take(), (Bytes{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}}));

@@ -40,8 +40,8 @@ TEST_F(CheckDeathTest, PrintsPlaceConditionAndBothOperands) {
 }
 
 TEST_F(CheckDeathTest, PrintsTextIdsAndWhatHasNoFormat) {
-  // Goal: operands of any type compile and print if they can. Method: use a string, an id and an
-  // unprintable struct.
+  // Goal: operands of any type compile and print if they can. Method: use three types, one
+  // unprintable.
   EXPECT_DEATH(CHECK_EQ(std::string("left"), std::string("right")), "\\(left against right\\)");
   EXPECT_DEATH(CHECK_EQ(ChainId{7}, ChainId{8}), "\\(7 against 8\\)");
   EXPECT_DEATH(CHECK_EQ(Unprintable{1}, Unprintable{2}), "\\(\\? against \\?\\)");
@@ -127,8 +127,7 @@ TEST(Check, EvaluatesEachOperandOnce) {
 }
 
 TEST(Check, StandsWhereAStatementStands) {
-  // Goal: a macro is one statement. Method: use branches without braces; the untaken check would
-  // fail.
+  // Goal: a macro is one statement. Method: branch without braces; the untaken check would fail.
   const bool yes = true;
   if (yes)
     CHECK_EQ(1, 1);

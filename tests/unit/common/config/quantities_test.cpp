@@ -1,6 +1,5 @@
 // Goal: sizes and times are read in the forms that people write, other texts are refused, and
-// written values read back equal. Method: read examples, and make a round trip over sizes of every
-// magnitude.
+// written values read back equal. Method: read examples; make round trips of all magnitudes.
 #include "common/config/quantities.h"
 
 #include <gtest/gtest.h>

@@ -215,8 +215,7 @@ TEST(Settings, ErrorsElsewhereNameWhatGaveThem) {
 }
 
 TEST(Settings, RowsTellEverySettingAsTheFileWouldHaveIt) {
-  // Goal: rows() omits no setting. Method: set every value apart from its default and read the rows
-  // back as a file.
+  // Goal: rows() omits no setting. Method: change every value and read the rows as a file.
   const Settings s =
       good(k_ada,
            "state = \"/a\"\nsocket = \"/b\"\ngroup = \"film\"\nlisten = \"[::1]:2\"\n"

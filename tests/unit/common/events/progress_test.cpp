@@ -102,15 +102,14 @@ TEST(ProgressLine, TellsTheOddsSoFar) {
 }
 
 TEST(ProgressLine, TellsFailures) {
-  // Goal: failures come early in the line, where a narrow terminal doesn't cut them off. Method:
-  // failures of two kinds.
+  // Goal: failures come early in the line, where narrow terminals show them. Method: use two kinds.
   const Progress progress{.scans_done = 10, .failures = {.by_kind = {1200, 0, 0, 0, 34, 0}}};
   EXPECT_THAT(progress_line("x", progress), ::testing::StartsWith("x  10 scans  1,234 FAILED  0"));
 }
 
 TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
-  // Goal: unknown numbers are not shown. Method: print the line at the very start, without a total,
-  // and after the end.
+  // Goal: unknown numbers are not shown. Method: print the line at the start, without a total, and
+  // at the end.
   EXPECT_THAT(numbers_of(progress_line("x", {})), ElementsAre("0", "0", "0", "0", "0%", "0%", "0"));
   EXPECT_THAT(numbers_of(progress_line("x", {.scans_done = 1500,
                                              .session_scans = 1000,

@@ -61,8 +61,7 @@ TEST(RunEvent, ComesBackFromItsLine) {
 
 TEST(RunEvent, NothingElseIsOne) {
   // Goal: a damaged line is refused or reads as another event, and never crashes. Method: cut each
-  // line at each byte; change each byte; drop fields, or give them another type or too large
-  // values.
+  // line at each byte; change each byte; drop, retype or enlarge fields.
   for (const RunEvent& event : examples()) {
     const std::string line = to_line(event);
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {

@@ -28,8 +28,8 @@ FailureFile example() {
 }
 
 TEST(FailureFile, ComesBack) {
-  // Goal: a failure file reads back equal. Method: write awkward texts, large numbers, every kind,
-  // and states of many sizes.
+  // Goal: a failure file reads back equal. Method: write awkward texts, large numbers and all
+  // kinds.
   for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
     FailureFile file = example();
     file.failed.failure.kind = static_cast<plan::FailureKind>(kind);
@@ -131,8 +131,8 @@ TEST(FailureFile, AnyBytesAreReadOrRefused) {
 }
 
 TEST(FailureFile, IsNamedByWhereItHappened) {
-  // Goal: a failure has the same file name in every session. Method: name the first and second
-  // failure of a scan.
+  // Goal: a failure has the same file name in every session. Method: name a scan's first two
+  // failures.
   const plan::ReplicaKey replica{base::ChainId{2}, base::ReplicaId{5}};
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 0), "failure-2-5-77.toml");
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 1), "failure-2-5-77-1.toml");

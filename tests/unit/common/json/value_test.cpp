@@ -14,8 +14,7 @@ namespace sleight::json {
 namespace {
 
 TEST(JsonValue, KeepsTheOrderOfKeysAndOneValueForEach) {
-  // Goal: output preserves insertion order. Method: set keys, set them again, parse them twice,
-  // erase and update them.
+  // Goal: output preserves insertion order. Method: set, repeat, parse, erase and update keys.
   Value value{{"z", 1}, {"a", Value::object()}};
   value["m"] = "x";
   value["z"] = nullptr;
@@ -28,8 +27,7 @@ TEST(JsonValue, KeepsTheOrderOfKeysAndOneValueForEach) {
 }
 
 TEST(JsonValue, BracesMakeAnObjectOfPairsAndElseAnArray) {
-  // Goal: braced initialisers make the expected arrays and objects. Method: dump values made from
-  // braces and containers.
+  // Goal: braced initialisers make arrays and objects. Method: dump values made from braces.
   EXPECT_EQ((Value{{"a", 1}, {"b", {1, 2}}}).dump(), R"({"a":1,"b":[1,2]})");
   EXPECT_EQ((Value{{1, "a"}, {2, "b"}}).dump(), R"([[1,"a"],[2,"b"]])");
   EXPECT_EQ(Value::array({{"a", 1}}).dump(), R"([["a",1]])");
@@ -51,8 +49,7 @@ TEST(JsonValue, NumbersComeBackAsTheyWere) {
 }
 
 TEST(JsonValue, AValueOfAnotherKindIsRefused) {
-  // Goal: reading a value as another type throws. Method: each reading function on a value of
-  // another kind.
+  // Goal: reading a value as another type throws. Method: read each kind as the others.
   EXPECT_THROW(Value(256).get<std::uint8_t>(), Error);
   EXPECT_THROW(Value(-1).get<std::uint64_t>(), Error);
   EXPECT_THROW(Value(std::uint64_t{1} << 63U).get<std::int64_t>(), Error);

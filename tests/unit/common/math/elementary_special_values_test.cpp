@@ -1,6 +1,6 @@
 // Goal: special values match C's Annex F (elementary.h, invariant 3), and sincos agrees with sin
-// and cos as closely as promised. Method: check a table per function. Zeros are compared with their
-// sign, and NaN equals NaN.
+// and cos as closely as promised. Method: check a table per function; a zero's sign counts, and NaN
+// equals NaN.
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -38,8 +38,7 @@ TEST(IslandOdds, AreMeanErrorAndShare) {
 }
 
 TEST(IslandOdds, IslandsWithoutASolutionCount) {
-  // Goal: estimates of 0 count. Method: use two zeros of four (mean 1/2, variance 1/3), and four of
-  // four.
+  // Goal: estimates of 0 count. Method: use two zeros of four (mean 1/2, variance 1/3), and four.
   const IslandOdds half = island_odds(logs_of({0, 1, 0, 1}, -300));
   EXPECT_NEAR(half.log_mean, std::log(0.5) - 300, 1e-11);
   EXPECT_NEAR(half.relative_sd, 2 / std::sqrt(3.0), 1e-12);
@@ -68,8 +67,7 @@ TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
 }
 
 TEST(IslandOdds, EqualIslandsHaveNoError) {
-  // Goal: rounding can't make the variance negative and give NaN. Method: use equal numbers whose
-  // sums round.
+  // Goal: rounding can't make the variance negative and give NaN. Method: use equal numbers.
   for (const double log_estimate : {0.0, -0.1, -207.3, 1e300, -1e300}) {
     const IslandOdds odds = island_odds(std::vector<double>(177, log_estimate));
     EXPECT_TRUE(odds.known());

@@ -1,6 +1,5 @@
-// Goal: quaternions rotate like the plain formulas for tiny to huge angles. Method: compare with
-// Rodrigues' formula in long double; check group identities and the agreement of quaternion, matrix
-// and composition.
+// Goal: quaternions rotate like the plain formulas for tiny to huge angles. Method: use Rodrigues'
+// formula in long double; check group identities and that the three ways to rotate agree.
 #include "common/math/rotation.h"
 
 #include <gtest/gtest.h>

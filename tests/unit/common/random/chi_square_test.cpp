@@ -1,7 +1,6 @@
-// Goal: the chi-square checker refuses wrong samplers and accepts right ones. Method: samplers with
-// a small typical fault (a scale two percent off, a shifted mean, missing tails, a regular grid, a
-// biased remainder) must give p far below the bound; a right sampler's p over 200 seeds must be
-// uniform.
+// Goal: the chi-square checker refuses wrong samplers and accepts right ones. Method: faulty
+// samplers (a scale two percent off, a shifted mean, missing tails, a regular grid, a biased
+// remainder) must give p far below the bound; a right sampler's p over 200 seeds must be uniform.
 #include "tests/unit/common/random/chi_square.h"
 
 #include <gtest/gtest.h>

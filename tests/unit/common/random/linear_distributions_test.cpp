@@ -1,6 +1,5 @@
 // Goal: Uniform and Normal draw from their stated densities. Method: test draws by chi-square;
-// compare densities with Boost.Math and integrate them; test supports, extreme and invalid
-// parameters.
+// compare densities with Boost.Math; test integrals, supports and bad parameters.
 #include "common/random/linear_distributions.h"
 
 #include <gtest/gtest.h>

@@ -18,8 +18,7 @@ using Counter = std::array<std::uint64_t, 4>;
 using Key = std::array<std::uint64_t, 2>;
 __extension__ using Wide = unsigned __int128;
 
-// Returns Philox4x64-10 as in the paper: ten rounds, with the key raised by Weyl constants between
-// rounds.
+// Returns Philox4x64-10 as in the paper: ten rounds, Weyl constants added to the key between.
 Counter reference_philox(Counter counter, Key key) {
   for (int round = 0; round < 10; ++round) {
     const Wide even = Wide{0xD2E7470EE14C6C93} * counter[0];

@@ -1,7 +1,6 @@
 // Goal: TruncatedNormal is exact from the centre to the farthest tails. Method: test draws by
 // chi-square for every interval below, and compare log densities with MPFR at 1500 bits, whose
-// exponents don't underflow. The densities are also integrated, to show any fault that density and
-// oracle share.
+// exponents don't underflow. Integrate the densities to find faults that the oracle shares.
 #include "common/random/truncated_normal.h"
 
 #include <fmt/format.h>
@@ -182,8 +181,7 @@ TEST(TruncatedNormal, densities_integrate_to_one) {
 }
 
 TEST(TruncatedNormal, scales_and_shifts) {
-  // If the sd is a power of two and the mean loses no bits, results scale exactly from the standard
-  // normal.
+  // If the sd is a power of two and no bits are lost, results are the standard normal's, scaled.
   const TruncatedNormal standard{.mean = 0, .sd = 1, .low = -1, .high = 2};
   const TruncatedNormal scaled{.mean = 3, .sd = 0.25, .low = 2.75, .high = 3.5};
   Stream first = test_stream();

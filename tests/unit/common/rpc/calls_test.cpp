@@ -220,8 +220,7 @@ TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
 }
 
 TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
-  // Goal: calls beyond service.h's limits are refused with the reason. Method: exceed each limit by
-  // one.
+  // Goal: calls beyond service.h's limits are refused. Method: exceed each limit by one.
   ServerThread server(socket(), service);
   Client client(socket());
   const auto submit = [&](Submission submission) {
@@ -324,8 +323,7 @@ TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
 }
 
 TEST_F(CallsTest, AClientOutlivesItsServers) {
-  // Goal: a client reconnects to the next server. Method: start servers one after another, with a
-  // pause between.
+  // Goal: a client reconnects to the next server. Method: start servers one after another.
   Client client(socket());
   for (int i = 0; i < 3; ++i) {
     EXPECT_THROW(client.info(), NoServer);
@@ -335,8 +333,7 @@ TEST_F(CallsTest, AClientOutlivesItsServers) {
 }
 
 TEST_F(CallsTest, AClientMayPauseForLongerThanACallMayTake) {
-  // Goal: a call's time limit starts with the call. Method: make calls with a limit of 2 s, 2.5 s
-  // apart.
+  // Goal: a call's time limit starts with the call. Method: make calls of 2 s, 2.5 s apart.
   ServerThread server(socket(), service);
   Client client(socket(), {.call_s_max = 2});
   EXPECT_EQ(client.info().version, "1.2");

@@ -355,8 +355,7 @@ pid_t start(const Ask& ask, Shared& shared) {
   ::_exit(0);
 }
 
-/// Starts and ends servers until the test closes its socket. The servers don't inherit the test's
-/// open files and locks.
+/// Starts and ends servers until the test closes its socket. Servers don't inherit open files.
 [[noreturn]] void run_nursery(int socket, Shared& shared) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   ::dup2(socket, 3);

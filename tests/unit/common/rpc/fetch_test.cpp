@@ -1,5 +1,4 @@
-// Goal: a fetched file is complete or absent, whatever happens. Method: use real servers and
-// connections with faults.
+// Goal: a fetched file is complete or absent, whatever happens. Method: break connections.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -48,7 +47,7 @@ class FetchTest : public testing::SocketFolder {
 };
 
 TEST_F(FetchTest, BringsAFileOfAnySize) {
-  // Goal: files arrive bit for bit, replace an older file and leave no other file. Method: sizes
+  // Goal: files arrive bit for bit, replace an older file and add no other. Method: use sizes
   // around a piece.
   ServerThread server(socket(), service);
   Client client(socket());
@@ -215,8 +214,7 @@ TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
   service.add_file("ball.h5", content);
   ServerThread server(socket(), service);
   const std::string to = path("out/ball.h5");
-  // Run the death test by exec with its own folder, because the server's thread may hold a lock at
-  // a fork.
+  // Run the death test by exec, because the server's thread may hold a lock at a fork.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto fetch_with_little_room = [&] {
     ::signal(SIGXFSZ, SIG_IGN);

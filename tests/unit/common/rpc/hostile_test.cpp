@@ -42,8 +42,7 @@ class Raw {
   Raw(const Raw&) = delete;
   Raw& operator=(const Raw&) = delete;
 
-  /// Sends what the system accepts within the time; returns false if the server ended the
-  /// connection.
+  /// Sends what fits within the time; returns false if the server ended the connection.
   bool send(const void* bytes, std::size_t size, int patience_ms = 2000) {
     const char* next = static_cast<const char*>(bytes);
     while (size > 0) {
@@ -112,8 +111,7 @@ void ask_for_bootstrap(capnp::MessageBuilder& message, std::uint32_t question) {
   message.initRoot<capnp::rpc::Message>().initBootstrap().setQuestionId(question);
 }
 
-/// Starts a call of the service that the bootstrap's `open` promises, as question 1 of a
-/// connection.
+/// Starts a call of the service that `open` promises, as question 1 of a connection.
 capnp::rpc::Call::Builder call_of_service(capnp::MessageBuilder& message, std::uint32_t question,
                                           std::uint16_t method) {
   auto call = message.initRoot<capnp::rpc::Message>().initCall();
@@ -144,8 +142,8 @@ void open(Raw& raw) {
 }
 
 TEST_F(HostileTest, AnyBytes) {
-  // Goal: no bytes harm the server or other clients. Method: send random bytes, and our messages
-  // with some bytes changed.
+  // Goal: no bytes harm the server or other clients. Method: send random bytes and damaged
+  // messages.
   for (const std::uint64_t n : property::cases(property::of_tier(40, 120))) {
     random::Stream stream({.seed = 25, .purpose = random::Purpose::prior}, n);
     Raw raw(socket());
@@ -336,8 +334,7 @@ TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
 
 TEST_F(HostileTest, APeerBringsNoCapabilities) {
   // Goal: a peer can't make the server hold descriptions of the peer's capabilities, which Cap'n
-  // Proto would hold forever. Method: each message that mentions such a capability ends its
-  // connection.
+  // Proto would hold forever. Method: each such message ends its connection.
   using Make = std::function<void(capnp::rpc::Message::Builder)>;
   const std::vector<Make> messages = {
       [](auto message) { message.initResolve().initCap().setSenderPromise(0); },

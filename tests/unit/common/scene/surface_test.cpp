@@ -1,6 +1,5 @@
 // Goal: a surface has its formula's heights where its control points exist, and none elsewhere.
-// Method: use planes and parabolas, which splines reproduce up to a constant; remove control
-// points.
+// Method: use planes and parabolas, whose splines differ by a constant; remove points.
 #include "common/scene/surface.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// Goal: a disk that fills up or fails at any call does no lasting harm to a run. Method: fail
-// chosen calls.
+// Goal: a disk that fills up or fails does no lasting harm. Method: fail calls.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -94,8 +94,7 @@ TEST(GroupCommit, KeepsOrderInFewCommits) {
 }
 
 TEST(GroupCommit, CountsOnlyWhatIsCommitted) {
-  // Goal: committed() counts scans only after their commit has returned, then all of them. Method:
-  // a paused commit.
+  // Goal: committed() counts all scans of a commit once it has returned. Method: pause a commit.
   Recorder recorder;
   recorder.hold();
   GroupCommit group_commit(recorder.commit());
@@ -230,8 +229,7 @@ TEST(GroupCommit, StalledDiskHoldsPutsUp) {
 }
 
 TEST(GroupCommit, FailureFreesWhoIsHeldUp) {
-  // Goal: a put that waits for the disk throws when the disk fails. Method: fill the queue as
-  // above, then fail.
+  // Goal: a waiting put throws when the disk fails. Method: fill the queue, then fail.
   Recorder recorder;
   recorder.hold();
   recorder.fail_at(1);

@@ -81,8 +81,7 @@ TEST_F(LeaseFilesOf, ListsNumbersAlone) {
 
 TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
   // Goal: a process is reported as running until it is killed, whether or not its parent asks; its
-  // number alone is not enough, and the state of another machine's process is unknown. Method: a
-  // child.
+  // number alone is not enough, and another machine's process is unknown. Method: kill a child.
   PosixLeaseFiles files(folder(), this_process());
   EXPECT_TRUE(files.is_here(this_process()));
   EXPECT_FALSE(files.is_gone(this_process()));

@@ -1,5 +1,4 @@
-// Goal: two holders may never act at once. Method: simulate leases of several machines
-// (lease_world.h).
+// Goal: two holders may never act at once. Method: simulate machines (lease_world.h).
 #include <gtest/gtest.h>
 
 #include "tests/support/property.h"
@@ -36,8 +35,7 @@ TEST(LeaseProperty, NeverTwoThatMayAct) {
 class LeaseMistake : public ::testing::TestWithParam<Mistake> {};
 
 TEST_P(LeaseMistake, IsCaught) {
-  // Goal: the property can fail. Method: plant one mistake; some seed must find two holders that
-  // may act.
+  // Goal: the property can fail. Method: plant one mistake; some seed must find two holders.
   constexpr std::uint64_t k_seeds_max = 300;
   for (std::uint64_t seed = 1; seed <= k_seeds_max; ++seed) {
     if (simulate_leases(seed, GetParam()).violation) return;

@@ -135,8 +135,7 @@ class NetworkStore : public testing::RunFolder {
 
 TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
   // Goal: readers in the writing process see committed results without shared memory while it
-  // commits more; the next session continues. Method: a thread reads everything repeatedly beside
-  // the writer.
+  // commits more; the next session continues. Method: a thread reads everything repeatedly.
   {
     RunLock lock(folder());
     RunStore store(folder(), example_identity(1), &lock);
@@ -191,8 +190,7 @@ TEST_F(NetworkStore, NeedsItsOwnMode) {
 
 TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
   // Goal: only the writing process can read a run. Others get the reason and the path of the latest
-  // archive, and can read the run afterwards. Method: "another node" is this process with another
-  // name.
+  // archive, and can read the run afterwards. Method: give this process another node name.
   std::filesystem::create_directory(path("a.h5.run"));
   const std::string run = path("a.h5.run");
   {
@@ -219,8 +217,7 @@ TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
 
 TEST_F(NetworkStore, OfTwoNodesOneWrites) {
   // Goal: of two starts on two nodes one writes; the other reports the writer's node, process,
-  // start time and session. Method: use leases of 5 s; the second start must see the first one
-  // renew.
+  // start time and session. Method: use leases of 5 s, so that the second start sees a renewal.
   RunLock lock(folder(), {.lease_s = 5, .self = on_node("first")});
   RunStore store(folder(), example_identity(1), &lock);
   lock.keep();
@@ -286,8 +283,7 @@ TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
   testing::expect_stored_of(store, 0, 20);
 }
 
-/// Commits small groups forever with frequent checkpoints, reports the commits, and pauses at a
-/// chosen write.
+/// Commits small groups forever with frequent checkpoints, reports them, and pauses at a write.
 void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& disk,
                            std::uint64_t stop_after, const Moment& committed) {
   RunLock lock(folder, {.lease_s = 2.5, .self = on_node("sleeper")});

@@ -40,8 +40,7 @@ class RunStoreSessions : public testing::RunFolder {
 
 TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
   // Goal: no store mixes two requests, versions or formats (invariant 3), and the refusal names a
-  // remedy. Method: open with each of the three changed; afterwards the owner finds everything
-  // unchanged.
+  // remedy. Method: open with each of the three changed; the owner finds no change.
   {
     RunStore store(folder(), example_identity(1));
     store.put(result_of(0, 0, 4));
@@ -84,8 +83,7 @@ TEST_F(RunStoreSessions, MayStopElsewhere) {
 
 TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
   // Goal: a session that was presumed dead stores nothing beside its successor. Method: open a
-  // second store; the first store's next commit and its later puts fail with a conflict, and the
-  // second continues.
+  // second store; the first one's next commit and later puts fail with a conflict.
   RunStore first(folder(), example_identity(2));
   first.put(result_of(0, 0, 5));
   first.flush();

@@ -113,8 +113,7 @@ TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
 }
 
 TEST_F(RunStoreOf, TakesFromManyThreads) {
-  // Goal: put, flush and committed may be called from any thread. Method: use four threads with
-  // separate chains.
+  // Goal: put, flush and committed may be called from any thread. Method: use four threads.
   open(4);
   std::vector<std::thread> threads;
   for (std::uint32_t chain = 0; chain < 4; ++chain) {

@@ -1,5 +1,4 @@
-// Goal: motions stored beside a run's store return bit for bit, or not at all. Method: store,
-// damage and read.
+// Goal: motions stored beside a run's store return bit for bit, or not at all. Method: damage them.
 #include "common/store/stored_motions.h"
 
 #include <gtest/gtest.h>
@@ -173,8 +172,7 @@ TEST_F(StoredMotionsTest, WithoutAFileNothingIsRemembered) {
 }
 
 TEST_F(StoredMotionsTest, TwoMayHaveOneFile) {
-  // Goal: a checkpoint and a simultaneous `archive derive` share stored motions. Method: two
-  // objects in turn.
+  // Goal: a checkpoint and `archive derive` share stored motions. Method: use two objects.
   StoredMotions one(folder(), "a");
   {
     StoredMotions other(folder(), "a");

@@ -74,8 +74,7 @@ TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
 }
 
 TEST_F(StoredRunOf, CutsWhereItIsTold) {
-  // Goal: scans after the cut don't appear. Method: read fewer scans than stored, and none, beside
-  // a writer that continues.
+  // Goal: scans after the cut don't appear. Method: read fewer scans, and none, beside a writer.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 9));
   store.put(result_of(1, 0, 7));
@@ -98,8 +97,7 @@ TEST_F(StoredRunOf, CutsWhereItIsTold) {
 
 TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
   // Goal: failures are counted for scans before the cut in all replicas, and for no others. Method:
-  // compare with the sum over the examples for each cut; a store without failures; a changed count
-  // is damage.
+  // compare with the examples' sum for each cut, with and without failures; damage a count.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 40));
   store.put(result_of(1, 0, 40));
@@ -203,8 +201,7 @@ TEST_F(StoredRunOf, MissingScansAreDamage) {
 
 TEST_F(StoredRunOf, ChangedRowsAreDamage) {
   // Goal: a damaged row never becomes another animation and never affects a resumed run. Method:
-  // change each column of one stored scan in turn; reading and replaying must fail and name chain
-  // and scan.
+  // change each column of one stored scan in turn; reading and replaying must name chain and scan.
   for (const char* change : {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied",
                              "lineage=-1", "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)",
                              "failures=x'01'", "overlapping_starts=1", "method_values=NULL",
@@ -237,8 +234,8 @@ TEST_F(StoredRunOf, ChangedRowsAreDamage) {
 }
 
 TEST_F(StoredRunOf, ChangedProgressIsDamage) {
-  // Goal: a chain never resumes from a wrong state. Method: change its bytes, its scan, and the
-  // epoch; remove scans.
+  // Goal: a chain never resumes from a wrong state. Method: change bytes, scan and epoch; remove
+  // scans.
   for (const char* change :
        {"UPDATE replica SET state=zeroblob(8)", "UPDATE replica SET next_scan=2",
         "UPDATE replica SET chain=7", "DELETE FROM scan WHERE scan=1",

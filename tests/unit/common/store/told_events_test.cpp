@@ -145,8 +145,7 @@ TEST_F(ToldEventsTest, AreCommittedBehindTheirResultsAndFenced) {
 }
 
 TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
-  // Goal: an event is committed soon even without further results. Method: put one event without a
-  // flush.
+  // Goal: an event is committed soon without further results. Method: put one event, don't flush.
   RunStore store(folder(), example_identity(1));
   std::atomic<bool> has_heard = false;
   store.on_told([&](std::span<const events::RunEvent>) { has_heard = true; });
@@ -291,8 +290,7 @@ TEST_F(ToldEventsTest, ReadsBesideAWriter) {
 }
 
 TEST_F(ToldEventsTest, WhatWasChangedIsRefused) {
-  // Goal: neither a reader nor a session continues from a damaged row. Method: change each column
-  // in turn.
+  // Goal: no reader or session continues from a damaged row. Method: change each column in turn.
   EXPECT_EQ(failure(), "");  // no run yet
   store_rounds(3);
   EXPECT_EQ(failure(), "");

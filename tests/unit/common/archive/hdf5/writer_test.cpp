@@ -1,7 +1,6 @@
 // Goal: a file holds the same values as the in-memory archive, equal content gives equal bytes, and
 // a failed write leaves only the old file. Method: compare digests; compare files from processes
-// whose heaps hold different garbage; limit the file size at many places; make file-system calls
-// fail.
+// whose heaps hold different garbage; limit the file size; make file-system calls fail.
 #include "common/archive/hdf5/writer.h"
 
 #include <fmt/format.h>
@@ -77,8 +76,7 @@ TEST_F(Writer, ReadsAnyRangeOfElements) {
 }
 
 TEST_F(Writer, EqualContentIsEqualBytesInEveryProcess) {
-  // MALLOC_PERTURB_ fills fresh and freed memory with a byte, so bytes from uninitialised memory
-  // would differ.
+  // MALLOC_PERTURB_ fills fresh and freed memory with a byte, so uninitialised bytes would differ.
   std::string first;
   for (const char* byte : {"0", "165", "90", "255"}) {
     const std::string file = path("sample.h5");

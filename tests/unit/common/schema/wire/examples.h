@@ -8,8 +8,7 @@
 
 namespace sleight::schema::wire::testing {
 
-/// Returns doubles whose bits are easily lost: NaN payloads, signalling NaN, infinities, zeros of
-/// both signs, subnormals.
+/// Returns doubles whose bits are easily lost: NaNs, infinities, signed zeros, subnormals.
 std::vector<double> awkward_doubles();
 
 /// Returns a result of `scans` scans with every transmitted field filled.

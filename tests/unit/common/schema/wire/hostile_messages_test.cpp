@@ -128,8 +128,7 @@ TEST(HostileMessages, AreRefusedOrWellFormed) {
 }
 
 TEST(HostileMessages, EveryCutIsRefused) {
-  // Goal: no part of a message passes for a whole one. Method: decode every proper prefix of each
-  // message.
+  // Goal: no part of a message passes for a whole one. Method: decode every prefix of each.
   for (const base::Bytes& whole : short_messages()) {
     for (std::size_t size = 0; size < whole.size(); ++size) {
       EXPECT_FALSE(decode(base::BytesView(whole).first(size)).ok()) << size;
@@ -162,8 +161,7 @@ TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
 
 TEST(HostileMessages, ListsOfNothingCostLittle) {
   // Goal: a few bytes can't claim a list of hundreds of millions of empty scans, results or
-  // members. Method: replace the list pointers of messages, one word after another, by such a
-  // claim.
+  // members. Method: replace each list pointer of messages by such a claim.
   const Message claimants[] = {testing::example_delivery({1}), testing::example_delivery({1, 2}),
                                testing::example_assignment(3),
                                Pong{.epoch = 1, .assignments = {1, 2, 3}}};
