@@ -1,4 +1,4 @@
-// Goal: an outline is an index without motions. Method: random indexes.
+// Goal: an outline is an index without motions. Method: strip random indexes.
 #include "clients/browse/outline.h"
 
 #include <gtest/gtest.h>

@@ -129,7 +129,7 @@ TEST_F(JobCommands, ListShowsPagesAndFilters) {
 }
 
 TEST_F(JobCommands, ListRefusesFiltersThatAreNone) {
-  // Goal: usage errors give exit code 2 before any call. Method: no service.
+  // Goal: usage errors give exit code 2 before any call. Method: run without a service.
   for (const ListOptions& options :
        {ListOptions{.states = {"finished"}}, ListOptions{.user = "no such user"},
         ListOptions{.mine = true, .user = "root"}, ListOptions{.group = "17"}}) {
@@ -148,7 +148,8 @@ TEST_F(JobCommands, CompletionIsSilentWithoutAServer) {
 }
 
 TEST_F(JobCommands, RefusalsHaveTheirExitCodes) {
-  // Goal: the exit code states the kind of refusal, and the message the remedy. Method: each kind.
+  // Goal: the exit code states the kind of refusal, and the message the remedy. Method: try each
+  // kind.
   const std::vector<std::pair<rpc::RefusalKind, int>> kinds{
       {rpc::RefusalKind::not_found, 2},   {rpc::RefusalKind::gone, 2},
       {rpc::RefusalKind::not_allowed, 9}, {rpc::RefusalKind::bad_request, 3},

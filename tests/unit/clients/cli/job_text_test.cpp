@@ -82,7 +82,7 @@ TEST_F(JobText, TableHasWhatPeopleAskFor) {
 }
 
 TEST_F(JobText, TableNamesUsersWhereAsked) {
-  // Goal: users appear by name. Method: a table of names.
+  // Goal: users appear by name. Method: use a table of names.
   const std::vector<rpc::JobView> jobs{queued_job()};
   const std::string text =
       job_table(jobs, {.width = 60, .with_users = true, .user_name = [](std::uint32_t uid) {
@@ -146,7 +146,7 @@ TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
 }
 
 TEST_F(JobText, NumbersOfABrokenServiceAreShownAsNothing) {
-  // Goal: no time or rate breaks a line. Method: infinities and NaN.
+  // Goal: no time or rate breaks a line. Method: use infinities and NaN.
   rpc::JobView job = queued_job();
   for (const double wild : {1e300, -1e300, 0.0 / 0.0}) {
     job.simulations_per_s = wild;

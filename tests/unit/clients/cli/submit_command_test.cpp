@@ -108,8 +108,8 @@ TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
 }
 
 TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
-  // Goal: a set that contradicts an option is refused. Method: add such sets and others to --word
-  // and -n.
+  // Goal: a set that contradicts an option is refused. Method: add conflicting and other sets to
+  // --word and -n.
   const auto is_taken = [](const SubmitOptions& options) {
     return submission_of(options, {"x", "text"}, texts()).ok();
   };

@@ -131,7 +131,7 @@ TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
 }
 
 TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
-  // Goal: no address leads outside the archives. Method: wrong addresses, including paths.
+  // Goal: no address leads outside the archives. Method: request wrong addresses and paths.
   for (const char* place :
        {"/api", "/api/", "/api/archives", "/api/archives/1/table", "/api/archives/-1/table",
         "/api/archives/0", "/api/archives/0/", "/api/archives/0/table/x", "/api/archives/00x/table",

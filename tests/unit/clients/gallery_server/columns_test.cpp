@@ -26,7 +26,8 @@ using testing::Unpacked;
 using testing::unpacked;
 
 TEST(PackedAnswer, GivesBackItsColumns) {
-  // Goal: all types, odd lengths, empty columns, NaN and any text read back. Method: one of each.
+  // Goal: all types, odd lengths, empty columns, NaN and any text read back. Method: use one of
+  // each.
   Packed packed;
   packed.add("d", std::vector<double>{1.5, std::numeric_limits<double>::quiet_NaN(), -0.0});
   packed.add("f", std::vector<float>{0.25F});
@@ -94,7 +95,7 @@ TEST(Columns, HoldEachSegment) {
 }
 
 TEST(Columns, FeaturesAreAllCommonOrAnAnimationsOwn) {
-  // Goal: each feature is shown once. Method: the made-up world's animations.
+  // Goal: each feature is shown once. Method: read the made-up world's animations.
   const archive::MemoryArchive memory = made_up(101, 3);
   const auto scene = archive::scene_of(memory);
   ASSERT_TRUE(scene.ok());

@@ -148,7 +148,7 @@ TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
 
 TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
   // Goal: a deleted or damaged file is reported, its data stays, and the restored file is read
-  // again. Method: one after the other.
+  // again. Method: do one after the other.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
   Gallery gallery(options({archive}));

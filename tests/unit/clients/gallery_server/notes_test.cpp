@@ -38,7 +38,7 @@ class NotesTest : public archive::testing::Scratch {
 };
 
 TEST_F(NotesTest, AreThereAgainTheNextTime) {
-  // Goal: a note outlives the gallery, is private, and is deleted when empty. Method: do each.
+  // Goal: a note outlives the gallery, is private, and is deleted when empty. Method: try each.
   {
     Notes notes(path("notes"));
     EXPECT_EQ(changed(notes, run, "c0.250", starred)["changed"], 1);
@@ -121,7 +121,7 @@ TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
 }
 
 TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
-  // Goal: changes of one note by two people are both stored. Method: each changes another field.
+  // Goal: changes of one note by two people are both stored. Method: change two fields.
   Notes mine(path("notes"));
   Notes yours(path("notes"));
   changed(mine, run, "c0.1", {{"note", "this one"}, {"tags_on", {"film"}}});

@@ -1,6 +1,6 @@
 // Goal: a film shows bodies at their motion's positions, whole and at the same scale in all frames;
-// files are complete or absent. Method: measure frames of made-up motions; folders; scripts in
-// place of ffmpeg, and ffmpeg if installed.
+// files are complete or absent. Method: measure frames of made-up motions, write into folders, and
+// run scripts in place of ffmpeg, and ffmpeg if installed.
 #include "clients/pictures/animation_frames.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// Goal: a die is drawn in its pose, with outline, numbering and pips. Method: cubes in known poses.
+// Goal: a die is drawn in its pose, with outline, numbering and pips. Method: draw cubes in known
+// poses.
 #include "clients/pictures/scene_view.h"
 
 #include <gmock/gmock.h>

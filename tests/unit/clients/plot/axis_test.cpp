@@ -12,7 +12,7 @@ namespace sleight::plot {
 namespace {
 
 TEST(Ticks, AreOneTwoFiveMultiples) {
-  // Goal: ticks have the values and labels that people expect. Method: known ranges.
+  // Goal: ticks have the values and labels that people expect. Method: use known ranges.
   const Ticks ticks = nice_ticks({0.4, 1.8}, 8);
   EXPECT_EQ(ticks.values, (std::vector<double>{0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8}));
   EXPECT_EQ(ticks.labels.front(), "0.4");

@@ -80,7 +80,7 @@ TEST(Runs, AreWhatLiesBetweenGaps) {
 }
 
 TEST(Steps, HoldEachValueToTheNext) {
-  // Goal: a repeated sample's change is a corner, except across a gap. Method: a known series.
+  // Goal: a repeated sample's change is a corner, except across a gap. Method: use a known series.
   const auto corners = stepped(std::vector<Point>{{0, 1}, {1, 2}, {2, k_nan}, {3, 4}});
   ASSERT_EQ(corners.size(), 5U);
   EXPECT_EQ(corners[1], (Point{1, 1}));

@@ -54,7 +54,7 @@ TEST(Svg, IsWellFormedXml) {
 }
 
 TEST(Svg, EscapesWhatPeopleWrite) {
-  // Goal: labels can't become markup. Method: markup in every text.
+  // Goal: labels can't become markup. Method: put markup into every text.
   const std::string evil = "</text><script>x</script>&\"'";
   const Panel panel{.title = evil,
                     .x_label = evil,

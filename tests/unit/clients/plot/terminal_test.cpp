@@ -88,7 +88,8 @@ TEST(Terminal, DrawsVerticalLines) {
 }
 
 TEST(Terminal, MarksInfinitiesAndSurvivesNothing) {
-  // Goal: minus infinity appears at the lower edge; an empty panel has only axes. Method: both.
+  // Goal: minus infinity appears at the lower edge; an empty panel has only axes. Method: draw
+  // both.
   const Panel panel{
       .series = {Line{.points = {{0, 0}, {1, -std::numeric_limits<double>::infinity()}, {2, 1}}}}};
   EXPECT_NE(to_terminal(panel, {}).find("↓"), std::string::npos);
@@ -108,7 +109,7 @@ TEST(Terminal, ColorsAndResets) {
 }
 
 TEST(Terminal, KnowsUtf8Locales) {
-  // Goal: Unicode is used only if the locale's name has UTF-8. Method: common locale names.
+  // Goal: Unicode is used only if the locale's name has UTF-8. Method: use common locale names.
   EXPECT_TRUE(names_utf8("en_GB.UTF-8"));
   EXPECT_TRUE(names_utf8("C.utf8"));
   EXPECT_FALSE(names_utf8("C"));
@@ -117,7 +118,8 @@ TEST(Terminal, KnowsUtf8Locales) {
 }
 
 TEST(Terminal, TakesAFileForNoTerminal) {
-  // Goal: redirected output gets the default size and no colours. Method: an invalid descriptor.
+  // Goal: redirected output gets the default size and no colours. Method: use an invalid
+  // descriptor.
   const TerminalOptions options = detect_terminal(-1);
   EXPECT_EQ(options.columns, 80U);
   EXPECT_EQ(options.rows, 24U);

@@ -23,7 +23,7 @@ TEST(Text, IsRepairedToPrintableUtf8) {
 }
 
 TEST(Text, IsCountedAndCutByCodePoints) {
-  // Goal: no character is cut. Method: mixed lengths.
+  // Goal: no character is cut. Method: mix lengths.
   EXPECT_EQ(length_of("±σ1"), 3U);
   EXPECT_EQ(first_of("±σ1", 2), "±σ");
   EXPECT_EQ(first_of("±σ1", 9), "±σ1");

@@ -40,7 +40,7 @@ TEST(TextTable, AlignsColumnsAndLeavesEmptyOnesOut) {
 
 TEST(TextTable, FitsEveryWidth) {
   // Goal: no line exceeds the terminal if the required columns fit; the least important column is
-  // dropped first. Method: all widths.
+  // dropped first. Method: try all widths.
   const TextTable table = example();
   for (std::size_t width = 10; width < 80; ++width) {
     const std::string text = to_text(table, width);

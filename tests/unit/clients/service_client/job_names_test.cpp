@@ -9,7 +9,7 @@ namespace sleight::service_client {
 namespace {
 
 TEST(JobNames, AreNumbersRangesAndGroups) {
-  // Goal: job names are parsed and printed alike. Method: one of each form.
+  // Goal: job names are parsed and printed alike. Method: use one of each form.
   const std::vector<std::string> texts{"17", "3..8", "g5"};
   const auto names = job_names_of(texts);
   ASSERT_TRUE(names);

@@ -230,7 +230,7 @@ TEST(HostilePeers, AboveTheLimitAreToldSo) {
   std::vector<std::unique_ptr<RawClient>> others;
   for (int i = 0; i < 50; ++i) {
     others.push_back(std::make_unique<RawClient>(served.port()));
-    // 503, or closed at once if many refusals are being sent already.
+    // The answer is 503, or nothing if many refusals are being sent.
     const int status = others.back()->receive().status;
     EXPECT_TRUE(status == 503 || status == 0) << status;
     EXPECT_TRUE(i >= 10 || status == 503) << i;

@@ -1,4 +1,4 @@
-// Goal: a target has one path for every reader, or none. Method: a table of targets.
+// Goal: a target has one path for every reader, or none. Method: parse a table of targets.
 #include "clients/web/target.h"
 
 #include <gtest/gtest.h>

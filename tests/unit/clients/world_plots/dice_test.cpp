@@ -122,8 +122,8 @@ TEST(DicePlausibility, AreScoresAndCosts) {
   EXPECT_DOUBLE_EQ(all.start_cost.spread, std::sqrt(1.5));
   EXPECT_DOUBLE_EQ(all.table_cost.mean, 0.5 * (5 - 4));
   EXPECT_DOUBLE_EQ(all.table_cost.spread, std::sqrt(2));
-  // Costs per animation are -1/2 and 3, -1 and 2, -3/2 and 5. A mean of two has half their
-  // difference as error.
+  // The start costs -1/2 and 3, the table -1 and 2, both together -3/2 and 5. The error of a mean
+  // of two is half their difference.
   EXPECT_DOUBLE_EQ(all.start_cost.error, 1.75);
   EXPECT_DOUBLE_EQ(all.table_cost.error, 1.5);
   EXPECT_DOUBLE_EQ(all.cost.mean, 1.75);
@@ -138,7 +138,7 @@ TEST(DicePlausibility, AreScoresAndCosts) {
 }
 
 TEST(DicePlausibility, WordsSayNoMoreThanIsKnown) {
-  // Goal: a verdict requires more than chance and doesn't overflow. Method: chosen costs.
+  // Goal: a verdict requires more than chance and doesn't overflow. Method: choose costs.
   const auto words_of = [](double mean, double error) {
     const PlausibilityCost cost{.is_random = true, .mean = mean, .error = error, .spread = 2};
     return plausibility_words(
@@ -291,7 +291,7 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
 }
 
 TEST(DicePlausibility, NothingRandomIsSaid) {
-  // Goal: blind throws without variation give nothing to compare. Method: such a prior.
+  // Goal: blind throws without variation give nothing to compare. Method: use such a prior.
   const SmallArchive fixed({.has_prior = true,
                             .position_sd = {0, 0, 0, 0, 0, 0},
                             .velocity_z_sd = 0,

@@ -76,7 +76,7 @@ TEST(RememberingReader, SimulatesEachMotionOnce) {
 }
 
 TEST(RememberingReader, CanBeStoppedBeforeAMotionOrAComparison) {
-  // Goal: cancelling an archive waits for one motion at most. Method: the callback throws.
+  // Goal: cancelling an archive waits for one motion at most. Method: let the callback throw.
   const FakeReader reader;
   MapOfMotions motions;
   bool is_stopped = false;

@@ -1,4 +1,5 @@
-// Goal: text that could control a terminal or break JSON is recognised. Method: cases of RFC 3629.
+// Goal: text that could control a terminal or break JSON is recognised. Method: use cases of RFC
+// 3629.
 #include "common/archive/text.h"
 
 #include <gtest/gtest.h>

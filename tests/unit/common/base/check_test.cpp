@@ -109,7 +109,8 @@ TEST(RepeatNotes, AreKeptInOrderFromAllThreads) {
 }
 
 TEST(CommandLine, IsWhatAShellReadsBack) {
-  // Goal: the printed command line can be pasted into a shell. Method: plain and awkward arguments.
+  // Goal: the printed command line can be pasted into a shell. Method: use plain and awkward
+  // arguments.
   const char* const arguments[] = {"sleight", "direct", "my request.toml", "-o", "a'b.h5",
                                    "",        "$x"};
   EXPECT_EQ(command_line(7, arguments),

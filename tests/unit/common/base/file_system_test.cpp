@@ -96,7 +96,7 @@ TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
 }
 
 TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {
-  // Goal: a message names what failed. Method: each function on a path that fails.
+  // Goal: a message names what failed. Method: call each function on a path that fails.
   const std::string missing = path("missing");
   const std::string below = path("nowhere/file");
   std::filesystem::create_directory(path("folder"));
@@ -128,7 +128,7 @@ TEST_F(FileSystemOfPosix, ReadsTextUpToALimit) {
 }
 
 TEST(DirectoryOf, IsTheFolderPart) {
-  // Goal: directory_of returns the folder to sync after a rename. Method: every form of path.
+  // Goal: directory_of returns the folder to sync after a rename. Method: use every form of path.
   EXPECT_EQ(directory_of("file"), ".");
   EXPECT_EQ(directory_of("/file"), "/");
   EXPECT_EQ(directory_of("a/file"), "a");

@@ -60,7 +60,7 @@ TEST(ClockTime, ShowsMinutesAndHours) {
 }
 
 TEST(ProgressLine, IsAsItsHeaderShows) {
-  // Goal: the progress line matches the header's example. Method: the example's numbers.
+  // Goal: the progress line matches the header's example. Method: use the example's numbers.
   const Progress progress{.scans_done = 12400,
                           .scans_total = 40000,
                           .session_scans = 8520,

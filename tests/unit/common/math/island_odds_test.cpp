@@ -50,7 +50,7 @@ TEST(IslandOdds, IslandsWithoutASolutionCount) {
 }
 
 TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
-  // Goal: too few islands, or invalid estimates, make the odds unknown. Method: each case.
+  // Goal: too few islands, or invalid estimates, make the odds unknown. Method: try each case.
   EXPECT_TRUE(std::isnan(island_odds({}).log_mean));
   const IslandOdds one = island_odds(logs_of({2}));
   EXPECT_NEAR(one.log_mean, std::log(2), 1e-15);

@@ -152,7 +152,7 @@ TEST(ReadRequest, ASearchHasFewKeys) {
 
 TEST(ReadRequest, OddsAreARuleOfIslands) {
   // Goal: the odds rule works alone or with others, only for sequential, within its range, and
-  // reads back. Method: each case, in a world with stages.
+  // reads back. Method: try each case, in a world with stages.
   const std::string islands = "[world]\nname = 'staged'\n[sampler]\nmethod = 'sequential'\n";
   const std::array worlds{toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
@@ -207,7 +207,7 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
 
 TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
   // Goal: keys that can't be combined with tours cause an error with the reason; other keys read
-  // back. Method: each key and rule, in a world with stages.
+  // back. Method: try each key and rule, in a world with stages.
   const std::array worlds{toy::staged_binding()};
   const auto staged_errors = [&](const std::string& method, const std::string& rest) {
     std::vector<std::string> lines;
@@ -248,7 +248,7 @@ TEST(ReadRequest, FindsAskedForStayFinds) {
 TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
   // Goal: without a stop rule, a request gets five takes, or as many as the command line asks for.
   // [stop] or the command line can request finds or draws instead; the normalised text states the
-  // rule. Method: each case.
+  // rule. Method: try each case.
   const std::array worlds{toy::relaxing_binding()};
   const auto read_with = [&](const std::string& text, std::optional<Asked> asked) {
     auto request = read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, asked);

@@ -236,8 +236,9 @@ TEST_F(HostileTest, HalfMessagesAreGivenUp) {
 }
 
 TEST_F(HostileTest, AThousandConnections) {
-  // Goal: any number of connections leaves others served and takes little memory. Method: open
-  // 1,000 idle connections, half of them with the beginning of a message, beside ordinary clients.
+  // Goal: however many connections are open, other clients are served and memory stays low. Method:
+  // open 1,000 idle connections, half of them with the beginning of a message, beside ordinary
+  // clients.
   rlimit files = {};
   ::getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = files.rlim_max;

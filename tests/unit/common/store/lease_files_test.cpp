@@ -72,7 +72,7 @@ TEST_F(LeaseFilesOf, WritesItsOwnFileAlone) {
 }
 
 TEST_F(LeaseFilesOf, ListsNumbersAlone) {
-  // Goal: other files in the folder are not taken for leases. Method: similar names.
+  // Goal: other files in the folder are not taken for leases. Method: use similar names.
   for (const char* name : {"lease.12", "lease.3", "lease.new.12", "lease.", "lease.0", "lease.-1",
                            "lease.4x", "lease", "lock", "lease.99999999999999999999"})
     put_bytes(path(name), "");
@@ -80,8 +80,9 @@ TEST_F(LeaseFilesOf, ListsNumbersAlone) {
 }
 
 TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
-  // Goal: a process is reported as running until it is killed, whether or not its parent asks; its
-  // number alone is not enough, and another machine's process is unknown. Method: kill a child.
+  // Goal: a process is reported as running until it is killed, whether its parent or another
+  // process asks; its number alone is not enough, and another machine's process is unknown. Method:
+  // kill a child.
   PosixLeaseFiles files(folder(), this_process());
   EXPECT_TRUE(files.is_here(this_process()));
   EXPECT_FALSE(files.is_gone(this_process()));
@@ -125,7 +126,7 @@ TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
 }
 
 TEST(LeaseToken, IsNeverTheSame) {
-  // Goal: each holder's text is unique. Method: a thousand texts.
+  // Goal: each holder's text is unique. Method: make a thousand texts.
   std::set<std::string> tokens;
   for (int i = 0; i < 1000; ++i)
     tokens.insert(make_token());

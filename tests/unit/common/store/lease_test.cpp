@@ -156,7 +156,7 @@ TEST(Lease, IsTakenAtOnceFromWhoeverIsGone) {
 
 TEST(Lease, CopiesAreOwedUntilTheyAreMade) {
   // Goal: a holder that took over from another machine and ended before copying the files leaves
-  // the copying to its successor. Method: three holders.
+  // the copying to its successor. Method: use three holders.
   Folder folder;
   base::ManualClock clock;
   Lease dead(folder, clock, of("a", 1));

@@ -165,7 +165,7 @@ TEST_F(StoredMotionsTest, GrowsToItsBound) {
 }
 
 TEST_F(StoredMotionsTest, WithoutAFileNothingIsRemembered) {
-  // Goal: nothing fails if the file can't be created. Method: a missing folder.
+  // Goal: nothing fails if the file can't be created. Method: use a missing folder.
   StoredMotions motions(folder() + "/nowhere", "a");
   motions.keep(state_of(1), motion_of(1));
   EXPECT_FALSE(motions.find(state_of(1)).has_value());

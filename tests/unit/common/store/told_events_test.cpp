@@ -1,5 +1,5 @@
 // Goal: a run's events are numbered and committed with its results, and read back from log and
-// store. Method: sessions, logs and followers.
+// store. Method: run sessions, logs and followers.
 #include "common/store/told_events.h"
 
 #include <fmt/format.h>
@@ -230,7 +230,7 @@ TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
 
 TEST_F(ToldEventsTest, TellsTheNewestOfWhatHasNoNumber) {
   // Goal: of progress, phases and archives, a reader gets only the newest unseen one, after the
-  // numbered events. Method: by hand.
+  // numbered events. Method: check by hand.
   store_rounds(1);
   events::EventLog log(folder());
   log.append({.what = events::Phase{.words = "a"}});

@@ -132,7 +132,7 @@ TEST(Messages, ResultWithoutScansIsRefused) {
 }
 
 TEST(Messages, HelloOfNoThreadsIsRefused) {
-  // Goal: a worker without threads is refused. Method: 0 threads.
+  // Goal: a worker without threads is refused. Method: use 0 threads.
   EXPECT_THAT(refusal(Hello{.results_version = "1", .identity = "i", .threads = 0}),
               HasSubstr("0 threads"));
 }
