@@ -11,7 +11,8 @@
 namespace sleight::analysis {
 namespace {
 
-/// Simulations of a ladder with this many levels. `starts` of the scans are draws at all levels.
+/// Simulations of a ladder with this many levels. In `starts` of the scans, each level makes a new
+/// draw: one simulation.
 double on_ladder(double levels, double scans, double starts, double each) {
   return starts * levels + (scans - starts) * (1 + each * (levels - 1));
 }

@@ -26,10 +26,10 @@ namespace sleight::analysis {
 
 /// Limit above the rounds of any run, since rounds double.
 inline constexpr std::uint64_t k_rounds_max = 64;
-/// Limits above the temperatures and kinds of proposals of any ladder.
+/// No ladder has as many temperatures or kinds of proposals as these.
 inline constexpr std::uint64_t k_levels_max = 4096;
 inline constexpr std::uint64_t k_kinds_max = 4096;
-/// Limits above the temperatures of any ascent or excursion, and the scans of any run.
+/// No ascent or excursion has as many temperatures, and no run as many scans, as these.
 inline constexpr std::uint64_t k_steps_max = std::uint64_t{1} << 22;
 inline constexpr std::uint64_t k_run_scans_max = std::uint64_t{1} << 52;
 

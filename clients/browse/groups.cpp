@@ -86,8 +86,8 @@ bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::
   std::vector<double> change(medoids.size());
   for (std::size_t candidate = 0; candidate < size; ++candidate) {
     if (std::ranges::find(medoids, candidate) != medoids.end()) continue;
-    // `common`: the candidate's effect whichever medoid is removed. `change`: the further effect by
-    // removed medoid.
+    // `common`: the part of the candidate's effect that is the same whichever medoid is removed.
+    // `change`: the rest of the effect, for each medoid that could be removed.
     double common = 0;
     std::ranges::copy(loss, change.begin());
     for (std::size_t point = 0; point < size; ++point) {

@@ -2,8 +2,9 @@
 //
 // Only distinct animations are kept, so a group's number of animations doesn't show how probable
 // such animations are. The draws do. A satisfied draw is assigned to the last animation kept in its
-// (chain, lineage), at the draw or before: later draws that weren't kept resembled a kept one, or
-// exceeded the limit per lineage. Draws of lineages without kept animations are counted separately.
+// (chain, lineage) up to and including that draw. A draw that wasn't kept itself resembled a kept
+// animation, or exceeded the limit per lineage. Draws of lineages without kept animations are
+// counted separately.
 //
 // The error treats lineages as independent, because draws within a lineage are dependent. Let n_l
 // be the number of satisfied draws of lineage l, g_l the group's part, and p = sum g / sum n. The

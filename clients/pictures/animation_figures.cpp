@@ -155,7 +155,7 @@ plot::Panel ways_panel(const scene::Scene& scene, const SceneExtent& extent, con
   return panel;
 }
 
-// Many bodies: from above at rest, and instants from the front.
+// Figures of many bodies: a view from above at rest, and views of several instants from the front.
 
 struct InstantSizes {
   std::size_t frame_columns = k_instants;

@@ -269,7 +269,8 @@ void ScenePainter::ground(const SceneView& view, const scene::Part& part) {
   line({view.at({extent_.low_mm.x(), z_mm}), right}, plot::palette::k_grey, 1);
 }
 
-/// Draws fixed things: from above darker if higher, from the front transparent.
+/// Draws fixed things. Seen from above, higher pieces are darker; seen from the front, all are
+/// transparent.
 void ScenePainter::fixed(const SceneView& view, const scene::Part& part) {
   const std::vector<FlatPiece> pieces =
       flat_pieces(scene_, part, {}, view.seen, animation_.offsets_m);

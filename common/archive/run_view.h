@@ -24,7 +24,7 @@ class RunView {
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const = 0;
 
   /// Returns whether a satisfying draw may become a kept animation. If one of a lineage's draws is
-  /// its independent solution, only that draw and later ones may.
+  /// its independent solution, the lineage's earlier draws may not.
   virtual bool may_be_kept(base::ChainId /*chain*/, base::ScanIndex /*draw*/) const { return true; }
 
   /// Maximum replicas of a chain. A plain chain has one, always at inverse temperature 1.

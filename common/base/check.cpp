@@ -24,7 +24,8 @@ void print(const std::string& message) {
   std::fflush(stderr);
 }
 
-/// Two atomics, because 16 bytes are not atomic everywhere. The context is set before the function.
+/// Two atomics, because 16 bytes are not atomic everywhere. The context is stored before the
+/// function that receives it.
 std::atomic<void*> listener_context = nullptr;
 std::atomic<decltype(BugListener::heard)> listener_heard = nullptr;
 

@@ -49,7 +49,8 @@ struct BlockLimits {
   std::uint32_t whole_levels_max = 0;
 };
 
-/// A member's initial state. Empty if the worker presumably holds it, or if the member starts.
+/// A member's initial state. Empty if the worker presumably holds the state, or if the member has
+/// no state yet.
 using GivenState = std::optional<base::Bytes>;
 
 /// Computes blocks. Thread-safe: run may be called from several threads at once.

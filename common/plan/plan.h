@@ -126,7 +126,8 @@ class Plan {
   virtual std::vector<Solution> solutions_between(std::uint64_t after,
                                                   std::uint64_t until) const = 0;
 
-  /// Rounds that ended with after < scans <= until, by (scans, chain), under the same conditions.
+  /// Rounds that ended at a number of scans with after < scans <= until, ordered by (scans, chain).
+  /// The conditions of solutions_between hold.
   virtual std::vector<EndedRound> rounds_between(std::uint64_t /*after*/,
                                                  std::uint64_t /*until*/) const {
     return {};

@@ -1,8 +1,8 @@
 // Keys given on the command line instead of in a request's file: `--set sampler.seed=7`.
 //
 // A set is SECTION.KEY=VALUE. VALUE is a TOML value. Any other word counts as a string, so `--set
-// world.word=HI` needs no nested quotes. A set replaces or adds the key before the request is read.
-// A set therefore has the same errors as a file, with `--set sampler.sed=1` as their place.
+// world.word=HI` needs no nested quotes. Each set replaces or adds its key before the request is
+// read. A set therefore has the same errors as a file, with `--set sampler.sed=1` as their place.
 //
 // A range makes a group of requests, one per value: `sampler.seed=1..20` (integers, both ends
 // included), or a list `sampler.chains={1,4,16}` of values and ranges. Several ranges yield all

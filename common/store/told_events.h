@@ -37,8 +37,8 @@ class ToldEvents {
   /// base::Error if the store is needed and can't be read. REQUIRES: numbered_max >= 1.
   std::vector<events::RunEvent> next(std::size_t numbered_max);
 
-  /// Like next(), and then events that are only in the store because the log couldn't be written.
-  /// Call after a program has ended, and from time to time.
+  /// Returns what next() does, followed by events that are only in the store because the log
+  /// couldn't be written. Call after a program has ended, and from time to time.
   std::vector<events::RunEvent> rest(std::size_t numbered_max);
 
   std::uint64_t number() const { return number_; }

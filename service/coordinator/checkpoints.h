@@ -1,10 +1,10 @@
 // Checkpoints: archives of a run so far, for people who watch the run.
 //
 // A separate thread derives checkpoints, so that nothing waits. The first checkpoint is made as
-// soon as a search has its finds, or with the first solution. Later checkpoints are made every
-// every_s, or less often, so that they take at most k_checkpoint_share_max of the workers' time.
-// Simulating the motions of kept animations isn't counted, because each motion is simulated once
-// for all archives.
+// soon as a search has its finds, or with the first solution. Later checkpoints are made at
+// intervals of `every_s`, or longer ones, so that they take at most k_checkpoint_share_max of the
+// workers' time. Simulating the motions of kept animations isn't counted, because each motion is
+// simulated once for all archives.
 //
 // The thread runs at normal priority, because a slow reader of the store prevents SQLite from
 // shortening its log. At SCHED_IDLE, a run's log grew by 1.2 GB in 90 s.

@@ -36,7 +36,8 @@ struct DeriveInputs {
   const std::string& results_version;
   /// The processor time in seconds for simulating new motions is added here. May be null.
   double* motions_s = nullptr;
-  /// Connection to read by; on a network disk the writer's (RunStore::to_read). Null: a new one.
+  /// The connection for reading; on a network disk, the writer's (RunStore::to_read). Null: open a
+  /// new one.
   std::shared_ptr<store::SharedDatabase> store{};
   /// Called between batches and before renaming. Throws if the run may be another process's. May be
   /// empty.

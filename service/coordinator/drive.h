@@ -52,8 +52,9 @@ struct DriveOptions {
   /// Receives the run's state every report_every_s, and on a search's last find. Must be quick. May
   /// be empty.
   std::function<void(const Standing&)> standing{};
-  /// Receives all results, first those of earlier sessions, before they are put into the store, and
-  /// in order for each replica. May be empty. `standing` can use what the plan derived from them.
+  /// Receives all results: first those of earlier sessions, then each new result before it is put
+  /// into the store. The results of each replica come in order. May be empty. `standing` can use
+  /// what the plan derived from them.
   std::function<void(const plan::ReplicaKey&, base::ScanIndex first_scan,
                      std::span<const plan::ScanRecord>)>
       consumed{};

@@ -2,8 +2,8 @@
 //
 // Events follow from results in logical order, not in the order of arrival:
 //
-//   Starts of the search 0, 1, 2, ... come first. Each start has its failures, then its find.
-//   Scans of all chains 1, 2, ... follow. Once all chains have made a scan, it has:
+//   The search's starts 0, 1, 2, ... come first. Each start has its failures, then its find.
+//   Scans 1, 2, ... of all chains follow. Once all chains have made a scan, it has:
 //     - failures, by (chain, replica, kind);
 //     - solutions that the scan decides, by (chain, scan);
 //     - rounds that end with the scan, by chain.

@@ -1,5 +1,5 @@
 // The board shows the durable state of all jobs, which is what clients see. The machine of jobs may
-// be ahead by the changes that are being saved. Thread safety: one thread.
+// be ahead of the board by the changes that are being saved. Thread safety: one thread.
 #pragma once
 
 #include <cstdint>

@@ -102,7 +102,7 @@ class SystemAttempts final : public Attempts {
   backend::AttemptName name_of(jobs::JobId job, jobs::Attempt attempt) const;
   backend::Order order_of(const jobs::Launch& launch, const LaunchText& text) const;
 
-  /// Runs the question in the backend's thread. The question posts its outcome to the loop.
+  /// Calls `question` in the backend's thread. The question posts its outcome to the loop.
   void ask(std::function<void()> question);
   void launched(jobs::JobId job, jobs::Attempt attempt, const backend::Seen& seen);
   void not_launched(jobs::JobId job, jobs::Attempt attempt, const std::string& words, bool is_away,

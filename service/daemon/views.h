@@ -29,7 +29,8 @@ rpc::JobView view_of(const ViewOf& what);
 
 rpc::StateChange change_of(const JobReader::NumberedChange& change);
 
-/// "done", or with the reason if that adds information: "held: the disk is full".
+/// Returns the sentence that explains the job's state, or, if there is none, the name of the reason
+/// with blanks instead of underscores.
 std::string reason_of(const jobs::Job& job);
 
 rpc::Refusal refusal_of(const jobs::Refusal& refusal);

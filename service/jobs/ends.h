@@ -6,8 +6,8 @@
 //     Gave up, no draws, --strict: failed, and never restarted (gave up with finds: done).
 //     Invalid request: failed, because another start would be refused too.
 //     Disk full, other results version: held.
-//     A check failed: failed if the last check failed at the same place with no commit since;
-//       else a death.
+//     A check of the program failed: a death; failed if the last failed check was at the same
+//       place, with no commit since.
 //     Cancelled in the batch system: held until the user resumes the job.
 //     The batch system took its cores: starts again; not a death.
 //     Clean stop: what the stop was requested for; else starts again.

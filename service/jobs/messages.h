@@ -18,7 +18,7 @@ using Token = std::uint64_t;
 // Inputs
 
 /// The current time. `now_s` is a monotonic clock with any origin; `wall` is the wall clock, which
-/// may jump. The daemon ticks before each other input, and at next_tick_s().
+/// may jump. The daemon sends a Tick before every input of another kind, and at next_tick_s().
 struct Tick {
   double now_s = 0;
   double wall = 0;

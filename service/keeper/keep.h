@@ -33,7 +33,8 @@
 //      and the program's death ends its ranks (clients/cli/end_with_mpirun.h).
 //   2. The record of the end is written after all processes of the program ended.
 //
-// Thread safety: keep needs a process of its own, with its signals and children, and one thread.
+// Thread safety: keep() needs a process with one thread, and all of that process's signals and
+// children.
 #pragma once
 
 #include <cstdint>

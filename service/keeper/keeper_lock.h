@@ -6,7 +6,7 @@
 //
 // A process forked from the holder also holds the lock until it calls exec.
 //
-// Thread safety: a KeeperLock belongs to one thread; is_held any.
+// Thread safety: a KeeperLock belongs to one thread; is_held may be called from any thread.
 #pragma once
 
 #include <cstdint>

@@ -24,7 +24,7 @@ struct Stat {
 
 /// Empty if the file doesn't exist or its process has ended.
 std::string content_of(const std::string& path) {
-  // Reading with `<<` takes a failure for the end of the file, if the process ends meanwhile.
+  // If the process ends while its file is read, reading fails. `<<` treats that as the file's end.
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return std::move(text).str();

@@ -36,7 +36,8 @@ std::uint64_t odd_number(Dice& dice);
 double odd_real(Dice& dice);
 /// An id that no job has, possibly with one or two bytes changed; or 0.
 std::uint64_t far_id(Dice& dice);
-/// Empty, `../`, control characters, invalid UTF-8, or formats; one in a thousand at `bytes_max`.
+/// An odd text: empty, with `../`, control characters, invalid UTF-8 or format strings; one in a
+/// thousand has half or all of `bytes_max`.
 std::string odd_text(Dice& dice, std::size_t bytes_max);
 /// Invalid requests: deep nesting, endless names, or one that is too expensive.
 std::string odd_request(Dice& dice, std::size_t bytes_max);

@@ -149,11 +149,11 @@ TEST(Scale, IslandsKeepAThousandWorkersBusy) {
 }
 
 TEST(Scale, OneLadderAgainstWorkers) {
-  // Goal: a curve of one ladder's utilisation against workers, with the theory. Method: clusters of
-  // 1 to 64 workers. A ladder of N levels has at most N units at once. So W workers take at least
-  // sum(c) / W, and at least the critical path of the swaps. Each scan of a pair waits for the
-  // slower of two, so S scans take longer than S E[max(c1, c2)]. For costs log-uniform over a
-  // factor r, with q = log r:
+  // Goal: measure one ladder's utilisation for different numbers of workers, and compare it with
+  // the theoretical bounds. Method: clusters of 1 to 64 workers. A ladder of N levels has at most N
+  // units at once. So W workers take at least sum(c) / W, and at least the critical path of the
+  // swaps. Each scan of a pair waits for the slower of two, so S scans take longer than S
+  // E[max(c1, c2)]. For costs log-uniform over a factor r, with q = log r:
   //   E[c] / E[max(c1, c2)] = (r - 1) / (2 (r - (r - 1) / q)).
   constexpr Size k_size{.workers = 1, .ladders = 1, .levels = 32, .scans = 600};
   constexpr double k_r = k_cost_spread;

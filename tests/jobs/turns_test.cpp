@@ -238,8 +238,8 @@ double used_s() {
 
 TEST(Turns, TenThousandJobsCostLittle) {
   // Goal: with 10,000 waiting jobs, and one report per second of its running jobs, the machine uses
-  // under 0.5% of a core. Submits and queries of a job's place are cheap. Method: run the machine
-  // alone for ten minutes of its clock; measure this process's processor time.
+  // under 0.5% of a core. Submissions, and queries of a job's place, are cheap. Method: run the
+  // machine alone for ten minutes of its clock; measure this process's processor time.
   Options options;
   options.slice_s_min = 1e6;  // no job makes room, so others only wait
   Jobs machine(options);

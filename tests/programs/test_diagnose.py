@@ -74,7 +74,7 @@ class DiagnoseTest(ProgramTest):
         found = json.loads(machine.stdout)
         self.assertEqual(found["mixed"], code == 0)
         self.assertEqual(found["mixed"], found["reasons"] == [])
-        heading = "effective size of the weighted draws is too small:" if "weights" in found else "Not mixed:"
+        heading = "too small:\n" if "weights" in found else "Not mixed:"
         self.assertEqual(heading in people.stdout, code == 7)
         return found
 
@@ -141,8 +141,8 @@ class BurntIn(DiagnoseTest):
             file["tempering/round_trips"][:] = 0
             file["tempering/walk_round_trips"][1] = 0
         found = self.diagnosed(archive, 7)
-        self.assertEqual(found["reasons"], ["1 of 2 chains made no round trip to the prior and "
-                                            "back: chain 1 among them"])
+        self.assertEqual(len(found["reasons"]), 1)
+        self.assertRegex(found["reasons"][0], r"^1 of 2 chains .*round trip.*\bchain 1\b")
 
     def test_all_draws_of_tempered_transitions_are_judged(self):
         archive = self.archived(burnt_in("tempered_transitions", 2000, "steps_per_level = 2"))

@@ -69,7 +69,8 @@ INSTANTIATE_TEST_SUITE_P(Betas, Invariance,
 
 TEST(InvarianceRepeats, PValuesAreUniform) {
   // Goal: no small bias hides below the single test's threshold. Method: compare each function's
-  // p-values in 400 repeats of 300 draws with uniform. Fails by chance with probability 8e-5.
+  // p-values in 400 repeats of 300 draws with the uniform distribution. Fails by chance with
+  // probability 8e-5.
   std::array<std::vector<double>, k_ball_functions> collected;
   for (std::uint32_t repeat = 1; repeat <= 400; ++repeat) {
     const auto p = p_values(Bug::none, 1.0, 10, 300, repeat);

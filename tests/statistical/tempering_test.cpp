@@ -223,7 +223,8 @@ TEST(BallByTempering, EqualsRejection) {
 TEST(SpellingByTempering, EqualsRejection) {
   // Goal: tempering and rejection agree if the number of variables varies. Method: two bins.
   // Compare the set of active balls and the number of filled bins, in the last round of 32 ladders,
-  // with 20,000 exact draws. 12 shares, within 5 standard errors over ladders each (7e-6).
+  // with 20,000 exact draws. Each of the 12 shares must be within 5 standard errors over ladders.
+  // Fails by chance with probability 7e-6.
   const Spelling world = world_with(worlds::spelling::Kernel::correct);
   const run::ChainWorker<Spelling> worker(world_with(worlds::spelling::Kernel::correct),
                                           {.iterations_per_scan = 2});

@@ -7,7 +7,7 @@
 //   }
 //
 // Each case draws random numbers from a stream of its own, addressed by the case's number, so a
-// case can run without earlier ones. After a failure of case 17 the program prints
+// case can run without earlier ones. After a failure of case 17 the program prints:
 //
 //   to see it again: SLEIGHT_CASE=17 build/release/tests/tests_unit_x --gtest_filter=Suite.Name
 //

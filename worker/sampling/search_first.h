@@ -15,7 +15,7 @@ namespace sleight::sampling {
 
 class SearchFirst final : public plan::Plan {
  public:
-  /// Null `then`: only the search runs.
+  /// If `then` is null, only the search runs.
   SearchFirst(SearchLanes lanes, std::unique_ptr<plan::Plan> then);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;

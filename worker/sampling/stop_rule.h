@@ -36,7 +36,7 @@ class StopJudge {
   using SolutionsBefore = std::function<std::uint64_t(std::uint64_t scan)>;
 
   /// Advances over round ends that all chains have reached. `solutions_before(scan)`: number of
-  /// lineages over all chains that satisfied before that scan.
+  /// lineages, over all chains, that have a solution before that scan.
   void judge(std::uint64_t reached_by_all, const SolutionsBefore& solutions_before);
 
   /// Scans of each chain below this number can be handed out.

@@ -82,7 +82,7 @@ std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked);
 std::string name_among(const Browsed& browsed, const browse::AnimationName& name);
 
 /// Prints to stderr which archives were left out and how many duplicate animations there are. Call
-/// it once, after everything that can be left out is.
+/// it once, after the last step that can leave something out.
 void say_what_is_missing(const Browsed& browsed);
 
 /// Formats a number with six digits; NaN as "".

@@ -115,7 +115,7 @@ std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
   std::vector<double> rates;
   for (std::size_t i = 0; i + 1 < levels; ++i)
     rates.push_back(swap_rate(i));
-  // Returns the probability of each level at a later scan, from one level at a scan.
+  // Returns the probability of each level at scan `until`, for a replica at level `from` at `scan`.
   const auto walk = [&](std::size_t from, std::uint64_t scan, std::uint64_t until) {
     std::vector<double> at(levels, 0.0);
     at[from] = 1;

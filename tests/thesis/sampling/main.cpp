@@ -1,9 +1,9 @@
 // `sleight-sampling-table`: independent satisfying solutions by each method, for docs/MEASUREMENTS.
 //
 // Rows "search, in no proportions", "islands" and "chains from a search, judged" are for staged
-// worlds: balls that spell, and dice, which have no judged chains here. Rows of balls use lambda
-// and the shares of proposals of requests without a sampler, not the scene's lambda. Lambda changes
-// how often a method's draws satisfy, but not their proportions.
+// worlds: balls that spell, and dice, which have no judged chains here. Rows of balls use the
+// lambda and the shares of proposals that a request without a sampler has, not the scene's lambda.
+// Lambda changes how often a method's draws satisfy, but not their proportions.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

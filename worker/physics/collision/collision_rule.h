@@ -120,7 +120,7 @@ inline GapAndRate gap_to_round(const Vec3& from_m, const Vec3& velocity_mps, dou
   return gap_at_distance(math::norm(from_m), math::dot(from_m, velocity_mps), radius_m);
 }
 
-/// Returns the gap of two spheres. `between_m`: the second centre from the first.
+/// Returns the gap of two spheres. `between_m`: from the first centre to the second.
 inline double gap_of_spheres_m(const Vec3& between_m, double radii_m) {
   return math::norm(between_m) - radii_m;
 }

@@ -67,8 +67,8 @@ double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& se
   return from_s;
 }
 
-/// Returns when the line minus fall h^2 / 2 is as far outside the touch as it is inside now.
-/// Infinite: it doesn't leave the touch.
+/// Returns the time at which the line minus fall h^2 / 2 is as far outside the touch as it is
+/// inside now; infinite if the line doesn't leave the touch.
 double comes_out_s(const Line& line, double fall) {
   const double deep_m = k_touch_m - line.place_m;
   const double discriminant = line.rate_mps * line.rate_mps - 2 * fall * deep_m;
@@ -308,9 +308,9 @@ double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, 
                      : span_s;
 }
 
-/// Returns how long two touching pieces can't collide. While they touch, the axis turns with their
-/// features, because along a fixed axis the separation falls at another rate than the gap. After
-/// they have separated along a fixed axis, they must come down along it again.
+/// Returns for how long two touching pieces can't collide. While they touch, the axis turns with
+/// their features, because along a fixed axis the separation falls at another rate than the gap.
+/// After they have separated along a fixed axis, they must come down along it again.
 double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
                       const AxisTurn& turn) {
   const double vertices_m = k_rounding_ulps * (a.view->r_outer_m + b.view->r_outer_m);

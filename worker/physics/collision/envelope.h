@@ -55,7 +55,8 @@ inline bool any(Lanes mask, Lanes other) {
 /// The lines of a piece's vertices along an axis. Rates are computed only where they are needed.
 class Envelope {
  public:
-  /// `up` points along the axis, away from the other piece. Places are from the body's centre.
+  /// `up` points along the axis, away from the other piece. Places are relative to the body's
+  /// centre.
   Envelope(const MovingPiece& piece, const Vec3& up) : piece_(piece), up_(up) {
     const ConvexView& view = *piece.view;
     const Vec3 along = transposed_product(piece.pose.rotation, up);

@@ -46,7 +46,7 @@ inline double first_zero_s(double place, double rate, double curvature) {
   return rate < 0 ? 2 * place / (root - rate) : k_forever_s;
 }
 
-/// Returns the result of a look after which no collision is possible within a span.
+/// Returns the result of a look at `tick` if no collision is possible for `span_s` after it.
 inline Examined look_after(Tick tick, double span_s) {
   if (!(span_s < seconds(k_tick_max.value))) return {.collides = false, .next = k_never};
   const TickCount span = ticks_before(span_s * (1 - k_skip_margin));

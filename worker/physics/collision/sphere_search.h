@@ -41,7 +41,8 @@ namespace sleight::physics {
 /// A sphere's contact point is at least this share of the radius from its centre. For bounds only.
 inline constexpr double k_approach_at = 0.5;
 
-/// A sphere's gap to a feature's plane, line or point, with its rate and bounds on their fall.
+/// A sphere's gap to a feature's plane, line or point, the gap's rate, and bounds on how fast the
+/// gap and the rate can fall.
 struct GapState {
   GapAndRate now;
   double fall_mps2 = 0;      ///< A above, >= 0
@@ -192,12 +193,13 @@ inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& re
   return approach.collides ? span_to_collision(approach) : k_tick_max.value;
 }
 
-/// Returns when two spheres in free flight collide; k_never if they don't. A flight has a begin,
-/// and a position and velocity at that tick. `shift_m` is added to the second sphere's position.
+/// Returns the tick at which two spheres in free flight collide; k_never if they don't. A flight
+/// has a begin, and a position and velocity at that tick. `shift_m` is added to the second sphere's
+/// position.
 template <class Flight>
 Tick collision_of_flights(const Flight& first, const Flight& second, const Vec3& gravity_mps2,
                           const Vec3& shift_m, double radii_m) {
-  // Gravity cancels, so the collision follows from the relative motion since the later begin.
+  // Gravity cancels, so the collision follows from the relative motion since the later start.
   const Tick begin = std::max(first.begin, second.begin);
   const Vec3& g = gravity_mps2;
   const double s = seconds(begin - first.begin);

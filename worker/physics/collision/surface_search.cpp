@@ -308,7 +308,7 @@ class Look {
   }
   static bool is_above_edge_until(const Stretch&, double, double) { return false; }
 
-  /// Returns whether no point between the ends or corners of a part collides until then.
+  /// Returns whether no point between the ends or corners of a part collides within `until_s`.
   template <class Part>
   bool is_clear_until(const Part& part, const SurfaceBounds& under, double until_s) const {
     const double radius2_m2 = part.radius2_m2();
@@ -334,7 +334,7 @@ class Look {
            is_above_edge_until(part, under.hollow_per_m, until_s);
   }
 
-  /// Returns bounds of the surface under the part's whole path until then.
+  /// Returns bounds of the surface under the part's whole path within `until_s`.
   template <class Part>
   SurfaceBounds bounds_under(const Part& part, double until_s) {
     const std::span<const Above> points = part.outermost();

@@ -48,8 +48,8 @@ inline constexpr double k_rounding_ulps = 64 * 0x1p-53;
 inline constexpr double k_touching_depth_m = 1e-6;
 
 /// Maximum time between tests of touching round pieces, 15 us. If larger, accelerating pieces
-/// approach by more than k_touching_depth_m. At half this value, a search fails after half the time
-/// in touch, 7.6 s (k_examined_ticks_max).
+/// approach by more than k_touching_depth_m. At half this value, a search fails after 7.6 s in
+/// touch instead of 15.3 s (k_examined_ticks_max).
 inline constexpr double k_touching_s_max = 0x1p-16;
 
 /// Time after a collision in which a pair doesn't collide again, unless it has come half of the way
@@ -321,7 +321,8 @@ inline constexpr double k_wake_over_rest = 4;
 /// it carries less. If larger, a wall absorbs the momentum of a ball that presses into it.
 inline constexpr double k_bears_gravities = 16;
 /// A body that woke, or stays, is in its place while it has moved by less than this share of its
-/// reach. If larger, bodies on it rest in the air. If smaller, an impact wakes whole heaps.
+/// reach. If larger, bodies that rest on such a body are left in the air. If smaller, an impact
+/// wakes whole heaps.
 inline constexpr double k_in_place = 0.005;
 
 // ---- limits -------------------------------------------------------------------------------------

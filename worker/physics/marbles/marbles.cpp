@@ -278,7 +278,7 @@ bool Marbles::suspend(BodyId ball) {
 /// Lets the balls in to_resume_ catch up: processes all events before the present one.
 void Marbles::resume(const EventKey& present) {
   const Tick now = now_;
-  // A ball that starts during catching up makes further balls catch up with its start.
+  // Calls nest: a ball that starts meanwhile makes further balls catch up with its start.
   const bool outer = catches_up_;
   const Tick outer_present = present_;
   present_ = now;

@@ -24,9 +24,10 @@
 // interpolated in between.
 //
 // Invariants
-//   1. Nothing gains energy from piece to piece. Velocity is removed at the start by a projection
-//      in the metric of the masses, and friction takes energy in each piece. Within a piece of a
-//      circle, energy is lower by up to 2.5e-4 of itself, in the middle.
+//   1. Nothing gains energy from piece to piece. At the start, velocity that the plane doesn't
+//      allow is removed by a projection in the metric of the masses. In each piece, friction takes
+//      energy. Within a piece of a circle, energy is lower by up to 2.5e-4 of itself, in the
+//      middle.
 //   2. The supports keep their height: velocities and accelerations have no component along n, and
 //      the spin is about n or the axis of revolution. For cones this holds to 1e-9 rad per piece.
 // Thread safety: pure functions.

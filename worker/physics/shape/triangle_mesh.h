@@ -49,7 +49,7 @@ struct MeshError {
     index_out_of_range,    ///< the index is that of `vertex`
     degenerate_triangle,   ///< thinner than k_mesh_sliver, or the same corner twice
     edge_shared_by_three,  ///< a third triangle at the edge is `other`
-    /// `other` runs an edge in the same direction; one of the triangles is inside out.
+    /// `other` has an edge of `triangle` in the same direction, so one of the two is inside out.
     edge_run_twice,
     not_closed  ///< an edge of `triangle` has no second triangle
   };

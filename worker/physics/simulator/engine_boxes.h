@@ -198,7 +198,7 @@ template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
   boxes_until_ = k_never;
   if (failure_ || present_ == 0) return;
-  // Boxes last until the next event, with a limit, because no pair may be near for a while.
+  // Boxes last until the next event, with a limit, because the next event may be far away.
   TickCount step = k_tick_max.value;
   for (BodyId body{}; body < bodies_.size(); ++body) {
     if (bodies_.started(body))

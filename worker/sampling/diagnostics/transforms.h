@@ -39,8 +39,9 @@ double median_of(std::span<const double> values);
 double quantile_of(std::span<const double> values, double probability);
 
 /// Cuts each chain into two halves without the middle draw of an odd number: 2 chains of draws/2. A
-/// single draw stays unchanged. Two or three draws give posterior's matrix: 2 chains, of all first
-/// and all last draws, each as long as the number of chains.
+/// single draw stays unchanged. For two or three draws, the result is that of the R package
+/// posterior: 2 chains, one of all first draws and one of all last draws, each as long as the
+/// number of chains.
 OwnedChains split_in_halves(const Chains& draws);
 
 /// Returns the normal score of each value's rank among all chains: the normal quantile of (rank -

@@ -9,8 +9,9 @@
 // freshly drawn table has log density 0, whatever its size. Relative densities suffice because
 // Metropolis-Hastings uses only ratios. Between tables with the same key, the ratio is the tables'
 // true ratio. A proposal that draws a new key has the ratio of two draws: the present table's
-// density over the new table's. The ratio of draws times the target's own ratio is 1, whichever
-// whole table both densities are relative to. Thread safety: values and pure functions.
+// density over the new table's. This ratio times the target's own ratio is 1, whatever each density
+// is relative to, because both ratios contain the same densities. Thread safety: values and pure
+// functions.
 #pragma once
 
 #include <cstdint>

@@ -28,7 +28,7 @@ struct Pattern {
 enum class Font : std::uint8_t { rows_5 = 5, rows_7 = 7 };
 
 /// Reads rows of '.' and '#' of equal length, one per line; ignores empty lines at both ends. An
-/// error names the wrong line and the reason.
+/// error names the faulty line and the reason.
 base::Result<Pattern, std::string> pattern_of_rows(std::string_view rows);
 
 /// Draws upper- or lower-case letters, digits and spaces, one column apart, with a ring of empty

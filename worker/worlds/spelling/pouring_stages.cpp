@@ -189,7 +189,7 @@ void StagedSpelling::fill_pool(const Guide& guide, random::Stream& stream, Groun
             place, ground);
   }
 
-  // Estimate the share of prior drops that fill each bin alone.
+  // Estimate, for each bin, the share of prior drops that fill the bin without other balls.
   std::vector<double> landings(balls(), 0);
   for (const PoolDrop& drop : ground.pool)
     if (drop.alone != k_fills_none) landings[static_cast<std::size_t>(drop.alone)] += drop.v;

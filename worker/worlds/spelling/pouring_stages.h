@@ -129,7 +129,8 @@ class StagedSpelling : public Spelling {
     return guide.failures;
   }
   PouringBuilder builder(const Guide& guide) const { return PouringBuilder(*this, guide.map); }
-  /// Includes helped balls: a search never builds them, so every chain starts without them.
+  /// The values include the number of helped balls: a search never builds helped balls, so every
+  /// chain starts without any.
   std::vector<sampling::BurnInValue> burn_in_values() const;
   std::vector<double> burn_in_values_of(const State& state, const Outcome& outcome) const;
   /// Counts the balls that fill a bin which they wouldn't fill alone. A ball whose lone simulation
@@ -137,7 +138,7 @@ class StagedSpelling : public Spelling {
   std::uint32_t helped_balls(const State& state, const Outcome& outcome) const;
 
   std::uint32_t stages() const { return balls(); }
-  /// Returns a sentence for people: the effort that similar words took for solutions in proportion.
+  /// Returns a sentence for people about how long solutions in proportion took for similar words.
   std::string past_effort() const;
   /// Returns a name such as "ball 3 of 16".
   std::string stage_name(std::uint32_t stage) const;

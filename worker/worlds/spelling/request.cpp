@@ -384,8 +384,8 @@ void settle_log_lambda(request::Binder& constraint, Parameters& parameters, doub
   constraint.settle("log_lambda", request::toml_number(chosen));
 }
 
-/// Three particles per ball, in steps of sixteen, from 32 to 96: more can go wrong with more balls.
-/// Measured in docs/MEASUREMENTS.
+/// Three particles per ball, because more can go wrong with more balls. The number is rounded up to
+/// a multiple of 16, and is at least 32 and at most 96. Measured in docs/MEASUREMENTS.
 std::uint32_t particles_for_odds(std::uint32_t balls) {
   const std::uint32_t wanted = std::clamp((3 * balls + 15) / 16 * 16, 32U, 96U);
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, particles_max(balls)));

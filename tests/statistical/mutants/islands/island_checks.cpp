@@ -193,7 +193,8 @@ std::vector<double> conditional_keeps_among_moves(Mistake mistake, std::uint64_t
 }
 
 std::vector<double> independence_keeps_among_moves(Mistake mistake, std::uint64_t seed) {
-  // Islands of the second setting never reach states that fell on the way; only local moves do.
+  // With the second setting, islands never reach states in which the walker fell on the way; only
+  // local moves do.
   static const std::vector<IslandSetting> settings{
       {.guide = {}, .options = {.particles = 3}},
       {.guide = {.log_fallen = sampling::k_log_zero},

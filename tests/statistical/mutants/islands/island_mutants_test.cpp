@@ -59,7 +59,7 @@ void expect_equal(const sampling::Island<SearchedToy>& real, const ReferenceIsla
 
 TEST(StagedReference, MakesTheSameIslands) {
   // Goal: mutants are the real algorithm with one mistake. Method: compare free and conditional
-  // islands of many settings, seeds and numbers bit by bit.
+  // islands bit by bit, for many settings, seeds and island numbers.
   const SearchedToy world;
   int dead = 0;
   int unreachable = 0;

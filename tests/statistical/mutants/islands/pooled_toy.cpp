@@ -169,7 +169,7 @@ PooledToy::Choices PooledToy::choices(const Ground& ground, const Prefix& prefix
   Choices choices;
   for (std::uint32_t place = 0; place < ground.spots.size(); ++place) {
     const std::uint32_t spot = ground.spots[place];
-    // Corrects for used drops of the stratum.
+    // The factor n / unused makes up for the stratum's drops that are already used.
     double s = n / static_cast<double>(std::max(unused_of_stratum(prefix, place / n), 1U));
     if (makes(PoolMistake::walk_count_left_out)) s = 1;
     const double v = makes(PoolMistake::prior_weight_left_out) ? 1 : prior_over_q(spot);

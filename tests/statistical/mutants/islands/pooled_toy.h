@@ -3,8 +3,9 @@
 // enumerate, and can make one mistake.
 //
 // Three balls fall into two bins, or elsewhere, depending on which of five spots they drop from. A
-// ball takes part with probability 1/2. A state has for each ball: no part, or its spot. Balls that
-// fill a bin make later balls above it fall elsewhere, so balls of different spots are worth more.
+// ball takes part with probability 1/2. A state has for each ball: no part, or its spot. A ball
+// that drops above a full bin falls elsewhere, so states whose balls drop from different spots are
+// worth more.
 //
 // A pool has two strata of three drops, the minimum for three balls. Stratum b is drawn from q_b =
 // 0.05 p + 0.95 d_b, where d_b is aimed at bin b.

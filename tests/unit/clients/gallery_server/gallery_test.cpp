@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/json/value.h"
+#include "tests/support/facts.h"
 #include "tests/unit/clients/gallery_server/shown_files.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 

@@ -244,8 +244,8 @@ done 1 #0
 
 TEST(Scheduler, RefusesWhatDoesNotFit) {
   // Goal: a delivery of another epoch has no effect. A delivery with a wrong replica, scan, number
-  // of members or number of scans is refused, and the block waits again, once. Method: room for two
-  // copies.
+  // of members or number of scans is refused, and its block is assigned exactly once more. Method:
+  // room for two copies.
   expect_goes("a2", blocks_ahead(1), R"(join 1
   assign 1 #0 a@0+2 starts
 done 1 #0 epoch=2

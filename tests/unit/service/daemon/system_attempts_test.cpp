@@ -160,7 +160,8 @@ class SystemAttemptsTest : public ::testing::Test {
     const Kind* kind = newest<Kind>();
     return kind == nullptr ? Kind{} : *kind;
   }
-  /// Like sight(), with repeated looks: an answer in progress at a look still has the old state.
+  /// Like sight(), but looks repeatedly, because an answer that is already in progress has the old
+  /// state.
   template <class Kind>
   Kind sight_of_looks() {
     until([&] {

@@ -152,7 +152,7 @@ TEST_F(KeepTest, AProgramThatLingersIsKilled) {
 
 TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
   // Method: a script replaces mpirun; its rank ends, and the script hangs, as Debian 12's mpirun
-  // sometimes does. Before its first rank, the script isn't killed.
+  // sometimes does. The script isn't killed before its first rank has begun.
   program_is("sleep 0.5 & wait; while :; do read x < /dev/zero; done");
   AttemptSpec ranks = spec();
   ranks.ranks = 1;

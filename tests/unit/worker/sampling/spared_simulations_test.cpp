@@ -175,8 +175,8 @@ TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
 
 TEST(SparedSimulations, ACandidateThatTheBoundRejectsIsNotSimulated) {
   // Goal: with a bound the chain is the same. A simulation runs exactly if a constraint density at
-  // the bound would be accepted. At beta 0, and from zero density, it runs exactly for accepted
-  // candidates. Method: run chains beside the reference, with the ratio in probabilities.
+  // the bound would be accepted. At beta 0, and from zero density, exactly the accepted candidates
+  // are simulated. Method: run chains beside the reference, with the ratio in probabilities.
   for (const double beta : k_betas) {
     std::uint64_t simulated = 0;
     std::uint64_t accepted = 0;

@@ -1,6 +1,7 @@
 // Goal: boxes contain every evaluated position, to the last tick and bit, and are hardly larger. A
-// sphere leaves a box no earlier than exit_tick, and hardly later. Method: compare random flights
-// of all sizes, densely around the apex, with long double roots. Broken boxes must fail.
+// sphere leaves a box no earlier than exit_tick, and hardly later. Method: test random flights of
+// all sizes, at many ticks around the apex, and compare with roots in long double. Broken boxes
+// must fail.
 #include "worker/physics/motion/motion_bounds.h"
 
 #include <gtest/gtest.h>

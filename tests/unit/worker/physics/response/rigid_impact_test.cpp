@@ -197,7 +197,8 @@ TEST(RigidImpact, AgreesWithSpheresInCentralImpacts) {
 }
 
 TEST(RigidImpact, SaysWhenItHasNoAnswer) {
-  // Goal: a numerical failure is typed and changes nothing. Method: let the energy overflow.
+  // Goal: a numerical failure is reported as `unresolved` and changes no motion. Method: let the
+  // energy overflow.
   RigidImpactInput input;
   input.b.mass = rigid_mass({.mass_kg = 1, .principal_kgm2 = Vec3(1, 1, 1)});
   input.b.pose.position_m = Vec3(0.5, 0, 1);

@@ -60,7 +60,7 @@ BodyDescription ball_at(const Vec3& place_m) {
           .start = {.pose = {.position_m = place_m, .orientation = Quat::Identity()}, .twist = {}}};
 }
 
-/// Runs until all bodies rest, for at most `within_s`, then for the same time again.
+/// Expects that all bodies rest after `within_s`, and that nothing changes in another `within_s`.
 void expect_rest(const Scene& scene, double within_s, const std::string& name) {
   auto started = Simulation::start(scene, {});
   ASSERT_TRUE(started.ok()) << name;

@@ -21,8 +21,8 @@ using testing::run;
 using testing::RunResult;
 
 TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
-  // Goal: a replayed kick isn't applied again to a body that goes live at that kick because its
-  // path now leads to a changed place. Method: kick a ball towards a wall that has moved.
+  // Goal: a body goes live at a replayed kick that sends it towards a changed place. The kick isn't
+  // applied again. Method: kick a ball towards a wall that has moved.
   Scene before = balls_apart(2);
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   before.controls.push_back(

@@ -24,7 +24,8 @@ using testing::floor_scene;
 using testing::RecordedRun;
 
 constexpr double k_g_mps2 = 9.81;
-/// Share of the kinetic energy missing in the middle of a circle's chord over a 32nd of a radian.
+/// A rolling body follows a circle along chords of 1/32 radian. In the middle of a chord, this
+/// share of its kinetic energy is missing.
 constexpr double k_chord_share = 1.0 / (64 * 64);
 
 BodyDescription body_of(const RoundSolid& solid, const StartState& start) {
@@ -120,8 +121,9 @@ TEST(RoundBodies, KeepEnergyWithoutLoss) {
 TEST(RoundBodies, NeverGainEnergy) {
   // Goal: with friction and loss, energy never increases, slow contacts included. Method: compare
   // kinetic plus potential energy at each look with its least value so far. A body that rolls as a
-  // cone moves on chords over a 32nd of a radian. Within a chord, a look may miss a fraction of its
-  // kinetic energy, the square of half that angle, and a later look may see it again.
+  // cone moves on chords over a 32nd of a radian. So the kinetic energy at a look within a chord
+  // may be too low by a fraction of up to the square of half that angle, and right again at a later
+  // look.
   for (const std::uint64_t seed :
        property::cases(property::long_run() ? 100 : property::of_tier(2, 6))) {
     const Scene scene = scenes::round_solids(10, seed + 1).scene;

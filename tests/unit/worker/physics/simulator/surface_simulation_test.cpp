@@ -253,8 +253,8 @@ void change_control(Scene& scene, const Vec3& place_m, Dice& dice) {
   surface.controls = table.with(point, control);
 }
 
-/// Proposes like a sampler of throws: changes control points at the first or last touches, anywhere
-/// near or far away, or starts, or both.
+/// Proposes like a sampler of throws: changes some control points, or a body's start, or both. The
+/// control points are at the first or last touches, or anywhere near or far away.
 void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dice) {
   const auto kind = dice.below(8);
   if (kind < 6) {
@@ -367,8 +367,9 @@ Scene falls_flat(double x_m, double speed_mps) {
 
 TEST(SurfaceSimulation, FieldsAreThoseOfThePlace) {
   // Goal: a die bounces and slides according to the table's fields where it lands. Method: the
-  // table absorbs and is slippery on the left, and does neither on the right. Compare normal speeds
-  // of the contact point across the first collision, and the change along the table.
+  // table absorbs and is slippery on the left, and does neither on the right. Compare the contact
+  // point's normal speed before and after the first collision, and the change of the die's velocity
+  // along the table.
   for (const double x_m : {-0.2, 0.2}) {
     const RecordedRun run = testing::recorded(falls_flat(x_m, 0.3), 0.2);
     ASSERT_EQ(run.error, "");

@@ -51,7 +51,7 @@ inline std::shared_ptr<FunctionControls> controls_of(FunctionControls::Function 
   return std::make_shared<FunctionControls>(std::move(function));
 }
 
-/// Heights from a function of the index, with fields that never matter.
+/// Control points whose heights are a function of the index. Their other fields don't matter.
 inline std::shared_ptr<FunctionControls> heights_of(std::function<double(double, double)> height) {
   return controls_of([height = std::move(height)](GridIndex index) {
     return SurfaceControl{.height_m = height(index.i, index.j), .restitution = 0.5};

@@ -20,7 +20,8 @@ class SteppedBall {
   }
 
   void collide(double tilt_rad) {
-    // Along the surface, the velocity stays. Along its normal, it reverses and shrinks.
+    // The velocity's component along the surface stays. The component along the normal reverses and
+    // shrinks.
     const double along = vx_ * std::cos(tilt_rad) - vz_ * std::sin(tilt_rad);
     double away = vx_ * std::sin(tilt_rad) + vz_ * std::cos(tilt_rad);
     if (away < 0) away = -world_.restitution * away;

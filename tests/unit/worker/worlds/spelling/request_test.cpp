@@ -62,7 +62,7 @@ TEST(SpellingRequest, DefaultsAreTheThesis) {
 
 TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   // Goal: the normalised text contains all choices, so that it repeats the run. Choices depend on
-  // the word and on which rules exist, not on their numbers. Given values stay.
+  // the word and on which rules exist, but not on the rules' numbers. Given values stay.
   Parameters parameters;
   const std::array worlds{request_binding()};
   const auto chosen = [&](const std::string& text) {

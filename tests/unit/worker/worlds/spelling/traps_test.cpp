@@ -170,7 +170,7 @@ TEST(Traps, LowerAndLeaningPartitionsHoldLess) {
 
 // ---- whole animations ---------------------------------------------------------------------------
 
-/// Worlds of several sizes. In the last one, partitions lean strongly.
+/// Worlds of several sizes. In the last world, partitions lean strongly.
 Parameters world_of(std::uint64_t kind) {
   Parameters parameters;
   switch (kind) {
