@@ -1,9 +1,11 @@
-#include <sstream>
-#include <string>
-
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "tests/scenes/shared/random_starts.h"
+#include "tests/support/facts.h"
 #include "tests/support/numbers.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/event/tolerances.h"
@@ -29,13 +31,6 @@ Scene good_scene() {
                    .twist = {}}});
   }
   return scene;
-}
-
-/// Expects each part of `facts`, separated by bars, in the message.
-void expect_facts(const std::string& message, const std::string& facts) {
-  std::istringstream parts(facts);
-  for (std::string fact; std::getline(parts, fact, '|');)
-    EXPECT_NE(message.find(fact), std::string::npos) << fact << ": " << message;
 }
 
 struct Wrong {
@@ -174,7 +169,7 @@ TEST(SceneErrors, EachFaultIsNamed) {
     wrong.spoil(scene);
     const auto started = Simulation::start(scene, {});
     ASSERT_FALSE(started.ok()) << wrong.facts;
-    expect_facts(started.error().message, wrong.facts);
+    EXPECT_THAT(started.error().message, tests::HasFacts(wrong.facts));
     EXPECT_EQ(started.error().kind, wrong.kind) << wrong.facts;
   }
 }
@@ -209,8 +204,8 @@ TEST(SceneErrors, ABodyInsideAStaticOneIsRefused) {
     }
     const auto started = Simulation::start(scene, {});
     ASSERT_FALSE(started.ok()) << (sphere ? "ball" : "cube");
-    expect_facts(started.error().message,
-                 "body 'ball' can't start|at 0 s|overlaps convex 'block'|1e-07 m");
+    EXPECT_THAT(started.error().message,
+                tests::HasFacts("body 'ball' can't start|at 0 s|overlaps convex 'block'|1e-07 m"));
   }
 }
 
@@ -246,7 +241,8 @@ TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
     const auto error = simulation.run_until(tick + 1000);
     ASSERT_TRUE(error) << moving;
     EXPECT_EQ(error->kind, Kind::overlap);
-    expect_facts(error->message, "body 1 can't start|at 0.5 s|overlaps body 'ball'|1e-07 m");
+    EXPECT_THAT(error->message,
+                tests::HasFacts("body 1 can't start|at 0.5 s|overlaps body 'ball'|1e-07 m"));
     EXPECT_FALSE(simulation.started({1}));
     EXPECT_EQ(simulation.now(), tick);
     // The simulation stays where it failed.
@@ -301,9 +297,9 @@ TEST(SceneErrors, AThousandDrawsAreEnough) {
       return scene.bodies[0].start;
     };
     const std::string error = testing::recorded(scene, 0.1).error;
-    expect_facts(error, when_s == 0
-                            ? "body 1 |at 0 s|1000 attempts|overlaps body 'ball'"
-                            : "body 1 |at 0.0100000007 s|1000 attempts|overlaps body 'ball'");
+    EXPECT_THAT(error,
+                tests::HasFacts(fmt::format("body 1 |at {} s|1000 attempts|overlaps body 'ball'",
+                                            when_s == 0 ? "0" : "0.0100000007")));
     EXPECT_EQ(asked, k_start_attempts_max);
   }
 }
