@@ -342,11 +342,11 @@ std::string where_throws(const ArchiveOdds& odds) {
 const char* caution_of(const ArchiveOdds& odds) {
   if (has_rounds(odds.from)) return "this estimate is usually too low until the ladders have mixed";
   if (odds.from == OddsFrom::weights)
-    return "this estimate is usually too low if few draws have all the weight";
+    return "this estimate is usually too low if a few draws have all the weight";
   const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;
   if (std::ranges::find(doubts, DoubtOf::not_sized, &Doubt::kind) != doubts.end())
     return "this estimate depends on when the run ended";
-  return "this estimate is usually too low if few islands have most of the sum";
+  return "this estimate is usually too low if a few islands make up most of the sum";
 }
 
 void add_unknown(const ArchiveOdds& odds, report::Report& report) {

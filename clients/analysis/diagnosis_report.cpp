@@ -267,7 +267,8 @@ void append_walks(std::string& text, const std::vector<WalkReport>& walks) {
   text += report::indented_table(report::reports_of(walks, k_numbered_report_of));
   const std::size_t shown = std::min(walks.size(), k_ladders_shown);
   for (std::size_t i = 0; i < shown; ++i) {
-    text += fmt::format("\nWalk of chain {} by inverse temperature, starting at the prior\n", i);
+    text += fmt::format(
+        "\nWalk of chain {}, one line per inverse temperature, starting at the prior\n", i);
     std::vector<report::Report> levels;
     for (std::size_t level = 0; level < walks[i].visits.size(); ++level) {
       const bool has_next = level + 1 < walks[i].visits.size();

@@ -98,12 +98,12 @@ std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
       std::ranges::any_of(others, [](const auto& name) { return name.starts_with(k_work); });
   throw base::Error(
       base::ExitCode::conflict,
-      fmt::format(
-          "{}: contains {}{}, which no saved gallery wrote, so nothing is replaced; {}choose "
-          "a new folder, or move the other files away",
-          place.string(), others.front(), more,
-          has_work ? fmt::format("{}... is from a running or killed save; ", k_work)
-                   : std::string()));
+      fmt::format("{}: contains {}{}, not from a saved gallery, so nothing is replaced; {}choose "
+                  "a new folder, or move the other files away",
+                  place.string(), others.front(), more,
+                  has_work
+                      ? fmt::format("{}... is from a save that is running or was killed; ", k_work)
+                      : std::string()));
 }
 
 /// Absolute, with links followed, without a final slash.

@@ -53,7 +53,8 @@ void write_parts(const scene::Scene& scene, Sink& sink) {
   const Dims vectors{part[0], k_axis};
   write_coordinate(sink, k_scene, part[0], "part of a feature");
   auto feature = small(sink, "part_feature", part, "feature that the part belongs to");
-  auto shape = small(sink, "part_shape", part, "shape of the part, an index along shape");
+  auto shape =
+      small(sink, "part_shape", part, "shape of the part, as an index along the dimension shape");
   auto size =
       metres(sink, "part_size_m", vectors,
              "lengths of the sides; sphere and disc: x is the diameter; surface: x and y are "

@@ -149,7 +149,7 @@ class Reader {
     const auto* text = std::get_if<std::string>(&found->value.held);
     const auto address = text == nullptr ? std::nullopt : access::server_address_of(*text);
     if (!address)
-      return refuse(key, *found, "an address as \"render.example.org:7423\" or \"0.0.0.0\"");
+      return refuse(key, *found, "an address such as \"render.example.org:7423\" or \"0.0.0.0\"");
     take(setting, access::text_of(*address), *found);
   }
 
@@ -417,8 +417,8 @@ void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) 
   const bool is_in_state = settings.socket.value.starts_with(settings.state.value + "/");
   if (!settings.group.value.empty() && is_in_state) {
     wrong.push_back({settings.group.given_by, request::k_no_place,
-                     fmt::format("a group needs a socket outside the state folder, which only its "
-                                 "owner can open; set socket, for example to {}",
+                     fmt::format("a group needs a socket outside the state folder, because only "
+                                 "its owner can open that folder; set 'socket', for example to {}",
                                  k_machine_socket)});
   }
   const std::size_t bytes = settings.socket.value.size();

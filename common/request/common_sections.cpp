@@ -133,8 +133,9 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
   sampler.optional_integer("ladder_power", p.ladder_power,
                            {.minimum = 1,
                             .maximum = k_ladder_power_max,
-                            .help = "exponent of a ladder in its first round, also in a burn-in; "
-                                    "default: 6. Inverse temperature i of n is (i / (n - 1))"
+                            .help = "exponent of a ladder in the run's first round, even if that "
+                                    "belongs to a burn-in; default: 6. "
+                                    "Inverse temperature i of n is (i / (n - 1))"
                                     "^ladder_power, where n is replicas, or 12 if that is not "
                                     "set. Later rounds adapt the ladder"});
   sampler.integer("seed", p.seed,
@@ -262,7 +263,7 @@ void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionR
               "can't be combined with relax_scans; set 'takes' instead");
   } else {
     keep_only(sections.sampler, all(sections.sampler), k_sampler_keys_of_search,
-              "not used by method \"search\" without relax_scans, which runs no chains");
+              "not used by method \"search\" without relax_scans, because no chains run");
     keep_only(sections.stop, all(sections.stop), k_stop_keys_of_search,
               "not used by method \"search\" without relax_scans; set 'found' instead");
   }

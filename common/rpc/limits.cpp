@@ -126,8 +126,8 @@ std::optional<Refusal> check(ChangeAsk& ask) {
   if (!(extension.to > 0) || extension.to > k_extension_max ||
       (extension.by != ExtendBy::odds && !is_whole)) {
     return refuse(RefusalKind::bad_request,
-                  "A job can only be extended to a positive number. Scans, rounds and solutions "
-                  "need an integer.");
+                  "A job can only be extended to a value above 0. Scans, rounds and solutions need "
+                  "an integer.");
   }
   return std::nullopt;
 }

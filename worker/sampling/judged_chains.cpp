@@ -205,7 +205,7 @@ plan::Report JudgedChains::report() const {
       };
   add("tour_begin", "scan at which all chains restarted from a search", 1,
       [](const Tour& tour, std::size_t, std::size_t) { return static_cast<double>(tour.begin); });
-  add("tour_judged_from", "first scan of the tour that is a draw", 1,
+  add("tour_judged_from", "the tour's first scan that is a draw", 1,
       [](const Tour& tour, std::size_t, std::size_t) {
         return static_cast<double>(tour.judged_from);
       });

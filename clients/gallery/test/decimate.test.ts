@@ -11,7 +11,7 @@ function line(count: number): { x: Float64Array; y: Float64Array } {
   return { x, y };
 }
 
-test("each column keeps its lowest and highest", () => {
+test("each column of pixels keeps its lowest and highest values", () => {
   const whole = line(100_000);
   whole.y.fill(NaN, 5000, 6000);
   const columns = 300;
@@ -40,7 +40,7 @@ test("few points stay unchanged, with a neighbour on each side", () => {
   assert.equal(lowerBound([1, 2, 2, 3], 2), 1);
 });
 
-test("lines over one axis: undefined without a point, null at a gap", () => {
+test("in lines merged over one axis, undefined means no point and null means a gap", () => {
   const a = { x: Float64Array.of(0, 2), y: Float64Array.of(1, NaN) };
   const b = { x: Float64Array.of(1, 2), y: Float64Array.of(5, 6) };
   assert.deepEqual(aligned([a, b]), [

@@ -13,7 +13,7 @@ import { sortedByNumber, sortFromText, sortToText } from "../src/state/sorting";
 import { Store } from "../src/state/store";
 import { type History, redo, undo, undoStepsMax, withStep } from "../src/state/undo";
 
-test("clicks select single cards, Shift a range", () => {
+test("a click selects one card, and Shift with a click selects a range", () => {
   const shown = ["a", "b", "c", "d", "e"];
   let selection = toggled(nothingSelected, "b");
   selection = extended(selection, "d", shown);

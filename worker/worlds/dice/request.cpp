@@ -206,11 +206,11 @@ void bind_world(Binder& world, WorldParameters& p) {
                 {.minimum = 1, .maximum = k_grid_max, .help = "number of control points along x"});
   world.integer("rows", table.rows,
                 {.minimum = 1, .maximum = k_grid_max, .help = "number of control points along y"});
-  length_mm(
-      world, "height_sd_mm", table.height_sd_m,
-      {.minimum = 0,
-       .maximum = 1000,
-       .help = "standard deviation of control point heights; of the surface: 0.48 times this"});
+  length_mm(world, "height_sd_mm", table.height_sd_m,
+            {.minimum = 0,
+             .maximum = 1000,
+             .help = "standard deviation of control point heights; the surface's heights have 0.48 "
+                     "times this"});
   bind_range(world, "restitution", table.restitution, 1);
   bind_range(world, "friction", table.friction, 10);
   for (const char* key : {"spacing_mm", "height_sd_mm"}) {

@@ -31,7 +31,7 @@ archive::WorldLayout make_layout(const WorldParameters& world) {
                        {.name = "landing_time_s",
                         .dims = {},
                         .unit = "s",
-                        .meaning = "time from the ball's release to that landing"}},
+                        .meaning = "time from the ball's release to its landing at landing_x_m"}},
           .proposal_kinds = {"change_normals"}};
 }
 

@@ -102,7 +102,7 @@ std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
       {.name = "log_plausibility",
        .dims = {},
        .unit = "1",
-       .meaning = "log p_w of the control points that these collisions depended on"},
+       .meaning = "log p_w of the control points on which the dice's collisions depended"},
       {.name = "offset_squares",
        .dims = {},
        .unit = "1",
