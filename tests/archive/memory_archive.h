@@ -1,6 +1,6 @@
 // In-memory archive: a Sink that can be read back as a Source.
 //
-// Stores every value, so it is for small archives. Not thread-safe.
+// Use it only for small archives, because it stores every value in memory. Not thread-safe.
 #pragma once
 
 #include <map>
@@ -26,7 +26,7 @@ class MemoryArchive final : public Sink, public Source {
   Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
               std::uint64_t count) const override;
 
-  /// For tests of checks: accesses values that a writer would never write.
+  /// Gives tests of checks write access, so that they can store values that no writer writes.
   Values& values(std::string_view group, std::string_view dataset);
   Group& group(std::string_view name);
 

@@ -15,7 +15,8 @@
 
 namespace sleight::archive {
 
-/// Two chains of four scans each, with equal animations of scan 3 in chains 0, 1, ...
+/// An archive of two chains with four scans each. All animations are equal; animation i is from
+/// scan 3 of chain i.
 class StoredArchive : public archive::Source {
  public:
   StoredArchive(std::string world, std::string request, double animations)
