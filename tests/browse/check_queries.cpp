@@ -2,9 +2,9 @@
 //
 //   sleight-check-queries ARCHIVE.h5 QUERIES SEED
 //
-// Each query runs on one animation in turn, and once more as typed text. Answers that depend on the
-// last bits of a root are counted, not compared. At the first difference, the program prints the
-// command that repeats it and exits with 1.
+// The animations take turns: each query runs on one animation, and a second time as typed text.
+// Answers that depend on the last bits of a root are counted, not compared. At the first
+// difference, the program prints the command that repeats it and exits with 1.
 #include <fmt/format.h>
 
 #include <cstdint>

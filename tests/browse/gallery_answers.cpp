@@ -4,9 +4,10 @@
 //   sleight-gallery-answers ARCHIVE.h5 FOLDER QUERIES SETS SEED
 //
 // Writes into the folder: index.bin, the file that a saved page searches; questions.jsonl and
-// answers.jsonl, one JSON object per line. Each random query's text is also tested with something
-// removed, inserted or exchanged. Most of these are errors, whose places and words must be equal
-// too. Sets are grouped, and searched for animations like some of their members.
+// answers.jsonl, one JSON object per line. The program also damages each random query's text by
+// removing, inserting or exchanging characters. Most damaged texts are errors; their places and
+// messages must be equal too. The program groups sets of animations, and searches them for
+// animations that resemble some of the set.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -38,7 +39,7 @@ using Json = json::Value;
 using Entries = std::vector<std::size_t>;
 
 constexpr int k_depth = 3;
-/// Insertions into a query's text: words, signs and numbers that mean something elsewhere.
+/// Valid words, signs and numbers of queries, to insert into a query's text at wrong places.
 constexpr auto k_put_in = std::to_array<std::string_view>({" and ",
                                                            " or ",
                                                            " then ",
@@ -92,7 +93,7 @@ bool goes_on(char c) {
   return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
 }
 
-/// The next place in a text that is not inside a character.
+/// Returns the first place at or after `at` that is not inside a multi-byte character.
 std::size_t between_characters(const std::string& text, std::size_t at) {
   while (at < text.size() && goes_on(text[at]))
     ++at;
@@ -184,7 +185,7 @@ class Answers {
   std::ofstream answers_;
 };
 
-/// At least one of the animations, sometimes in reverse order.
+/// Returns a random subset with at least one animation, sometimes in reverse order.
 Entries some_of(const browse::Index& index, random::Stream& stream) {
   const double part = stream.uniform();
   Entries some{below(stream, index.entries.size())};

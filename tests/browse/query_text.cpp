@@ -9,7 +9,7 @@
 namespace sleight::browse::testing {
 namespace {
 
-/// Returns the name in quotes, for any content.
+/// Returns any name in quotes.
 std::string in_quotes(std::string_view name) {
   std::string text = "\"";
   for (const char sign : name) {
@@ -19,7 +19,7 @@ std::string in_quotes(std::string_view name) {
   return text + "\"";
 }
 
-/// Writes "0.1..0.2" or "..0.2". In a range without ends, the first end is below all values.
+/// Writes "0.1..0.2" or "..0.2". A range without ends gets a low end that is below all values.
 std::string range(double low, double high) {
   const bool is_open = !std::isfinite(low) && !std::isfinite(high);
   const auto end = [](double value) {

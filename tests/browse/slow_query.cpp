@@ -10,7 +10,7 @@
 namespace sleight::browse::testing {
 namespace {
 
-/// Rounding of a place, whose coordinates are some metres at most.
+/// Rounding error of a position, whose coordinates are at most some metres.
 constexpr double k_rounding_m = 1e-9;
 
 math::Vec3 place_of(const Piece& piece, double t_s) {
@@ -39,7 +39,7 @@ void add_roots(double p, double v, double a, double bound, double start_s,
   if (square < 0) return;
   for (const double sign : {-1.0, 1.0}) {
     moments.push_back(start_s + (-v + sign * std::sqrt(square)) / a);
-    // The other form of the same root, which rounds differently.
+    // Compute the same root by another formula, which rounds differently.
     const double q = -(v + sign * std::sqrt(square));
     if (q != 0) moments.push_back(start_s + 2 * c / q);
   }
@@ -59,7 +59,8 @@ std::vector<double> moments_of(const Piece& piece, double from_s, double to_s, c
   return moments;
 }
 
-/// Returns the latest of the first times for `every`, or the earliest for `any`.
+/// Returns when the condition is first met: the latest of the bodies' first times for `every`, the
+/// earliest for `any`.
 template <class FirstOf>
 std::optional<double> slow_first_of(const Bodies& who, const Entry& entry, FirstOf first_of_body) {
   std::vector<double> firsts;
@@ -159,7 +160,7 @@ const Entry& some_entry(const Index& index, random::Stream& stream) {
   return index.entries[below(stream, index.entries.size())];
 }
 
-/// A box around a random place of a body in a random animation. Some sides are open.
+/// Returns a box around a random position of a body in a random animation. Some sides are open.
 Box some_box(const Index& index, random::Stream& stream, bool at_rest) {
   const Entry& entry = some_entry(index, stream);
   math::Vec3 middle_m{0, 0, 0};
@@ -252,7 +253,7 @@ std::optional<double> slow_first_inside(std::span<const Piece> pieces, const Box
     for (std::size_t m = 0; m < moments.size(); ++m) {
       if (is_in(place_of(piece, moments[m]), box, margin_m)) return moments[m];
       const bool is_last = m + 1 == moments.size();
-      // After the last root of an endless piece, nothing changes sides.
+      // After the last root of an endless piece, the body crosses no bound.
       if (is_last && std::isfinite(to_s)) continue;
       const double middle_s = is_last ? moments[m] + 1 : 0.5 * (moments[m] + moments[m + 1]);
       if (is_in(place_of(piece, middle_s), box, margin_m)) return moments[m];

@@ -1,8 +1,8 @@
-// Slow and plain answers to queries, and random queries, to test the fast ones.
+// Slow, plain answers to queries, and random queries. They test the fast answers.
 //
-// A body's centre is in a box at some time of a piece exactly if it is there at one of these times:
-// the piece's ends, the times at which a coordinate crosses a bound, and the middles between
-// successive ones. The reference tests all of them, for all pieces of the body.
+// A body's centre is in a box during a piece exactly if it is in the box at one of these times: the
+// piece's ends, the times at which a coordinate crosses a bound, and the middles between successive
+// times. The slow answer tests all these times, for all pieces of the body.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@
 
 namespace sleight::browse::testing {
 
-/// First time in the box. Nothing if never. The box is wider by `margin_m` on each side, or
-/// narrower if `margin_m` is negative.
+/// Returns the first time in the box, or nothing if the body is never in the box. The box is wider
+/// by `margin_m` on each side, or narrower if `margin_m` is negative.
 std::optional<double> slow_first_inside(std::span<const Piece> pieces, const Box& box,
                                         const Stretch& when, double margin_m = 0);
 
@@ -27,11 +27,12 @@ bool slow_is_met(const Condition& condition, const Entry& entry, double margin_m
 /// animation. Then both answers are valid.
 bool is_close_call(const Condition& condition, const Entry& entry);
 
-/// Text that a person would type for the condition. Nothing for hits of a goal, which have no text.
+/// Returns the text that a person would type for the condition. Returns nothing for hits of a goal,
+/// which have no text.
 std::optional<std::string> text_of(const Condition& condition, const Index& index);
 
-/// A random condition on animations of the index, at most `depth` deep and met about half of the
-/// time. REQUIRES: at least one entry.
+/// Returns a random condition on animations of the index. The condition is at most `depth` deep and
+/// met about half of the time. REQUIRES: at least one entry.
 Condition random_condition(const Index& index, random::Stream& stream, int depth);
 
 }  // namespace sleight::browse::testing
