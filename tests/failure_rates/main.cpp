@@ -60,7 +60,7 @@ void keep(const Job& job, const plan::UnitResult& result) {
 Tally run_chain(const Job& job, std::uint32_t chain) {
   Tally tally;
   base::Bytes state;
-  // Chains of both temperatures use different replicas, so that their files differ.
+  // The two temperatures use different replica numbers, so that their files have different names.
   const base::ReplicaId replica{job.inverse_temperature == 0 ? 0U : 1U};
   for (std::uint64_t scan = 0; tally.simulations < job.simulations; scan += k_scans) {
     plan::UnitResult result = job.worker.run({.replica = {base::ChainId{chain}, replica},

@@ -1,9 +1,9 @@
 // Goal: no file, however hostile, makes the request reader crash, hang or report nonsense. Method:
 // libFuzzer reads every input as a request of every world and checks:
-//   - a valid request has a normalised text that reads back to the same request, parameters and
-//     text, and so has the request with another stop;
-//   - an invalid request has errors, each placed within the file, sorted, on one line and without
-//     control characters.
+//   - A valid request's normalised text reads back to the same request, parameters and text, also
+//     with another stop rule.
+//   - An invalid request has sorted errors. Each error has a place within the file, and is one
+//     line without control characters.
 // CMakeLists.txt beside this file explains how to replay a failure.
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
-// Goal: every kind of bad request gets exactly its errors, each at its place, and shipped requests
-// get none. Method: read bad/<name>.toml as a ball_2d request, and compare its errors with
-// bad/<name>.expected, one per line.
+// Goal: every kind of bad request gets exactly its expected errors, each at its place. Shipped
+// requests get no errors. Method: read bad/<name>.toml as a ball_2d request, and compare its errors
+// with bad/<name>.expected, one per line.
 //
 // After a change of wording, SLEIGHT_ACCEPT_ERRORS=1 rewrites the .expected files, and git diff
 // shows the changes to review.
@@ -45,7 +45,7 @@ std::vector<fs::path> files_with(const fs::path& folder, const std::string& exte
   return files;
 }
 
-/// Errors as printed by the command line. Empty for a good request.
+/// Returns the errors as the command line prints them. Empty for a good request.
 std::string errors_of(const fs::path& request_file) {
   const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding()};
   const auto request =
@@ -58,7 +58,7 @@ std::string errors_of(const fs::path& request_file) {
   return lines;
 }
 
-/// Error of one entry of the corpus. Nothing if it behaves as expected.
+/// Returns what is wrong with one entry of the corpus, or nothing if it behaves as expected.
 std::optional<std::string> complaint_about(const fs::path& request_file) {
   const std::string errors = errors_of(request_file);
   if (errors.empty()) return "it was read without errors";
@@ -90,7 +90,8 @@ TEST(Corpus, HasEnoughRequestsAndNoStrayExpectations) {
   }
 }
 
-// The check must fail without an expectation, with another expectation, and without an error.
+// The check must fail if the expected errors are missing or different, or if the request has no
+// error.
 TEST(Corpus, CheckFailsWhereItShould) {
   const fs::path folder = fs::path(testing::TempDir()) / "sleight_bad_requests";
   fs::create_directories(folder);
@@ -154,7 +155,7 @@ TEST(ShippedRequests, Ball2dSpellsOutTheDefaults) {
       "[stop]\nscans = 1000\n",
       "bare.toml", known);
   ASSERT_TRUE(bare);
-  // All defaults except the thesis's method and the request's own seed.
+  // All values are defaults except the thesis's method and the request's seed.
   const std::uint64_t seed = request.value().sampler.seed;
   EXPECT_EQ(normalised_text(with_seed(bare.value(), seed)), normalised_text(request.value()));
 }
