@@ -1,6 +1,6 @@
-// Goal: an archive's odds have an interval if its ladders can be trusted; otherwise they are
-// unknown, with a key and a number that would make them known. Method: fill an in-memory archive
-// with made-up tables of /tempering.
+// Goal: an archive's odds have an interval if its ladders can be trusted; otherwise the odds are
+// unknown, and the answer names a request key and a value that would make them known. Method: fill
+// an in-memory archive with made-up tables of /tempering.
 #include "clients/analysis/archive_odds.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Ladders with equal estimates in each round.
+/// Tables of ladders whose estimates are equal within each round.
 struct Tables {
   std::uint64_t chains = 4;
   std::vector<double> scans{64, 128, 256};
@@ -120,7 +120,8 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
     const Made made = archive_of(tables);
     return odds_of(made.source, made.summary).value().how_to_know.value().besides;
   };
-  // There are 8 round trips of 40 needed: five times 256 scans, which the sixth round has (2,048).
+  // The tables have 8 of the 40 required round trips. Five times 256 scans are needed, so the sixth
+  // round (2,048 scans) is the first that is long enough.
   EXPECT_EQ(json(tables)["to_know"]["rounds"], 6);
   EXPECT_EQ(json(tables)["to_know"]["scans"], 4032);
   EXPECT_THAT(besides(), HasSubstr("iterations_per_scan"));
@@ -137,7 +138,7 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
 TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
   Tables tables;
   tables.log_p = {-4.8};
-  // A round that was cut off needs the same.
+  // A first round that was cut off needs the same number of rounds.
   for (const double scans : {64.0, 20.0}) {
     tables.scans = {scans};
     EXPECT_EQ(json(tables)["to_know"]["rounds"], 2);
@@ -146,8 +147,8 @@ TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
 }
 
 TEST(ArchiveOdds, ThrowsThatAreNoDrawsAreNamed) {
-  // For a word of three balls, draws satisfy once in e^6.88, and all balls' throws 8 times as
-  // often.
+  // For a word of three balls, one draw in e^6.88 satisfies. Among natural throws (one draw in 8),
+  // satisfying ones are 8 times as frequent.
   Tables tables;
   tables.world = "spelling";
   tables.log_natural_throw = 3 * std::log(0.5);
@@ -172,7 +173,7 @@ TEST(ArchiveOdds, WhatNeverSatisfiedIsUnknown) {
   EXPECT_EQ(said["to_know"]["at_least"], true);
 }
 
-/// Islands of chains. The first of every three islands is larger than the two others.
+/// Islands of chains. In every group of three islands, the first island's estimate is larger.
 struct IslandTables {
   std::uint64_t chains = 4;
   std::uint64_t islands = 60;
@@ -219,7 +220,7 @@ json::Value json_of(const IslandTables& tables) {
 }
 
 TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
-  // One island of three is 1, two are 1/4: mean 1/2, relative variance 1/2 (times 240 / 239).
+  // Estimates of 1, 1/4 and 1/4 have mean 1/2 and relative variance 1/2 (times 240 / 239).
   const double log_p = -4.8 + std::log(0.5);
   const double error = std::sqrt(0.5 / 239);
   const json::Value said = json_of(IslandTables{});
@@ -237,7 +238,7 @@ TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
 }
 
 TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
-  // Goal: islands before odds_from don't count, although a third of them would dominate the sum.
+  // Goal: islands before `odds_from` don't count, even if their estimates would dominate the sum.
   // Method: make the first 20 islands of each chain e^9 times as large.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
@@ -252,7 +253,7 @@ TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
 }
 
 TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
-  // An invalid number in a request is not repeated.
+  // The advice doesn't repeat a request's invalid number.
   for (const auto& [rule, advised] :
        {std::pair{"independent_solutions = 2\n", 0.1}, std::pair{"odds = 0.3\n", 0.3},
         std::pair{"odds = 7.0\n", 0.1}}) {
@@ -268,8 +269,8 @@ TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
 }
 
 TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
-  // A sized round with 4 tenths of the sum in one island needs four times as many islands: half the
-  // error.
+  // In a sized round, one island holds 0.4 of the sum. Four times as many islands are needed, which
+  // halves the error.
   IslandTables tables;
   tables.values.assign(240, -210);
   tables.values[100] = -210 + std::log(160);
@@ -281,10 +282,10 @@ TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
 }
 
 TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
-  // Goal: a request with the advised error gets more islands than it had. Method: 160 islands with
-  // a heavy tail, sized by 80 pilot islands of which a third is larger. These predict an error of
-  // sqrt(0.5 * 80 / 79 / 160) = 0.0563, so any larger error gives the same round. The advised error
-  // must be below nine tenths of that.
+  // Goal: a request with the advised error gets more islands than it had. Method: use 160 islands
+  // with a heavy tail, sized by 80 pilot islands of which a third is larger. The pilot islands
+  // predict an error of sqrt(0.5 * 80 / 79 / 160) = 0.0563, so a request for any larger error gives
+  // the same round. The advised error must be below nine tenths of the prediction.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i) {
     const bool is_large = i % tables.islands < 20 ? (i / 60 * 20 + i % 60) % 3 == 0 : i == 30;
@@ -313,8 +314,8 @@ TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
 }
 
 TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
-  // Goal: in a run for solutions, only the islands that any such run makes determine the odds.
-  // Method: use 30 islands per chain, then ones e^9 times as large.
+  // Goal: in a run for solutions, only islands before `odds_until` determine the odds. Method: use
+  // 30 islands per chain, followed by islands with estimates e^9 times as large.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 30 ? 0 : 9) + (i % 3 == 0 ? -4.8 : -5.8));
@@ -351,8 +352,8 @@ TEST(ArchiveOdds, IslandsKnowOddsThatNoDoubleHolds) {
 }
 
 TEST(ArchiveOdds, IslandsThatCannotBeAreRefused) {
-  // Goal: tables that no run writes are a bad archive, not a crash. Method: use values that are not
-  // logs of estimates, wrong numbers of chains, and missing islands.
+  // Goal: an archive with tables that no run writes is refused and causes no crash. Method: use
+  // values that are not logs of estimates, wrong numbers of chains, and missing islands.
   const auto expect_refused = [](const IslandTables& tables, const char* what) {
     const Made made = islands_archive(tables);
     EXPECT_THROW(odds_of(made.source, made.summary), base::Error) << what;

@@ -1,6 +1,7 @@
-// Goal: the right draws of the right scalars are judged, every reason reaches the report, and
-// invalid ladders of a hostile archive are refused by name. Method: judge a fake in-memory run,
-// with and without ladders, by a judge that records its input and complains on request.
+// Goal: the diagnosis judges the right draws of the right scalars, reports every reason, and
+// refuses invalid ladders of a hostile archive with an error that names the table. Method: judge a
+// fake in-memory run, with and without ladders, by a judge that records its input and complains on
+// request.
 #include "clients/analysis/diagnosis.h"
 
 #include <gmock/gmock.h>
@@ -161,8 +162,9 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
 }
 
 TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
-  // Goal: independent draws always pass all measures, so no measure may vouch for tours; means are
-  // still shown. Method: use a judge that likes all draws, and one that dislikes some.
+  // Goal: independent draws always pass all measures, so the diagnosis doesn't rely on measures for
+  // draws of tours. Means are still shown. Method: use a judge that likes all draws, and one that
+  // dislikes some.
   archive::ArchiveOptions of_tours = archive::testing::options_for(options(201));
   of_tours.request_text = "[sampler]\nmethod = \"sequential\"\ntour_scans = 16\n";
   archive::write_digested(archive_, [&](archive::Sink& sink) {
@@ -183,7 +185,7 @@ TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
 }
 
 TEST_F(DiagnosisTest, DrawsBeginWithTheFirstRound) {
-  // Twenty scans of annealing come first and are no draws.
+  // The first twenty scans are annealing and don't count as draws.
   archive_tempered(options(210), {20, 50, 110});
   values(archive::k_sample_stats, "lp")[90] = 1234;
   const Diagnosis diagnosis = diagnose();
@@ -233,7 +235,7 @@ TEST_F(DiagnosisTest, TooFewDrawsAreSaidOnce) {
   archive_plain(options(1));
   disliked_ = {"lp", "height_m"};
   EXPECT_THAT(diagnose().reasons, ElementsAre(tests::HasFacts("judged scans: |1|6")));
-  // Only every tenth scan has a state: five per chain.
+  // Only every tenth scan has a state, so each chain has five judged states.
   disliked_ = {"height_m"};
   archive_plain(options(100));
   values(archive::k_sample_stats, "log_constraint").assign(k_chains * 100, 0);

@@ -1,5 +1,6 @@
-// Goal: an error is reported only if all facts behind it hold; each missing one is a doubt of its
-// own kind. Method: spoil one thing in good tables of two rounds, on both sides of every limit.
+// Goal: an error is reported only if all its conditions hold; each failed condition gives its own
+// kind of doubt. Method: start from good tables of two rounds and change one value at a time, to
+// both sides of each limit.
 #include "clients/analysis/odds_doubts.h"
 
 #include <gmock/gmock.h>
@@ -13,7 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// Four ladders that agree with each other and with the round before.
+/// Returns four ladders that agree with each other and with the previous round.
 LadderFacts good() {
   return {.judged = {{-4.8, 0.1}, {-4.7, 0.1}, {-4.9, 0.1}, {-4.8, 0.1}},
           .before = {{-4.6, 0.2}, {-4.9, 0.2}, {-4.8, 0.2}, {-5.0, 0.2}},
@@ -84,7 +85,8 @@ TEST(OddsDoubts, TheFirstRoundIsNotTrusted) {
 }
 
 TEST(OddsDoubts, RoundsHaveToAgree) {
-  // Means are -4.8 and -4.8 + shift; three errors (0.05, and 0.1 by jackknife) are 0.335.
+  // The rounds' means are -4.8 and -4.8 + shift. Their errors are 0.05 and 0.1 (by jackknife), so
+  // three errors of the difference are 0.335.
   LadderFacts facts = good();
   const auto shifted = [&](double shift) {
     facts.before.clear();
@@ -96,7 +98,7 @@ TEST(OddsDoubts, RoundsHaveToAgree) {
   EXPECT_THAT(shifted(0.33), IsEmpty());
   EXPECT_THAT(shifted(-0.34), ElementsAre(DoubtOf::rounds_disagree));
   EXPECT_THAT(shifted(0.34), ElementsAre(DoubtOf::rounds_disagree));
-  // Values that can't be compared count as disagreeing.
+  // Rounds disagree if a value is infinite or NaN.
   facts = good();
   facts.before[2] = {-k_infinity, k_nan};
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::rounds_disagree));
@@ -109,7 +111,7 @@ TEST(OddsDoubts, OneBadLadderIsFarFromTheOthers) {
   facts.judged[3].value = -9;
   // The bad ladder makes the error between ladders so large that the rounds agree.
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::wide, DoubtOf::ladders_disagree));
-  // A nearer ladder is still further off than its error explains. Deviations are -0.6, 0.2, 0.2,
+  // A ladder closer to the others still disagrees with them. The deviations are -0.6, 0.2, 0.2,
   // 0.2, so the standard deviation is 0.4, four times the ladders' errors.
   facts.judged = {{-5.4, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}};
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::ladders_disagree));
@@ -142,8 +144,9 @@ TEST(OddsDoubts, LaddersWithoutAValueAreNotLeftOut) {
 }
 
 TEST(OddsDoubts, ManyShortLaddersAsForAcm) {
-  // Like requests/acm_tempered.toml: sixteen ladders in their only round, 13 without a round trip.
-  // The mean is 6 below the truth, and the standard error between ladders is 0.5.
+  // These facts are like those of requests/acm_tempered.toml, whose only round has sixteen ladders,
+  // 13 of them without a round trip. The mean is 6 below the truth, and the standard error between
+  // ladders is 0.5.
   LadderFacts facts{.judged = {}, .before = {}, .round_trips = {}, .round = "round 1 of 1"};
   for (int i = 0; i < 16; ++i) {
     facts.judged.push_back({-66.4 + 4 * (i - 7.5) / 9.2, 0.8});
@@ -199,7 +202,7 @@ TEST(OddsDoubts, IslandsHaveToBeMany) {
   const std::vector<Doubt> doubts = doubts_of_islands(islands(10, 0.1), IslandNumber::fixed);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_draws));
   EXPECT_EQ(doubts[0].longer, 10);
-  // Without any solution, or any island, there is no second doubt.
+  // If there is no solution or no island, the missing value is the only doubt.
   const math::IslandOdds none{.islands = 1000, .log_mean = -k_infinity};
   EXPECT_THAT(kinds(doubts_of_islands(none, IslandNumber::fixed)), ElementsAre(DoubtOf::no_value));
   EXPECT_THAT(kinds(doubts_of_islands({}, IslandNumber::fixed)), ElementsAre(DoubtOf::no_value));
@@ -215,7 +218,7 @@ TEST(OddsDoubts, IslandsNeedParticles) {
 }
 
 TEST(OddsDoubts, IslandsWithoutDoubtsAreKnown) {
-  // Doubts agree with IslandOdds::known() of common/math.
+  // There are no doubts exactly if IslandOdds::known() of common/math is true.
   for (const std::uint64_t count :
        {std::uint64_t{0}, math::k_islands_min - 1, math::k_islands_min}) {
     for (const double share : {0.01, 0.1, 0.11, 1.0}) {

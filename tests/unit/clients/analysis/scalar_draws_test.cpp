@@ -124,7 +124,7 @@ TEST(StandIn, LiesBelowAllAndFurthestFromTheMiddle) {
   EXPECT_EQ(values[0], 3);
   EXPECT_EQ(values[1], values[3]);
   EXPECT_EQ(values[1], values[5]);
-  // Every finite value is closer to the median than the substitute.
+  // The substitute for -inf is farther from the median than every finite value.
   EXPECT_LT(values[1], 3 - (5 - 3));
 }
 

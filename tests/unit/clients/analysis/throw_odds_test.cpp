@@ -17,21 +17,21 @@ CombinedEstimate combined_of(const std::vector<LogEstimate>& ladders) {
 }
 
 TEST(Combined, TheErrorIsTheLargerOfTheTwo) {
-  // Values 1, 2, 3 have mean 2 and standard deviation 1, so 1/sqrt(3) between ladders.
+  // Values 1, 2, 3 have mean 2 and standard deviation 1, so the error between ladders is 1/sqrt(3).
   const CombinedEstimate apart = combined_of({{1, 0.3}, {2, 0.3}, {3, 0.3}});
   EXPECT_DOUBLE_EQ(apart.log.value, 2);
   EXPECT_DOUBLE_EQ(apart.log.error, 1 / std::sqrt(3.0));
   EXPECT_EQ(apart.error_from, ErrorFrom::between);
   EXPECT_EQ(apart.ladders, 3U);
-  // Errors 3 and 4 give 5/2 for the mean of two equal values.
+  // The mean of two equal values with errors 3 and 4 has the error 5/2.
   const CombinedEstimate alike = combined_of({{7, 3}, {7, 4}});
   EXPECT_DOUBLE_EQ(alike.log.error, 2.5);
   EXPECT_EQ(alike.error_from, ErrorFrom::jackknife);
 }
 
 TEST(Combined, ManyLaddersDoNotAverageAwayWhatAMeanOfLogsLacks) {
-  // Sixteen ladders, half of them 1 and half 3, have variance 16/15 and a standard error of 0.26
-  // between ladders. Half the variance, 0.53, bounds the bias of a mean of logs.
+  // Sixteen ladders, half with value 1 and half with value 3, have variance 16/15 and a standard
+  // error of 0.26 between ladders. Half the variance, 0.53, bounds the bias of a mean of logs.
   std::vector<LogEstimate> ladders(16, {1, 0.1});
   for (std::size_t i = 8; i < 16; ++i)
     ladders[i].value = 3;

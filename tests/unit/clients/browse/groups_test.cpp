@@ -1,6 +1,6 @@
-// Goal: groups follow their stated methods, whatever the order of animations. Method: compare
-// medoids with all choices and exchanges, hierarchies with the plain algorithm, and sets in random
-// orders.
+// Goal: groups follow their stated methods and don't depend on the order of animations. Method:
+// compare medoids with all choices and exchanges, hierarchies with the plain algorithm, and groups
+// of the same set in random orders.
 #include "clients/browse/groups.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using testing::random_index;
 
 constexpr std::uint64_t k_seed = 28;
 
-/// Returns distances of points in a plane, clumped or not.
+/// Returns distances between random points in a plane, in one to four clumps.
 std::vector<float> matrix_of(std::size_t size, random::Stream& stream) {
   std::vector<math::Vec3> points;
   const std::size_t clumps = 1 + below(stream, 4);
@@ -142,7 +142,7 @@ TEST(Groups, HierarchyJoinsTheNearest) {
     const std::vector<std::size_t> found = hierarchy_of(matrix, size, k);
     EXPECT_EQ(std::set<std::size_t>(found.begin(), found.end()).size(), k);
     EXPECT_TRUE(is_same_division(found, plain_hierarchy(matrix, size, k)));
-    // Members of one of k groups stay together in k - 1 groups.
+    // Members that share a group when there are k groups also share one when there are k - 1.
     if (k == 1) continue;
     const std::vector<std::size_t> wider = hierarchy_of(matrix, size, k - 1);
     std::map<std::size_t, std::size_t> into;
@@ -188,7 +188,8 @@ TEST(Groups, AreTheSameInAnyOrder) {
 }
 
 TEST(Groups, OfClumpsAreTheClumps) {
-  // Four kinds of animations, 30 of each, that vary much less within a kind than between kinds.
+  // There are four kinds of animations, 30 of each. Animations vary much less within a kind than
+  // between kinds.
   random::Stream stream = testing::stream_of(k_seed, 2);
   const Index kinds = random_index(4, stream);
   Index index = kinds;
@@ -247,9 +248,9 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
 }
 
 TEST(AlikeSets, AreGroupedAgainAsTheFirstTime) {
-  // Goal: state stored between groupings doesn't change them. Method: vary the number of groups by
-  // both methods, for a set with a full matrix and for a sampled set, and compare with a grouping
-  // from scratch. Compare distances with Sketches.
+  // Goal: state stored between groupings doesn't change the groups. Method: vary the number of
+  // groups by both methods, for a set with a full matrix and for a sampled set, and compare with a
+  // grouping from scratch. Compare distances with Sketches.
   random::Stream stream = testing::stream_of(k_seed, 27);
   for (const std::size_t size : {60UL, 505UL}) {
     const Index index = random_index(size, stream);

@@ -23,8 +23,8 @@ Outline outline_of_many() {
 }
 
 TEST(Outline, IsTheIndexWithoutMotions) {
-  // Goal: an outline has everything of an entry but its motion. Method: strip a random index by
-  // hand.
+  // Goal: an outline has everything of an index's entries except their motions. Method: strip a
+  // random index by hand.
   random::Stream stream = testing::stream_of(5, 0);
   const Index index = testing::random_index(40, stream);
   const Outline outline = outline_of_many();
@@ -43,8 +43,8 @@ TEST(Outline, IsTheIndexWithoutMotions) {
 }
 
 TEST(Outline, ComesBackFromItsBytesOrNotAtAll) {
-  // Goal: an outline reads back equal; damaged bytes, or another version's, give nothing. Method:
-  // cut the bytes, flip bits, and name missing entries in groups under a valid checksum.
+  // Goal: an outline reads back equal; damaged bytes and bytes of another version are rejected.
+  // Method: cut the bytes, flip bits, and write groups of missing entries with a valid checksum.
   const Outline outline = outline_of_many();
   const base::Bytes bytes = bytes_of(outline, "1.2");
   const auto back = outline_of_bytes(bytes, "1.2");

@@ -42,7 +42,7 @@ TEST(Queries, AreAnsweredAsSlowlyAndPlainly) {
     }
   }
   if (property::all_cases()) {
-    // The comparison needs about as many hits as misses, with few decided by rounding.
+    // The random queries must often be met and often not, and rounding may decide few of them.
     EXPECT_GT(met, asked / 10);
     EXPECT_LT(met, asked - asked / 10);
     EXPECT_LT(close, asked / 1000);
@@ -106,7 +106,7 @@ bool is_met(const std::string& text) {
 }
 
 TEST(Queries, MeanWhatTheySay) {
-  // The top of the throw, at 2.25 m and 0.5 s, belongs to the region; points above don't.
+  // The top of the throw, at 2.25 m and 0.5 s, belongs to the region; higher points don't.
   EXPECT_TRUE(is_met("ball 1 in z 2.25.."));
   EXPECT_FALSE(is_met("ball 1 in z 2.251.."));
   EXPECT_TRUE(is_met("ball 1 in z 2.2.. during 400..450ms"));
@@ -130,7 +130,7 @@ TEST(Queries, MeanWhatTheySay) {
   EXPECT_FALSE(is_met("ball 2 touches table"));
   EXPECT_TRUE(is_met("ball 1 touches table during 1..1s"));
   EXPECT_FALSE(is_met("ball 1 touches table during 1001ms.."));
-  // In "then", a hit is not its own successor.
+  // In "a then b", one hit can't be both a and b.
   EXPECT_TRUE(is_met("ball 1 touches table then ball 1 touches ball 2"));
   EXPECT_FALSE(is_met("ball 1 touches ball 2 then ball 1 touches table"));
   EXPECT_FALSE(is_met("ball 1 touches table then ball 1 touches table"));

@@ -1,6 +1,6 @@
-// Goal: an index agrees with its archive, even if it extends an earlier index, and reads back from
-// its bytes or not at all. Method: read in-memory archives of the made-up world, then longer
-// archives of the same run; change bytes.
+// Goal: an index agrees with its archive, even if it extends an earlier index. The index's bytes
+// read back equal or are rejected. Method: read in-memory archives of the made-up world, then
+// longer archives of the same run; change bytes.
 #include "clients/browse/reading.h"
 
 #include <gmock/gmock.h>
@@ -30,7 +30,8 @@ using archive::testing::FakeRunOptions;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Keeps all animations, so that a longer run's begin with a shorter run's.
+/// Writes an archive with all animations, so that a longer run's archive begins with the animations
+/// of a shorter run.
 void write(archive::MemoryArchive& memory, std::uint64_t scans, std::uint64_t seed = 1,
            std::uint64_t finds = 0) {
   const FakeRunOptions run{.seed = seed, .chains = 1, .scans = scans, .finds = finds};
@@ -134,7 +135,7 @@ TEST(Reading, TakesNothingOfAFileThatOthersMayHaveChanged) {
   archive::MemoryArchive memory;
   write(memory, 80);
   const Index before = index_of(memory);
-  // Other programs might change positions but not the numbers and the digest.
+  // Another program may change positions without changing the animations' numbers and the digest.
   auto& places = std::get<std::vector<double>>(memory.values(archive::k_animations, "position_m"));
   for (double& place : places)
     place += 1;
@@ -167,7 +168,7 @@ TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
   archive::MemoryArchive memory;
   write(memory, 150);
   const Index whole = index_of(memory);
-  // The earlier index begins at other draws.
+  // The earlier index lacks the first two animations.
   Index shifted = whole;
   shifted.digest = "another";
   shifted.entries.erase(shifted.entries.begin(), shifted.entries.begin() + 2);
@@ -175,8 +176,8 @@ TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(read.value().taken_over, 0U);
   expect_same(read.value().index, whole);
-  // Nothing is reused from another run, with another world's numbers, or contacts of missing
-  // features.
+  // The reader doesn't reuse an index of another run, with other numbers, or with contacts of
+  // missing features.
   for (int damage = 0; damage < 3; ++damage) {
     Index other = whole;
     if (damage == 0) other.run_id = "another";

@@ -26,7 +26,7 @@ TEST(Resemblance, MatchesBodiesAsCheaplyAsAllPermutationsAllow) {
     random::Stream stream = testing::stream_of(k_seed, n);
     const std::size_t size = 1 + testing::below(stream, 6);
     std::vector<double> costs;
-    // With few different costs, many matchings are equally cheap.
+    // If there are few different costs, many matchings are equally cheap.
     const bool is_coarse = n % 2 == 0;
     for (std::size_t i = 0; i < size * size; ++i)
       costs.push_back(is_coarse ? static_cast<double>(testing::below(stream, 4))
@@ -70,7 +70,7 @@ TEST(Resemblance, IsSymmetricAndZeroOfOneself) {
   EXPECT_EQ(one, sketches.matrix(3));
 }
 
-/// Two animations that differ only in the straight paths (1 s) of the scene's two twin balls.
+/// Returns animations that differ only in the paths (straight, 1 s) of the scene's two twin balls.
 Index two_ways(const std::vector<std::vector<math::Vec3>>& ways) {
   Index index{.run_id = "run", .scene = testing::small_scene()};
   for (const std::vector<math::Vec3>& way : ways) {
@@ -96,13 +96,13 @@ Resemblance between(const Index& index) {
 }
 
 TEST(Resemblance, IsWhatTheFormulaSays) {
-  // One ball moves 1 m to the right and one stays, so they are half of that apart on average, over
-  // 64 times from 0 to 1 s and at rest. The other two bodies don't differ.
+  // A ball moves 1 m to the right in one animation and stays in the other. The mean distance is
+  // 33/65 m over 64 times from 0 to 1 s and one time at rest. The other two bodies don't differ.
   const Resemblance of_one = between(two_ways({{{0, 0, 0}, {1, 0, 0}}, {{0, 0, 0}, {0, 0, 0}}}));
   EXPECT_NEAR(of_one.greatest_m, 1, 1e-6);
   EXPECT_NEAR(of_one.mean_m, 33.0 / 65.0 / 3, 1e-2);
   EXPECT_EQ(of_one.order, 0);
-  // Twins that change places look the same; other bodies don't.
+  // Exchanging twins changes nothing visible; exchanging other bodies does.
   const math::Vec3 left{-1, 0, 0};
   const math::Vec3 right{1, 0, 0};
   const math::Vec3 up{0, 0, 1};
@@ -128,7 +128,7 @@ TEST(Resemblance, OfContactsCountsTheOrderOfTheFirst) {
   contacts(0, {{0, 3}, {0, 4}, {1, 3}, {1, 4}});
   contacts(1, {{0, 3}, {0, 4}, {1, 3}, {1, 4}});
   EXPECT_EQ(between(index).order, 0);
-  // Only a pair's first hit counts.
+  // Only the first hit of each pair of bodies counts.
   contacts(1, {{0, 3}, {0, 3}, {0, 4}, {1, 3}, {0, 3}, {1, 4}});
   EXPECT_EQ(between(index).order, 0);
   contacts(1, {{1, 4}, {0, 3}, {0, 4}, {1, 3}});
@@ -141,7 +141,8 @@ TEST(Resemblance, OfContactsCountsTheOrderOfTheFirst) {
 }
 
 TEST(Resemblance, OfPlacesThatNoSceneHasIsFinite) {
-  // Places of a hostile archive, whose squares overflow a float. Valid places end at 1e18 m.
+  // These positions, as of a hostile archive, have squares that overflow a float. Valid places end
+  // at 1e18 m.
   const math::Vec3 far = math::Vec3::Constant(1e27);
   const math::Vec3 here{0, 0, 0};
   const Index index = two_ways({{here, far, far, here}, {far, here, here, -far}});

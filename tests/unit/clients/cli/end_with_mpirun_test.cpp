@@ -29,7 +29,8 @@ void map_file(const fs::path& path) {
   close(file);
 }
 
-/// Maps files like a rank's, and many others; then several threads signal the parent's death.
+/// Maps files as a rank does, and many other files. Then several threads send the signal of the
+/// parent's death.
 [[noreturn]] void be_a_rank(const fs::path& folder) {
   for (int i = 0; i < 40; ++i)
     map_file(folder / ("other." + std::to_string(i)));

@@ -43,7 +43,8 @@ class JobCommands : public testing::Test {
             .bytes = 1'500'000};
   }
 
-  /// Returns two numbered events and the change of state; settled if the job has ended.
+  /// Returns two numbered events and the change of state. The batch is settled if the job has
+  /// ended.
   base::Result<rpc::Batch, rpc::Refusal> batch_of(const rpc::WatchPoint& point) {
     const auto job = std::ranges::find(handler_.jobs, point.job, &rpc::JobView::id);
     if (job == handler_.jobs.end()) return no_such_job(point.job);
@@ -168,7 +169,7 @@ TEST_F(JobCommands, RefusalsHaveTheirExitCodes) {
 }
 
 TEST_F(JobCommands, NamesReachTheServiceAsTargets) {
-  // Goal: a group is one call, a range one call per job; a range skips missing jobs.
+  // Goal: a group needs one call, and a range one call per job. A range skips missing jobs.
   std::vector<rpc::Target> targets;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     const rpc::Target& target = ask.target;
@@ -216,8 +217,9 @@ TEST_F(JobCommands, StatusOfAGroupIsAList) {
 }
 
 TEST_F(JobCommands, WatchAndWaitEndAsTheJobsDid) {
-  // Goal: exit codes are 0 done, 10 failed, 11 cancelled, and the worst for several jobs. A missing
-  // job is an error, but the others are watched to their end.
+  // Goal: the exit code is 0 for a done job, 10 for a failed job, 11 for a cancelled job, and the
+  // worst code for several jobs. A missing job is an error, but the others are watched to their
+  // end.
   serve();
   const auto code_of = [&](const std::vector<std::string>& jobs) {
     out([&] { return watch(socket_, watched(jobs)); });
@@ -243,8 +245,8 @@ TEST_F(JobCommands, WaitPrintsTheEndAlone) {
 }
 
 TEST_F(JobCommands, WatchTellsEachEventOnALine) {
-  // Goal: each event from a number on, each change of state and the end is one line. Method: print
-  // a job with two events as JSON, from the second on.
+  // Goal: the output has one line for each event from the given number on, each change of state,
+  // and the end. Method: print a job with two events as JSON, starting at the second event.
   serve();
   const std::string text = out([&] { return watch(socket_, watched({"17"}, true, 2)); });
   std::vector<Json> lines;
@@ -310,8 +312,8 @@ TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
 }
 
 TEST_F(JobCommands, ChangesReachTheServiceWithTheirWords) {
-  // Goal: a change arrives whole. The output has the command's text for changes that the state
-  // doesn't show, and otherwise the service's.
+  // Goal: all fields of a change arrive. The output has the command's own text for changes that the
+  // job's state doesn't show, and otherwise the service's text.
   std::vector<rpc::ChangeAsk> asks;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     asks.push_back(ask);
@@ -335,7 +337,7 @@ TEST_F(JobCommands, ChangesReachTheServiceWithTheirWords) {
 }
 
 TEST(ExtendOptions, TakeOneRule) {
-  // Goal: exactly one rule with its number is required.
+  // Goal: an extension requires exactly one rule with its number.
   ExtendOptions options;
   EXPECT_THROW(extension_of(options), base::Error);
   options.scans = 1'000'000'000'000;
@@ -345,8 +347,8 @@ TEST(ExtendOptions, TakeOneRule) {
 }
 
 TEST_F(JobCommands, LogsFollowsToTheEnd) {
-  // Goal: a log's bytes are printed once, in whole lines, until its end. Method: print a log that
-  // grows by pieces cut inside a line and inside a character, with an escape sequence.
+  // Goal: a log's bytes are printed once, in whole lines, until its end. Method: print a growing
+  // log with an escape sequence. The log's pieces end inside a line and inside a character.
   const std::string log = "first\nse\x1b[2Jcond ü\nlast without an end";
   std::size_t written = 8;
   handler_.on_logs = [&](rpc::LogAsk ask, rpc::Reply<rpc::LogPiece> reply) {
@@ -365,8 +367,8 @@ TEST_F(JobCommands, LogsFollowsToTheEnd) {
 }
 
 TEST(LogLines, ComeWholeHoweverTheyAreCut) {
-  // Goal: output doesn't depend on where pieces are cut, and a line without an end is bounded.
-  // Method: print a text byte by byte and at once; a long line.
+  // Goal: output doesn't depend on where pieces are cut, and an endless line is split. Method:
+  // print a text byte by byte and at once; print a long line.
   const std::string text = "a\tb\r\nü\xff\n\nrest";
   LogLines at_once;
   LogLines bytewise;
@@ -426,8 +428,8 @@ TEST_F(Fetching, BringsTheFileWhole) {
 }
 
 TEST_F(Fetching, LeavesOtherFilesAlone) {
-  // Goal: without --force, a fetch only accepts an existing file of the same content. No part is
-  // left.
+  // Goal: without --force, a fetch doesn't replace an existing file of other content. No partial
+  // file is left.
   const std::string path = scratch_ / "hi.h5";
   base::PosixFileSystem files;
   base::write_text_file(files, path, "mine");
@@ -460,7 +462,8 @@ TEST_F(Fetching, DamagedArchivesTakeNoPlace) {
 }
 
 TEST_F(Fetching, AGroupFillsAFolder) {
-  // Goal: each archive gets its own name; a job without an archive is reported and stops no other.
+  // Goal: each archive gets its own name; a job without an archive is reported and doesn't stop the
+  // others.
   const std::string folder = scratch_ / "deep/g5";
   testing::internal::CaptureStderr();
   const Json json = Json::parse(out(
@@ -505,7 +508,8 @@ TEST(FetchAsk, PlacesAreNamedByJobs) {
 }
 
 TEST_F(JobCommands, ServerCommandsTellOfTheServer) {
-  // Goal: JSON has the pid; without a server `status` exits with 12, and `stop` succeeds.
+  // Goal: JSON has the server's process number. Without a server, `status` exits with 12, and
+  // `stop` succeeds.
   out([&] { return show_server(socket_, false); });
   EXPECT_EQ(code_, 12);
   out([&] { return stop_server(socket_, false); });

@@ -1,5 +1,5 @@
-// Goal: lists and views of jobs fit a terminal, separate the counts, and omit nothing. Method:
-// compare the lines of views with values of all kinds.
+// Goal: lists and views of jobs fit a terminal, show each count separately, and omit nothing.
+// Method: compare the lines of views with values of all kinds.
 #include "clients/cli/job_text.h"
 
 #include <gtest/gtest.h>
@@ -69,8 +69,9 @@ rpc::JobView queued_job() {
 }
 
 TEST_F(JobText, TableHasWhatPeopleAskFor) {
-  // Goal: a table shows place in the queue with its reason, time left by scans and by solutions,
-  // finds and draws separately, and failures by kind. Method: show a running and a queued job.
+  // Goal: a table shows the place in the queue and its reason, the time left by scans and by
+  // solutions, finds and draws separately, and failures by kind. Method: show a running and a
+  // queued job.
   const std::vector<rpc::JobView> jobs{running_job(), queued_job()};
   EXPECT_EQ(job_table(jobs, {}),
             "ID  NAME    GROUP  STATE    PLACE              SCANS  FOUND  IN PROPORTION  SIMS/S  "
@@ -115,8 +116,8 @@ TEST_F(JobText, StatusOfAFailedJobSaysWhatRepeatsIt) {
 
 TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
   // Goal: text from other people or programs is harmless. Method: put escape sequences, line ends
-  // and bidirectional marks into every field; the output may contain no control characters but its
-  // own line ends and tabs, and no such marks.
+  // and bidirectional marks into every field; the output may contain no bidirectional marks, and no
+  // control characters except its own line ends and tabs.
   const std::string evil = "a\x1b[2Jb\nc\rd\te\u202ef\u0085g\x7f";
   rpc::JobView job = running_job();
   job.name = job.world = job.reason = job.not_yet = job.digest = job.end_words = evil;
@@ -146,7 +147,7 @@ TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
 }
 
 TEST_F(JobText, NumbersOfABrokenServiceAreShownAsNothing) {
-  // Goal: no time or rate breaks a line. Method: use infinities and NaN.
+  // Goal: extreme times and rates don't break a line. Method: use infinities and NaN.
   rpc::JobView job = queued_job();
   for (const double wild : {1e300, -1e300, 0.0 / 0.0}) {
     job.simulations_per_s = wild;

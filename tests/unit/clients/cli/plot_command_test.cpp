@@ -1,5 +1,6 @@
 // Goal: the list of a world's own plots determines the available names, the help, the trace, and
-// the error for a plot that an archive lacks. Method: make up two worlds, and archives of three.
+// the error for a plot that an archive lacks. Method: use two made-up worlds, and archives of
+// three.
 #include "clients/cli/plot_command.h"
 
 #include <gmock/gmock.h>
@@ -37,7 +38,8 @@ class MadeUpPlots final : public pictures::WorldPlots {
   std::vector<Kind> kinds_;
 };
 
-/// Marbles have plots smoke and trace; rods have plots smoke and mirrors.
+/// Returns plots "trace" and "smoke" for world "marbles", and "smoke" and "mirrors" for world
+/// "rods".
 pictures::PlotsOfWorlds two_worlds() {
   pictures::PlotsOfWorlds worlds;
   worlds.push_back(std::make_unique<MadeUpPlots>(

@@ -1,7 +1,7 @@
-// A service of a few scripted jobs behind a real socket, for tests of commands, with a loop and a
-// server in their own thread. Each call is a function that a test may replace before it creates a
-// client. By default `list`, `status` and `info` answer from `jobs`, and all other calls are
-// refused.
+// A service with a few scripted jobs behind a real socket, for tests of commands. The loop and the
+// server run in a separate thread. Each call is a function that a test may replace before it
+// creates a client. By default `list`, `status` and `info` answer from `jobs`, and all other calls
+// are refused.
 #pragma once
 
 #include <unistd.h>
@@ -146,7 +146,8 @@ class ScriptedHandler final : public rpc::Handler {
   }
 };
 
-/// Serves a handler at a path during its lifetime. Several may follow one another.
+/// Serves a handler at a path during its lifetime. Several servers may use the path one after
+/// another.
 class ServingThread {
  public:
   ServingThread(const std::string& path, ScriptedHandler& handler) {

@@ -14,7 +14,8 @@ namespace sleight::cli {
 namespace {
 
 TEST(ServiceJson, SubmittedHasTheIdThatCommandsTake) {
-  // Goal: a submission's `.id` works in every other command. Method: print a job and a group.
+  // Goal: the `.id` in a submission's JSON works in every other command. Method: print a job and a
+  // group.
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}}})),
             R"({"id":17,"group":null,"ids":[17]})");
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}, rpc::JobId{18}},
@@ -23,7 +24,7 @@ TEST(ServiceJson, SubmittedHasTheIdThatCommandsTake) {
 }
 
 TEST(ServiceJson, AJobTellsWhatIsNotKnownAsNull) {
-  // Goal: missing times and places are null, not zero; counts are separate.
+  // Goal: missing times and queue places are null, not zero. Each count has its own key.
   const Json json = to_json(
       rpc::JobView{.id = {17},
                    .state = rpc::JobState::queued,
@@ -44,7 +45,8 @@ TEST(ServiceJson, AJobTellsWhatIsNotKnownAsNull) {
 }
 
 TEST(ServiceJson, OneJobAloneIsAnObject) {
-  // Goal: one job is an object, for `status 17 --json | jq .state`; other queries give a list.
+  // Goal: a query for one job prints an object, so that `status 17 --json | jq .state` works. Other
+  // queries print a list.
   const std::vector<rpc::JobView> jobs{{.id = {17}}};
   EXPECT_TRUE(jobs_json(jobs, true).is_object());
   EXPECT_TRUE(jobs_json(jobs, false).is_array());
@@ -52,8 +54,9 @@ TEST(ServiceJson, OneJobAloneIsAnObject) {
 }
 
 TEST(ServiceJson, AnEventKeepsItsFields) {
-  // Goal: an event is printed as the run wrote it, with unknown fields and its job's id; an invalid
-  // line gives nothing. Method: print an unknown kind of event, and texts that aren't objects.
+  // Goal: an event is printed as the run wrote it, including unknown fields, and with its job's id.
+  // An invalid line is dropped. Method: print an unknown kind of event, and texts that aren't
+  // objects.
   EXPECT_EQ(on_one_line(event_json({17}, R"({"number":3,"kind":"later","job":99,"x":[1]})")),
             R"({"job":17,"number":3,"kind":"later","x":[1]})");
   for (const char* line : {"", "[1]", "17", "{\"number\":", "\xff"})
@@ -61,8 +64,8 @@ TEST(ServiceJson, AnEventKeepsItsFields) {
 }
 
 TEST(ServiceJson, IsHarmlessOnATerminal) {
-  // Goal: JSON can't control a terminal, whatever its texts. Method: use C0 and C1 control
-  // characters, a bidirectional mark and invalid UTF-8.
+  // Goal: no text in the JSON can control a terminal. Method: use C0 and C1 control characters, a
+  // bidirectional mark and invalid UTF-8.
   const rpc::JobView job{.id = {17}, .name = "\x1b[2J\u009b\u202e\x7f\xff\n"};
   for (const std::string& text : {indented(to_json(job, true)), on_one_line(to_json(job, true))}) {
     EXPECT_TRUE(std::ranges::all_of(text, [](char c) {

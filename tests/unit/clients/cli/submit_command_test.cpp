@@ -1,5 +1,5 @@
-// Goal: a submission has the request's text with its sets, once per combination, and refusals read
-// like those of `sleight check`. Method: call a real server with a scripted handler.
+// Goal: a submission has the request's text once per combination of `--set` values, and refusals
+// read like errors of `sleight check`. Method: call a real server with a scripted handler.
 #include "clients/cli/submit_command.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Returns stand-ins for the worlds' texts; a normalised text shows its input.
+/// Returns fake functions of the worlds' texts. The fake normalised text shows its input.
 RequestTexts texts() {
   return {.normalised = [](std::string_view text, std::string_view file,
                            std::span<const request::KeySet> sets,
@@ -43,8 +43,8 @@ rpc::Submission made(const SubmitOptions& options, const GivenRequest& given) {
 }
 
 TEST(Submit, AnUnchangedRequestGoesAsItIsWritten) {
-  // Goal: the service's errors have the file's line numbers, and all options arrive. Method: submit
-  // a file's text with each option.
+  // Goal: the service's errors have the file's line numbers, and all options reach the service.
+  // Method: submit a file's text with each option.
   const rpc::Submission submission =
       made({.request_path = "requests/hi.toml",
             .cores = 4,
@@ -66,7 +66,7 @@ TEST(Submit, AnUnchangedRequestGoesAsItIsWritten) {
 }
 
 TEST(Submit, SetsAndNumberAreApplied) {
-  // Goal: sets change the text that is sent, and so does -n for a file.
+  // Goal: `--set` changes the text that is sent, and `-n` changes the text of a file.
   const rpc::Submission of_file = made({.request_path = "hi.toml",
                                         .asked = request::Asked{.number = 7},
                                         .asked_by = "-n 7",
@@ -83,8 +83,8 @@ TEST(Submit, SetsAndNumberAreApplied) {
 }
 
 TEST(Submit, ARangeMakesAGroup) {
-  // Goal: each value gives one job, named by its value; even a range of one value is a group.
-  // Method: submit a range beside a plain set.
+  // Goal: each value of a range gives one job, which is named after its value. Even a range of one
+  // value is a group. Method: submit a range together with a single value.
   const rpc::Submission group = made(
       {.request_path = "hi.toml", .sets = {"sampler.seed=1..3", "stop.scans=9"}, .name = "try"},
       {"hi.toml", "text"});
@@ -97,7 +97,8 @@ TEST(Submit, ARangeMakesAGroup) {
 }
 
 TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
-  // Goal: a bad request gives the errors of `sleight check` before anything is sent, with -n named.
+  // Goal: a bad request gives the errors of `sleight check`, which name -n, before anything is
+  // sent.
   const auto bad = submission_of(
       {.request_path = "hi.toml", .asked = request::Asked{.number = 7}, .asked_by = "-n 7"},
       {"hi.toml", "bad"}, texts());
@@ -108,8 +109,8 @@ TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
 }
 
 TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
-  // Goal: a set that contradicts an option is refused. Method: add conflicting and other sets to
-  // --word and -n.
+  // Goal: a `--set` that contradicts an option is refused. Method: combine --word and -n with
+  // conflicting and other sets.
   const auto is_taken = [](const SubmitOptions& options) {
     return submission_of(options, {"x", "text"}, texts()).ok();
   };
@@ -174,8 +175,9 @@ Printed submit_to(const std::string& socket, const SubmitOptions& options) {
 }
 
 TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
-  // Goal: a refused request exits with 3 and lines that name the file, whatever the service calls
-  // the text. Method: refuse with diagnostics, one of which has control characters.
+  // Goal: if the service refuses a request, the command exits with 3 and prints lines that name the
+  // file, whatever name the service uses. Method: refuse with diagnostics, one of which has control
+  // characters.
   const ScratchFolder scratch;
   const std::string file = scratch / "hi.toml";
   std::ofstream(file) << "text";

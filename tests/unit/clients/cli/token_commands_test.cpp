@@ -1,5 +1,5 @@
-// Goal: tokens are requested with the given options, shown once, and stored in private files; so is
-// what is known of a server. Method: call a real server with a scripted handler.
+// Goal: tokens are requested with the given options and shown once. Tokens and the list of known
+// servers are stored in private files. Method: call a real server with a scripted handler.
 #include "clients/cli/token_commands.h"
 
 #include <gtest/gtest.h>
@@ -89,7 +89,7 @@ TEST_F(TokenCommands, AFileOfATokenIsNewAndItsOwners) {
   EXPECT_FALSE(std::filesystem::exists(options.output));
 }
 
-// An empty user, as from a script's unset variable, doesn't mean the caller.
+// An empty user name, as from a script's unset variable, doesn't mean the caller.
 TEST_F(TokenCommands, AUserIsOneThatThereIs) {
   for (const char* user : {"", " ", "no such user", "4294967295", "4294967296", "-1", "1.5"}) {
     TokenCreateOptions options{.name = "laptop", .user = user};

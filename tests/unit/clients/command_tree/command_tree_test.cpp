@@ -1,5 +1,5 @@
-// Goal: the tree has everything that the help has, and nothing hidden. Method: compare a toy
-// program's tree with its definition; test_completion.py in tests/programs runs the scripts.
+// Goal: the command tree has everything that the help shows, and nothing hidden. Method: compare a
+// toy program's tree with its definition; test_completion.py in tests/programs runs the scripts.
 #include "clients/command_tree/command_tree.h"
 
 #include <gmock/gmock.h>
@@ -37,7 +37,7 @@ TEST(CommandTree, CutsFooters) {
   const Command& run = tree.commands[0];
   EXPECT_THAT(run.paragraphs, ElementsAre(".Goes on where it stopped. Twice."));
   EXPECT_THAT(run.examples, ElementsAre("toy run x.toml -o 'a b.h5'", "toy run \\ -o x.h5"));
-  // A command without its own footer has none, although its help shows the program's.
+  // A command without a footer has none in the tree, although its help shows the program's footer.
   EXPECT_EQ(tree.commands[1].exit_codes, "");
 }
 

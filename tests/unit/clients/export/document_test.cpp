@@ -26,7 +26,8 @@ using ::testing::HasSubstr;
 using namespace std::string_literals;
 using testing::Json;
 
-/// Two equal dice, a ball, a table with the animation's own heights, a goal.
+/// Returns a scene with two equal dice, a ball, a goal, and a table whose heights differ by
+/// animation.
 scene::Scene table_scene() {
   scene::Scene scene;
   scene.features = {{.name = "die 1"},
@@ -56,7 +57,8 @@ Clip clip_of(const std::string& name, double table_m, const std::vector<Segment>
           .extras = {{"id", name}, {"log_prior", -1.5}}};
 }
 
-/// In the first clip the ball enters late and the second die never; the second clip has all.
+/// Returns two clips. In the first, the ball enters late and the second die never enters. The
+/// second has all bodies.
 Document two_clips() {
   const Segment rest{.start_s = 1, .mode = motion::Mode::resting, .position_m = {0.5, 0, 0.4}};
   Segment ball = rest;
@@ -114,7 +116,7 @@ TEST(Document, HoldsBodiesSceneAndMotion) {
 TEST(Document, HoldsClipsTogether) {
   const File file = file_of(two_clips());
   ASSERT_EQ(file.json["animations"].size(), 2U);
-  // Equal dice share a mesh; the table has a node per animation.
+  // Equal dice share a mesh; the table has one node per animation.
   EXPECT_EQ(file.json["nodes"][testing::node_named(file, "die 1")]["mesh"],
             file.json["nodes"][testing::node_named(file, "die 2")]["mesh"]);
   EXPECT_FALSE(testing::has_node(file, "table"));
@@ -222,7 +224,7 @@ TEST(Document, HoldsAHundredBodies) {
       EXPECT_LT(math::norm(Vec3(testing::z_up(testing::played(places, t_s)) - true_m)), 1e-4);
     }
   }
-  // Balls of other colours are other meshes with shared vertices.
+  // Balls of different colours have different meshes, which share their vertices.
   EXPECT_EQ(file.json["meshes"].size(), 100U);
   EXPECT_EQ(file.json["meshes"][0]["primitives"][0]["attributes"],
             file.json["meshes"][99]["primitives"][0]["attributes"]);
@@ -237,7 +239,8 @@ TEST(Document, SaysWhyThereIsNone) {
   ASSERT_FALSE(glb.ok());
   EXPECT_THAT(glb.error(), HasSubstr("keys"));
 
-  // With a table per clip, channels grow with the square of the clips.
+  // If each clip has its own table, the number of channels grows with the square of the number of
+  // clips.
   document = only(two_clips(), 0);
   const Clip clip = document.clips[0];
   document.clips.clear();

@@ -187,7 +187,7 @@ TEST(Keys, OfWhatHardlyMovesAreFew) {
   EXPECT_EQ(rests.translation.values, (std::vector<Float3>{{1, 3, -2}}));
   EXPECT_EQ(rests.rotation.times_s, std::vector<float>{2});
 
-  // A motion of one tick, shorter than single precision resolves.
+  // Use a motion of one tick, which is too short for single precision to resolve.
   motion::Path tick(0);
   tick.append({.start_s = 2, .velocity_mps = {1, 0, 0}, .angular_velocity_radps = {1, 0, 0}});
   tick.append(after(tick.segments()[0], 2 + 0x1p-30));

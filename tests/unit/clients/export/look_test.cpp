@@ -1,6 +1,6 @@
-// Goal: each shape is where the scene has it, closed and lit from outside, and goals follow the
-// table. Method: count triangles; compare normals with the triangles' own, and heights and slopes
-// with common/scene's surface.
+// Goal: each shape is at its place in the scene, is closed, and has outward normals; goals follow
+// the table's surface. Method: count triangles; compare the stored normals with those of the
+// triangles, and heights and slopes with common/scene's surface.
 #include "clients/export/look.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ Look look_of_part(scene::Part part, FeatureKind kind = FeatureKind::body,
   return look_of(scene, 0, own, {});
 }
 
-/// A triangle's middle, and a normal as long as twice its area.
+/// A triangle's middle, and its normal, whose length is twice the triangle's area.
 struct Face {
   Vec3 middle_m;
   Vec3 normal;
@@ -142,7 +142,7 @@ TEST(Look, SurfacesHaveTheHeightsAndSlopesOfTheirPoints) {
     const Vec3 normal = math::normalized(Vec3(-along_x, -along_y, 1));
     EXPECT_LT(math::norm(Vec3(back(look[0].normals[i]) - normal)), 1e-3);
   }
-  // An invalid spacing gives an empty look.
+  // look_of_part() returns nothing for an invalid spacing.
   EXPECT_TRUE(look_of_part({.shape = Shape::surface, .size_m = {1, 1, 0}}, FeatureKind::fixed, own)
                   .empty());
 }

@@ -1,7 +1,7 @@
 // Reads .glb files and plays their animations, for tests, following the specification (Khronos
 // Group, "glTF 2.0 Specification") without any of the exporter's code.
 //
-// Pure functions that report faults as GoogleTest failures.
+// All functions are pure and report faults as GoogleTest failures.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ inline std::vector<std::vector<double>> vectors_of(const File& file, const Json&
   return vectors;
 }
 
-/// Checks that nothing is unused, bounds fit the numbers, numbers are finite, and times ascend.
+/// Checks that everything is used, bounds match the numbers, numbers are finite, and times ascend.
 inline void expect_sound(const File& file) {
   const auto listed = [&](const char* name) {
     return file.json.value(name, Json::array()).elements();
@@ -173,7 +173,7 @@ inline Track track_of(const File& file, std::size_t clip, std::size_t node,
 
 enum class Turning { slerp, normalised };
 
-/// Returns the value that a player shows at a time; quaternions turn the shortest way.
+/// Returns the value that a player shows at `t_s`. Quaternions are interpolated the shortest way.
 inline std::vector<double> played(const Track& track, double t_s,
                                   Turning turning = Turning::slerp) {
   const auto next = std::ranges::upper_bound(track.times_s, t_s);

@@ -64,8 +64,8 @@ class AnswersTest : public archive::testing::Scratch {
 };
 
 TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
-  // Goal: table, scene, looks and animations agree. Method: take names from the table; fetch
-  // animations alone and together.
+  // Goal: answers about table, scene, looks and animations agree with each other. Method: take
+  // names from the table; fetch animations alone and together.
   const web::Answer table_answer = get("/api/archives/0/table");
   const Unpacked table = unpacked(table_answer.content.text());
   const auto entries = table.head["entries"].get<std::size_t>();
@@ -99,7 +99,7 @@ TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
 }
 
 TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
-  // Goal: answers equal those of the functions of `browse`. Method: call both.
+  // Goal: the server's answers equal the results of the functions in `browse`. Method: call both.
   const browse::Index& index = snapshot->index();
   const std::string query = "bounces >= 2";
   const Json found = posted("/api/find", {{"query", query}, {"archives", Json::array({at()})}});
@@ -218,7 +218,7 @@ TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
       if (satisfied[i - 1] != 0 && satisfied[i] == 0) falls.push_back(i);
     EXPECT_EQ(trace.column<std::uint32_t>("fall"), falls);
     EXPECT_FALSE(falls.empty());
-    // There are two kinds of proposals; the first changes everything.
+    // The first of the two kinds of proposals changes everything.
     const auto accepted = std::get<std::vector<std::int32_t>>(
         source.read(archive::k_sample_stats, "accepted", 0, 2 * 101));
     std::vector<std::uint32_t> changes_of_all;
@@ -275,8 +275,8 @@ class Damaged final : public archive::Source {
 
 TEST_F(AnswersTest, AnArchiveThatLacksSomethingIsRefusedInWords) {
   // Goal: a foreign file never crashes the server, which reads only existing data. Method: remove
-  // or cut columns of draws and of the prior. Either the archive is refused, or all offered plots
-  // but the damaged column's are answered; both must occur.
+  // or cut columns of draws and of the prior. Either the archive is refused, or the server answers
+  // all offered plots except the damaged column's; both must occur.
   int refused = 0;
   int answered = 0;
   for (const std::string_view group : {archive::k_sample_stats, archive::k_sample_stats_prior}) {

@@ -50,7 +50,8 @@ TEST(PackedAnswer, GivesBackItsColumns) {
 }
 
 TEST(Columns, HoldEachSegment) {
-  // Goal: an animation's columns are its segments. Method: unpack the made-up world's animations.
+  // Goal: an animation's columns contain its segments. Method: unpack the made-up world's
+  // animations.
   const archive::MemoryArchive memory = made_up(101, 3);
   const auto scene = archive::scene_of(memory);
   ASSERT_TRUE(scene.ok());

@@ -1,5 +1,5 @@
-// Goal: the page always has all available data; archives that grow, vanish, are damaged or return
-// lose nothing that was read. Method: change, delete and damage files under a gallery.
+// Goal: the page always has all available data. Data that was read stays when archives grow,
+// vanish, are damaged or return. Method: change, delete and damage files under a gallery.
 #include "clients/gallery_server/gallery.h"
 
 #include <gmock/gmock.h>
@@ -84,8 +84,9 @@ TEST_F(GalleryTest, AGrowingArchiveIsReadAnew) {
 }
 
 TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
-  // Goal: the first 500 animations appear early, marked as a beginning, then all under a higher
-  // generation. With a stored index all appear at once. Method: record the state at each change.
+  // Goal: the first 500 animations appear early, marked as incomplete. All animations appear later
+  // under a higher generation, or at once if an index is stored. Method: record the state at each
+  // change.
   const std::string archive = path("a.h5");
   std::vector<json::Value> said;
   std::atomic<Gallery*> telling = nullptr;
@@ -134,7 +135,7 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
 }
 
 TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
-  // An open page must not take another reading's entries for its own.
+  // An open page must not confuse its entries with those of a restarted gallery.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
   std::vector<json::Value> said;
@@ -166,8 +167,9 @@ TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
 }
 
 TEST_F(GalleryTest, AFolderShowsWhatLiesInItAndNothingElse) {
-  // Goal: a folder's archives are shown, including later ones. A damaged archive affects only
-  // itself; a link that leads outside is named and not opened. Method: show one of each.
+  // Goal: a folder's archives are shown, including archives that are added later. A damaged archive
+  // affects no other; a link that leads outside the folder is reported and not opened. Method: show
+  // one of each.
   std::filesystem::create_directories(path("runs"));
   std::filesystem::create_directories(path("elsewhere"));
   files.put(path("runs/b.h5"), made_up(50));

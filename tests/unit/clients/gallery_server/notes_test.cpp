@@ -1,5 +1,5 @@
-// Goal: notes about animations are stored as written, for those who may write, and nothing else
-// enters a file. Method: write notes, and change, spoil or lock their files.
+// Goal: notes about animations are stored as written, and nothing else is stored. Method: write
+// notes, and change, damage or replace their files.
 #include "clients/gallery_server/notes.h"
 
 #include <fmt/format.h>
@@ -38,7 +38,8 @@ class NotesTest : public archive::testing::Scratch {
 };
 
 TEST_F(NotesTest, AreThereAgainTheNextTime) {
-  // Goal: a note outlives the gallery, is private, and is deleted when empty. Method: try each.
+  // Goal: a note outlives the gallery, is private, and is deleted when it becomes empty. Method:
+  // try each.
   {
     Notes notes(path("notes"));
     EXPECT_EQ(changed(notes, run, "c0.250", starred)["changed"], 1);
@@ -92,8 +93,8 @@ TEST_F(NotesTest, NothingElseGetsIn) {
 
 TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   // Goal: a bulk change is stored whole or not at all. Method: change thousands of notes at once,
-  // also with a wrong one and with too many. The maximum takes seconds, with sanitizers half a
-  // minute.
+  // then once with an invalid note and once with too many notes. Changing the maximum number of
+  // notes takes seconds, or half a minute with sanitizers.
   Notes notes(path("notes"));
   Json stars = Json::object();
   for (int i = 0; i < 5000; ++i)
@@ -137,8 +138,9 @@ TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
 }
 
 TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
-  // Goal: if notes can't be stored, they still work and a message reports it; an invalid file stays
-  // as it is. Method: put a file in place of the folder; use a file of nonsense; use no folder.
+  // Goal: notes that can't be stored work until the gallery ends, and a message reports this; an
+  // invalid file stays unchanged. Method: put a file in place of the folder; use an invalid file;
+  // use no folder.
   std::ofstream(path("taken")) << "a file";
   Notes notes(path("taken/notes"));
   changed(notes, run, "c0.250", starred);
@@ -174,13 +176,13 @@ TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
 }
 
 TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
-  // Goal: a folder "sleight-notes" beside the archive shares notes; otherwise they are personal.
-  // Method: save with and without the folder.
+  // Goal: notes are shared if the folder "sleight-notes" exists beside the archive, and otherwise
+  // personal. Method: save with and without the folder.
   ::setenv("XDG_DATA_HOME", path("data").c_str(), 1);
   EXPECT_EQ(notes_folder(path("a.h5")), path("data/sleight/notes"));
   fs::create_directories(path("sleight-notes"));
   EXPECT_EQ(notes_folder(path("a.h5")), path("sleight-notes"));
-  // Shared notes are stored beside their archive, others in the person's folder.
+  // Shared notes are stored beside their archive, other notes in the person's folder.
   Notes notes(path("data/own"));
   notes.keep_in(run, path("sleight-notes"));
   notes.keep_in(run, path("elsewhere"));

@@ -1,6 +1,6 @@
-// Goal: an archive that was browsed before is shown at once by its outline, which agrees with the
-// whole; questions about motions wait. Method: show one file whose second reading is delayed, is
-// damaged, or finds another file.
+// Goal: an archive that was browsed before is shown at once from its outline, which agrees with the
+// whole archive. Questions about motions wait for the archive. Method: show one file whose second
+// reading is delayed, is damaged, or finds another file.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -54,7 +54,8 @@ class OutlinesTest : public archive::testing::Scratch {
         browse::bytes_of(browse::outline_of(whole.index(), whole.first_groups()), base::version()));
   }
 
-  /// Starts a gallery whose openings after the first wait for let_go().
+  /// Starts a gallery. The first opening of a file succeeds at once; later openings wait for
+  /// let_go().
   std::unique_ptr<Gallery> begun() {
     opened_ = 0;
     held_ = true;
@@ -177,7 +178,7 @@ TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
     const Answers answers(*gallery, notes_, rules_, "1.2");
     EXPECT_EQ(asked(answers, "/api/groups", groups_of(*outline, 12)).status, 200U);
     EXPECT_EQ(answers({.path = "/api/archives/0/table"}).status, 200U);
-    // The status would be 503 after a wait.
+    // A question that waits in vain would get the status 503.
     EXPECT_EQ(asked(answers, "/api/groups", groups_of(*outline, 5)).status, 502U);
     files_.put(archive_, made_up(101, 30));
     ASSERT_TRUE(holds_soon([&] { return !gallery->snapshot(0)->is_outline(); }));
@@ -202,7 +203,7 @@ TEST_F(OutlinesTest, WhatCannotBeHadIsNotLookedForWithoutPause) {
 }
 
 TEST_F(OutlinesTest, AreOfOneStateOfOneFile) {
-  // Another file, and the same bytes with a wrong digest, are both read whole.
+  // The archive is read whole if the file was replaced or if the outline has another digest.
   files_.put(archive_, made_up(60, 10));
   {
     const auto gallery = begun();

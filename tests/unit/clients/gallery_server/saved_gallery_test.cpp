@@ -120,7 +120,8 @@ class SavedGallery : public archive::testing::Scratch {
 };
 
 TEST_F(SavedGallery, HoldsWhatAServerAnswers) {
-  // Goal: files are the answers. Method: decode each kind; every animation is in some file.
+  // Goal: saved files contain the answers. Method: decode each kind; every animation is in some
+  // file.
   const std::uint64_t bytes = save(options("saved"));
   std::uint64_t found = 0;
   for (const auto& item : fs::recursive_directory_iterator(path("saved"))) {
@@ -153,7 +154,7 @@ TEST_F(SavedGallery, HoldsWhatAServerAnswers) {
   EXPECT_TRUE(fs::exists(path("saved/data/0/series-trace.lp-0.js")));
 }
 
-/// Returns the exit code and message of a refusal, otherwise code ok.
+/// Returns the exit code and message of the error that `work` throws, or code `ok`.
 template <typename Work>
 std::pair<base::ExitCode, std::string> refusal_of(const Work& work) {
   try {
@@ -235,8 +236,9 @@ TEST_F(SavedGallery, TakesNothingElsesPlace) {
 }
 
 TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
-  // Goal: a save never deletes files that people put into a saved gallery, and names them. Method:
-  // save over a gallery with a file, folders of each kind, or a link in a file's place.
+  // Goal: a save never deletes files that people put into a saved gallery; the error names these
+  // files. Method: save over a gallery with a file, folders of each kind, or a link in a file's
+  // place.
   const std::map<std::string, std::string> others = {{"hi.h5", "hi.h5"},
                                                      {"CNAME", "CNAME"},
                                                      {".git/HEAD", ".git"},
@@ -301,8 +303,8 @@ TEST_F(SavedGallery, LeavesNoFileOfTheOneBefore) {
 }
 
 TEST_F(SavedGallery, KeepsTheFolderItself) {
-  // Goal: a mount point, the current folder and a link's target are replaced in place. Method: the
-  // folder's inode stays the same after saves as "." and by a link.
+  // Goal: a save replaces a mount point, the current folder or a link's target in place. Method:
+  // check that the folder's inode stays the same after saves as "." and through a link.
   save(options("saved"));
   struct stat before {};
   ASSERT_EQ(::stat(path("saved").c_str(), &before), 0);
@@ -335,8 +337,8 @@ fs::path work_in(const fs::path& folder) {
 
 TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
   // Goal: an interrupted save leaves nothing but the earlier gallery. Method: save with a progress
-  // that throws halfway, with one that spoils a file so that a rename fails halfway, and with a
-  // file that appears meanwhile.
+  // callback that throws halfway, with a callback that damages a file so that a rename fails
+  // halfway, and with a file that appears during the save.
   save(options("saved"));
   std::ofstream(path("saved/index.html")) << "the first";
   const auto before = files_in(path("saved"));

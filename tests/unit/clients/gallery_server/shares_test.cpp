@@ -43,8 +43,8 @@ TEST(Shares, ADrawGoesToWhatWasKeptLastOfItsLineage) {
 }
 
 TEST(Shares, NoDrawsAndOneLineage) {
-  // Goal: no draws give no share, and one lineage gives no error. Method: use no draws, one
-  // lineage, and an animation in no group.
+  // Goal: without draws there are no shares, and with one lineage there is no error. Method: use no
+  // draws, one lineage, and an animation in no group.
   EXPECT_TRUE(shares_of({}, Groups{}, 2).empty());
   const std::vector<LineageDraw> kept{{.chain = 0, .lineage = 1, .draw = 1}};
   const std::vector<LineageDraw> twice{kept[0], {.chain = 0, .lineage = 1, .draw = 2}};
@@ -94,9 +94,9 @@ TEST(Shares, AreWhatCountingDrawByDrawSays) {
 }
 
 TEST(Shares, ErrorsAreHowSharesScatter) {
-  // Goal: the error is the scatter of the share over runs. Method: simulate 2,000 runs of 60
-  // lineages of 1 to 12 draws, each in the group with probability 0.3 (seed 28). The mean error
-  // must equal the shares' standard deviation to a tenth.
+  // Goal: the reported error equals the scatter of the share over runs. Method: simulate 2,000 runs
+  // of 60 lineages of 1 to 12 draws, each in the group with probability 0.3 (seed 28). The mean
+  // error must equal the shares' standard deviation to within a tenth.
   random::Stream stream({.seed = 28, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   double sum = 0;

@@ -1,4 +1,5 @@
-// Files that stand for in-memory archives: a gallery watches the files and reads the memory.
+// Files that stand for in-memory archives. A gallery watches the files and reads the archives from
+// memory.
 #pragma once
 
 #include <filesystem>

@@ -182,7 +182,7 @@ TEST(AnimationFigures, ManyBodiesAreShownAtInstants) {
 
 TEST(AnimationFigures, FitTheirPanels) {
   // Goal: nothing is cut off, animations are side by side, and a panel's units are pixels. Method:
-  // measure everything drawn for wide, deep and flat scenes; the SVG's frames.
+  // measure everything that is drawn for wide, deep and flat scenes, and the frames of the SVG.
   for (const double y_m : {0.0, 0.04, 0.4, 4.0}) {
     for (const std::size_t count : {1U, 2U, 3U}) {
       const plot::Figure figure =

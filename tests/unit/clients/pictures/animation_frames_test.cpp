@@ -1,6 +1,6 @@
 // Goal: a film shows bodies at their motion's positions, whole and at the same scale in all frames;
 // files are complete or absent. Method: measure frames of made-up motions, write into folders, and
-// run scripts in place of ffmpeg, and ffmpeg if installed.
+// run scripts in place of ffmpeg. Run ffmpeg too if it is installed.
 #include "clients/pictures/animation_frames.h"
 
 #include <gmock/gmock.h>
@@ -138,7 +138,8 @@ class Frames : public archive::testing::Scratch {
 
 TEST_F(Frames, ShowBodiesWhereTheirMotionHasThem) {
   // Goal: each ball is at its place at any time, and absent before it enters; all frames have the
-  // same size and scale. Method: measure the distance to the bin's middle in radii.
+  // same size and scale. Method: measure each ball's distance from the bin's middle in units of the
+  // ball's radius.
   const plot::Figure first = frame_figure(scene, animation, 0);
   const plot::Point bin = bin_in(first);
   for (const double t_s : {0.0, 0.1, 0.2, 0.37, 0.5, 2.0}) {
@@ -229,8 +230,8 @@ TEST_F(Frames, AreCounted) {
 }
 
 TEST_F(Frames, AreWrittenAsPngFiles) {
-  // Goal: each file is the picture of its time; the new folder holds nothing else; progress is
-  // reported. Method: compare with the same pictures drawn whole, byte by byte.
+  // Goal: each file shows the picture of its time, the new folder holds nothing else, and progress
+  // is reported. Method: compare each file byte by byte with a separately drawn picture.
   const std::string folder = path("frames");
   std::vector<std::pair<std::size_t, std::size_t>> told;
   const std::size_t count = write_png_frames(
@@ -253,7 +254,7 @@ TEST_F(Frames, AreWrittenAsPngFiles) {
 
 TEST_F(Frames, NothingOfOthersIsOverwritten) {
   // Goal: a folder with files stays unchanged, and a failure leaves nothing behind. Method: write
-  // into such a folder; write with a progress that throws.
+  // into a folder that has a file; write with a progress callback that throws.
   const fs::path folder = path("mine");
   fs::create_directory(folder);
   std::ofstream(folder / "frame-0001.png") << "dear";
@@ -273,8 +274,8 @@ TEST_F(Frames, NothingOfOthersIsOverwritten) {
 }
 
 TEST_F(Frames, GoToFfmpegAsPixels) {
-  // Goal: the encoder gets the right arguments and all bytes; its file gets its name once complete.
-  // Method: run a script that records its arguments and counts bytes.
+  // Goal: the encoder gets the right arguments and all bytes; the film gets its final name once it
+  // is complete. Method: run a script that records its arguments and counts bytes.
   const std::string output = path("a film.mp4");
   {
     const OtherPath path(
@@ -318,7 +319,8 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
   refused(path_with_ffmpeg("cat > /dev/null; echo 'disk full' >&2; exit 3\n"),
           "video:\n  disk full");
   refused(path_with_ffmpeg("cat > /dev/null; kill -9 $$\n"), "printed no reason");
-  // As on a full disk, ffmpeg succeeds with a file cut in a box or before the index.
+  // As on a full disk, "ffmpeg" succeeds but leaves a file that ends inside a box or before the
+  // index.
   for (const char* film : {"\\0\\0\\0\\010moov\\0\\0\\0\\020mdat", "\\0\\0\\0\\010mdat"}) {
     refused(path_with_ffmpeg(fmt::format("cat > /dev/null; for last; do :; done\n"
                                          "printf '{}' > \"${{last#file:}}\"\n",

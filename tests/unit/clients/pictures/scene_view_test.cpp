@@ -55,8 +55,8 @@ double area_of(const auto& corners) {
 }
 
 TEST(SceneView, ADieThatIsNotTurnedShowsItsThree) {
-  // Goal: without rotation the 3 is on top and the 5 in front (1 on +x, 2 on +y). Method: check the
-  // square's corners from both sides, half a side from the centre.
+  // Goal: without rotation the 3 is on top and the 5 in front (1 on +x, 2 on +y). Method: view the
+  // die from both sides; the square's corners must be half a side from the centre.
   const motion::Pose pose{.centre_m = {0.010, 0.020, 0.008}};
   const auto above = seen_faces(pose, 16, Seen::from_above);
   ASSERT_THAT(numbers_of(above), ElementsAre(3));
@@ -72,7 +72,7 @@ TEST(SceneView, ADieThatIsNotTurnedShowsItsThree) {
 }
 
 TEST(SceneView, EveryFaceComesUp) {
-  // Goal: each face is on top in its pose and shows as many pips; its opposite adds up to 7.
+  // Goal: each face is on top in its pose and shows its number of pips. Opposite faces add up to 7.
   // Method: make quarter turns about x and y.
   const std::vector<std::pair<Quat, std::uint32_t>> poses{
       {turned({0, 1, 0}, -90), 1}, {turned({1, 0, 0}, 90), 2},  {turned({1, 0, 0}, 0), 3},
@@ -88,8 +88,8 @@ TEST(SceneView, EveryFaceComesUp) {
 }
 
 TEST(SceneView, OneTwoThreeGoRoundAnticlockwise) {
-  // Goal: the numbering is not mirrored. Method: turn the corner of 1, 2 and 3 up; from above their
-  // middles go round it anticlockwise.
+  // Goal: the numbering is not mirrored. Method: turn the corner of faces 1, 2 and 3 up. From
+  // above, the faces' middles must be in anticlockwise order.
   const Vec3 axis = Vec3(1, -1, 0) / std::sqrt(2.0);
   const Quat corner_up = turned(axis, std::acos(1 / std::sqrt(3.0)) * 180 / M_PI);
   const auto seen = seen_faces({.orientation = corner_up}, 16, Seen::from_above);
@@ -103,8 +103,8 @@ TEST(SceneView, OneTwoThreeGoRoundAnticlockwise) {
 }
 
 TEST(SceneView, OutlineOfATiltedDie) {
-  // Goal: a die on its edge shows two faces, each as wide as its cosine. Method: turn about y,
-  // which brings the 6, on -x, up beside the 3.
+  // Goal: a tilted die shows two faces, each foreshortened by the cosine of its tilt. Method: turn
+  // about y, so that the 6 (on -x) appears beside the 3.
   for (const double angle_deg : {20.0, 45.0, 70.0}) {
     const double angle = angle_deg * M_PI / 180;
     const auto seen =

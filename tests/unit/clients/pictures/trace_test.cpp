@@ -1,5 +1,6 @@
-// Goal: long traces are thinned in bounded memory without losing a spike; archives of a wrong shape
-// are refused by name. Method: read a source that computes its values and records its longest read.
+// Goal: long traces are thinned in bounded memory without losing a spike; datasets of a wrong shape
+// are refused with an error that names them. Method: read a source that computes its values and
+// records its longest read.
 #include "clients/pictures/trace.h"
 #include "clients/analysis/archive_rows.h"
 

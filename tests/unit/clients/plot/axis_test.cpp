@@ -28,9 +28,9 @@ TEST(Ticks, AreOneTwoFiveMultiples) {
 }
 
 TEST(Ticks, StayInsideDifferAndAreFew) {
-  // Goal: for any range, ticks ascend inside it, are at most as many as requested, at least two if
-  // five or more are requested, and have different labels. Method: make up 20,000 ranges over 60
-  // powers of ten, some far from zero.
+  // Goal: for any range, ticks ascend inside the range and have different labels. There are at most
+  // as many ticks as requested, and at least two if five or more are requested. Method: make up
+  // 20,000 ranges over 60 powers of ten, some far from zero.
   MadeUp made_up(3);
   for (int i = 0; i < 20000; ++i) {
     const double span = std::pow(10.0, -30 + 60 * made_up.uniform());
@@ -54,8 +54,8 @@ TEST(Ticks, StayInsideDifferAndAreFew) {
 }
 
 TEST(Ranges, FollowTheFinitePoints) {
-  // Goal: gaps and infinities don't affect an axis, shapes get a margin, a trace fills the width.
-  // Method: lay out one panel with a known extent.
+  // Goal: gaps and infinities don't affect an axis, shapes get a margin, and a trace fills the
+  // width. Method: lay out one panel with a known extent.
   Panel panel{
       .series = {Line{.points = {{0, 1}, {5, k_nan}, {10, k_infinity}, {8, 3}, {k_nan, 99}}}}};
   PanelRanges ranges = ranges_of(panel);
@@ -71,7 +71,7 @@ TEST(Ranges, FollowTheFinitePoints) {
 }
 
 TEST(Ranges, OfNothingOneAndConstantCanBeDrawn) {
-  // Goal: low < high with distinct ticks, whatever the points. Method: use no points, one point,
+  // Goal: any points give low < high and distinct ticks. Method: use no points, one point,
   // constants of all magnitudes, all NaN, and neighbouring doubles.
   for (const double value : {0.0, 1.0, -7e8, 1e-300, -1e149, 3e-9}) {
     for (const double other : {value, std::nextafter(value, k_infinity)}) {
@@ -92,8 +92,8 @@ TEST(Ranges, OfNothingOneAndConstantCanBeDrawn) {
 }
 
 TEST(Ranges, EqualAspectGrowsTheOneWithRoom) {
-  // Goal: a unit has the same length both ways, and nothing is cut. Method: use a wide and a high
-  // frame.
+  // Goal: with equal aspect, a unit has the same length on both axes, and nothing is cut. Method:
+  // use a wide and a high frame.
   const PanelRanges square{{0, 1}, {0, 1}};
   const PanelRanges wide = with_equal_aspect(square, 400, 100);
   EXPECT_EQ(wide.y, (Range{0, 1}));

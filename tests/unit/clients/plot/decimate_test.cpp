@@ -12,9 +12,9 @@ namespace sleight::plot {
 namespace {
 
 TEST(Decimation, KeepsTheExtremesOfEachColumn) {
-  // Goal: thinning is invisible: each column keeps its lowest, highest, first and last values, in
-  // order, so at most four. Method: thin a million made-up points with rare spikes on 800 columns,
-  // and compare with a plain search.
+  // Goal: thinning is invisible: each column keeps at most four values (lowest, highest, first and
+  // last), in order. Method: thin a million made-up points with rare spikes on 800 columns, and
+  // compare with a plain search.
   MadeUp made_up(5);
   std::vector<Point> points;
   constexpr std::size_t k_count = 1'000'000;
@@ -80,7 +80,8 @@ TEST(Runs, AreWhatLiesBetweenGaps) {
 }
 
 TEST(Steps, HoldEachValueToTheNext) {
-  // Goal: a repeated sample's change is a corner, except across a gap. Method: use a known series.
+  // Goal: in a stepped line, each change of value makes a corner, except across a gap. Method: use
+  // a known series.
   const auto corners = stepped(std::vector<Point>{{0, 1}, {1, 2}, {2, k_nan}, {3, 4}});
   ASSERT_EQ(corners.size(), 5U);
   EXPECT_EQ(corners[1], (Point{1, 1}));

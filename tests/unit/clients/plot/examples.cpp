@@ -9,7 +9,8 @@ namespace sleight::plot {
 
 namespace {
 
-// A path of arcs from height 4.5 to the table that drifts towards the target at x = 1.
+// A path of arcs that starts at height 4.5, bounces on the table, and drifts towards the target at
+// x = 1.
 struct Path {
   std::vector<Point> points;
   std::vector<Arrow> normals;

@@ -28,10 +28,11 @@ class MadeUp {
   std::uint64_t state_;
 };
 
-/// Landing position over iterations with its band, above log p, as in the thesis's figure 2.4.
+/// Returns a figure like the thesis's figure 2.4: the landing position with its band over
+/// iterations, and log p below.
 Figure landing_figure();
 
-/// Three bouncing paths with normals and a target, as in the thesis's figure 2.3.
+/// Returns a figure like the thesis's figure 2.3: three bouncing paths with normals and a target.
 Figure paths_figure();
 
 /// Hostile input: gaps, infinities, huge and constant values, markup in labels.

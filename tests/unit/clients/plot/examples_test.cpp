@@ -19,8 +19,8 @@ std::string picture_path(const std::string& name) {
 }
 
 TEST(Examples, AreDrawnToFiles) {
-  // Goal: the project's kinds of figures are saved as SVG and PNG. Method: save made-up figures;
-  // files exist, are not empty, and no partial file is left.
+  // Goal: the project's kinds of figures are saved as SVG and PNG. Method: save made-up figures.
+  // Files must exist and not be empty, and no partial file may be left.
   const std::pair<const char*, Figure> k_figures[] = {
       {"landing", landing_figure()}, {"paths", paths_figure()}, {"hostile", hostile_figure()}};
   for (const auto& [name, figure] : k_figures) {
@@ -71,7 +71,8 @@ TEST(Save, ExplainsWhatIsWrong) {
 }
 
 TEST(Save, TellsOfAFullDisk) {
-  // Goal: a short write is an error. Method: write to /dev/full behind a link, if there is one.
+  // Goal: a short write is an error. Method: write through a link to /dev/full, if that device
+  // exists.
   const std::string path = testing::TempDir() + "full.svg";
   std::error_code failure;
   std::filesystem::remove(path, failure);

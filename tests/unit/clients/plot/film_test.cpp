@@ -1,5 +1,6 @@
-// Goal: a film's frame is the still picture with its moving series, without traces of the last
-// frame; both forms have the same pixels. Method: draw small figures and read the PNGs.
+// Goal: a film's frame consists of the still picture and the moving series, without remains of the
+// previous frame. Raw frames and PNGs have the same pixels. Method: draw small figures and read the
+// PNGs.
 #include "clients/plot/film.h"
 
 #include <cairo.h>

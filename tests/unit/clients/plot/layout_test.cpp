@@ -9,8 +9,8 @@ namespace sleight::plot {
 namespace {
 
 TEST(Layout, KeepsFramesApartAndInside) {
-  // Goal: no panel leaves the page or overlaps another, for tiny to large pages. Method: lay out
-  // the example figures at several sizes; at ordinary sizes, labels stay inside their cell.
+  // Goal: on tiny to large pages, no panel leaves the page or overlaps another. Method: lay out the
+  // example figures at several sizes; at ordinary sizes, labels stay inside their cell.
   for (Figure figure : {landing_figure(), paths_figure(), hostile_figure()}) {
     for (const double scale : {0.05, 0.5, 1.0, 3.0}) {
       Figure sized = figure;
@@ -57,7 +57,7 @@ TEST(Layout, SeparatesTickLabels) {
 
 TEST(Layout, NarrowPanelsStillHaveAScale) {
   // Goal: an axis with room for two ticks has at least two, and labels don't touch. Method: use
-  // ranges that few nice steps hit only once, in narrow panels.
+  // narrow panels, and ranges in which coarse steps have only one tick.
   for (const double width_px : {250.0, 360.0}) {
     for (const Range range : {Range{-4, 4}, Range{-3.75, 3.75}, Range{-0.9, 0.9}, Range{1, 9}}) {
       const Figure figure{.width_px = width_px, .panels = {Panel{.x_range = range}}};

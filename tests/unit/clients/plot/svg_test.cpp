@@ -12,7 +12,7 @@
 namespace sleight::plot {
 namespace {
 
-// Returns GLib's complaint about an XML text, empty if it is well-formed.
+// Returns GLib's error message about an XML text. Empty if the text is well-formed.
 std::string xml_complaint(const std::string& text) {
   const GMarkupParser parser{};
   GMarkupParseContext* context =
@@ -67,7 +67,7 @@ TEST(Svg, EscapesWhatPeopleWrite) {
 
 TEST(Svg, SaysWhereItComesFrom) {
   // Goal: notes appear in the metadata, escaped, one per line, and change nothing else. Method:
-  // compare a hostile figure with and without notes, metadata cut out.
+  // compare a hostile figure with and without notes, after cutting out the metadata.
   const Notes notes =
       notes_of(std::vector<std::string>{"command=draw </metadata> & more", "seed=7"});
   const std::string svg = to_svg(hostile_figure(), notes);
@@ -109,8 +109,8 @@ TEST(Svg, StaysSmallForAMillionPoints) {
 }
 
 TEST(Svg, LeavesGapsAndMarksInfinities) {
-  // Goal: NaN splits a line, a lone point is a dot, minus infinity a triangle. Method: count
-  // elements of small figures; each has one axis line.
+  // Goal: NaN splits a line, a lone point becomes a dot, and minus infinity becomes a triangle.
+  // Method: count elements of small figures; each has one axis line.
   EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, 1}, {2, k_nan}, {3, 1}, {4, 0}}}),
                         "<polyline"),
             3U);
@@ -121,7 +121,7 @@ TEST(Svg, LeavesGapsAndMarksInfinities) {
 }
 
 TEST(Svg, DrawsEachKindOfSeries) {
-  // Goal: every kind of series has its own element. Method: draw one panel each, with labels.
+  // Goal: every kind of series has its own element. Method: draw one labelled panel for each kind.
   EXPECT_EQ(occurrences(svg_of(Steps{.points = {{0, 0}, {1, 1}}}), "<polyline"), 2U);
   EXPECT_EQ(occurrences(svg_of(Markers{.points = {{0, 0}, {1, 1}}}), "h0"), 2U);
   EXPECT_EQ(occurrences(svg_of(HorizontalBand{.low = 1, .high = 2}), "fill-opacity"), 1U);

@@ -78,7 +78,7 @@ TEST(Terminal, UsesBraille) {
 }
 
 TEST(Terminal, DrawsVerticalLines) {
-  // Goal: a vertical line takes the whole height at its x. Method: draw a line at the right edge.
+  // Goal: a vertical line spans the whole height at its x. Method: draw a line at the right edge.
   const Panel panel{.x_range = Range{0, 1},
                     .y_range = Range{0, 1},
                     .series = {VerticalLine{.x = 1, .dashed = false}}};

@@ -7,7 +7,7 @@ namespace {
 
 TEST(Text, IsRepairedToPrintableUtf8) {
   // Goal: any bytes become text that is safe for XML and terminals. Method: use bad bytes, overlong
-  // forms, surrogates and controls; valid text of all lengths stays.
+  // forms, surrogates and controls. Valid text of all lengths must stay unchanged.
   EXPECT_EQ(printable("σ ≤ 0.1 D 🎲"), "σ ≤ 0.1 D 🎲");
   EXPECT_EQ(printable("a\tb\nc"), "a b c");
   EXPECT_EQ(printable("\x1b[31m"), "\uFFFD[31m");

@@ -57,7 +57,7 @@ TEST(TextTable, FitsEveryWidth) {
 }
 
 TEST(TextTable, OfNothingIsNothing) {
-  // Goal: a table without rows has no heads.
+  // Goal: a table without rows has no column heads.
   EXPECT_EQ(to_text({.columns = {{.head = "ID"}}, .rows = {}}, 80), "");
 }
 

@@ -9,7 +9,7 @@ namespace sleight::service_client {
 namespace {
 
 TEST(JobNames, AreNumbersRangesAndGroups) {
-  // Goal: job names are parsed and printed alike. Method: use one of each form.
+  // Goal: a parsed job name prints as the same text. Method: use one of each form.
   const std::vector<std::string> texts{"17", "3..8", "g5"};
   const auto names = job_names_of(texts);
   ASSERT_TRUE(names);
@@ -19,8 +19,8 @@ TEST(JobNames, AreNumbersRangesAndGroups) {
 }
 
 TEST(JobNames, OtherTextsAreNone) {
-  // Goal: a typing error never names a job. Method: try similar texts; the error shows them
-  // printably.
+  // Goal: a mistyped job name never refers to a job. Method: try similar texts; the error shows
+  // each text in printable form.
   for (const char* text : {"",
                            "0",
                            "-1",
@@ -59,7 +59,8 @@ TEST(JobNames, ARangeIsBounded) {
 }
 
 TEST(JobNames, OnlyANumberAloneIsASingleJob) {
-  // Goal: arguments alone determine JSON's shape. Method: try a group and a range of one job.
+  // Goal: the form of the arguments alone determines whether JSON is an object or a list. Method:
+  // try a group and a range of one job.
   const auto is_single = [](const std::vector<std::string>& texts) {
     return is_single_job(job_names_of(texts).value());
   };

@@ -28,7 +28,7 @@ TEST(ProgressPrinter, WritesPlainLinesNowAndThen) {
 
 TEST(ProgressPrinter, WritesPhasesThatLast) {
   // Goal: a log file gets lines about writing an archive only if that takes long. Method: use a
-  // file in place of a terminal, with frequent and rare lines.
+  // file in place of a terminal, with and without a minimum interval between lines.
   for (const double every_s : {0.0, k_plain_line_every_s}) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
     ASSERT_NE(file, nullptr);

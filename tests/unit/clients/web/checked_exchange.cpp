@@ -28,7 +28,8 @@ std::string trimmed(std::string_view text) {
   return std::string(text);
 }
 
-/// Returns the lines up to an empty line and advances past it; none if there is no empty line.
+/// Returns the lines before the first empty line, and advances `bytes` past the empty line. Returns
+/// nothing if there is no empty line.
 std::optional<std::vector<std::string>> take_lines(std::string_view& bytes) {
   std::vector<std::string> lines;
   while (true) {
@@ -37,7 +38,7 @@ std::optional<std::vector<std::string>> take_lines(std::string_view& bytes) {
     const std::string_view line = bytes.substr(0, end);
     bytes.remove_prefix(end + 2);
     if (line.empty()) return lines;
-    // A line that begins with a blank continues the line before.
+    // A line that begins with a blank continues the previous line.
     if ((line.front() == ' ' || line.front() == '\t') && lines.size() > 1) {
       lines.back() += " " + trimmed(line);
     } else {
@@ -108,7 +109,7 @@ void check_head(std::string_view head) {
     CHECK_EQ(is_end, head[i + 1] == '\n');
     if (is_end) ++lines;
   }
-  // A line end in a value would add lines beyond the common and three optional ones.
+  // The head has common lines and up to three optional lines; a line end in a value would add more.
   CHECK_LE(lines, 14U);
 }
 
@@ -206,7 +207,8 @@ bool is_same(const Ask& a, const Ask& b) {
 
 Outcome checked_exchange(std::string_view bytes, std::size_t piece) {
   Outcome whole = exchange_in_pieces(bytes, bytes.size() + 1);
-  // Of two damaged heads, pieces may decide which is refused and which waits for its deadline.
+  // If there are two damaged heads, the pieces may determine which head is refused and which waits
+  // for its deadline.
   const Outcome in_pieces = exchange_in_pieces(bytes, piece);
   CHECK_EQ(whole.taken.size(), in_pieces.taken.size());
   std::string_view rest = bytes;

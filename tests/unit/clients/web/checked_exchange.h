@@ -1,11 +1,12 @@
 // Passes a connection's bytes through the server's parts (intake.h, guard.h, reply.h) and checks
-// what must hold for any bytes. Used by tests and the fuzzer.
+// properties that hold for any bytes. Tests and the fuzzer use it.
 //
-//   - A slow, plain second reader reads every accepted request alike: method, path and body, one
-//     Host of ours, and the secret in a Cookie or a token in the target.
-//   - The pieces in which bytes arrive make no difference.
+//   - A slow, plain second reader finds the same method, path and body in every accepted request,
+//     a single Host header that names this server, and the secret in a Cookie or a token in the
+//     target.
+//   - The result doesn't depend on the pieces in which bytes arrive.
 //   - Buffered bytes never exceed their limits, and none are left at the end.
-//   - Answers have the right header lines and nothing of the request.
+//   - Answers have the right header lines and contain nothing of the request.
 #pragma once
 
 #include <cstddef>

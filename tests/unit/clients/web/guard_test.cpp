@@ -65,7 +65,7 @@ class Guarding : public ::testing::Test {
       head.fields.push_back({.name = name, .value = value});
     return guard_.judge(head);
   }
-  /// Returns the refusal's status; 0: the request passes.
+  /// Returns the status of the refusal, or 0 if the request passes.
   unsigned refused(const Request& request) {
     const auto judged = judge(request);
     if (judged) return 0;
@@ -148,7 +148,7 @@ TEST_F(Guarding, RefusesWhatABrowserSaysComesFromElsewhere) {
   for (const std::string site : {"cross-site", "same-site", "", "anything"}) {
     EXPECT_EQ(refused(with(good(), "Sec-Fetch-Site", site)), 403U) << site;
     EXPECT_EQ(refused(with(post(), "Sec-Fetch-Site", site)), 403U) << site;
-    // Not even a link from elsewhere passes, except to authorize.
+    // A link from another site is refused too, unless it authorizes the browser.
     const Request led =
         with(with(with(to(good(), "/"), "Sec-Fetch-Site", site), "Sec-Fetch-Mode", "navigate"),
              "Sec-Fetch-Dest", "document");

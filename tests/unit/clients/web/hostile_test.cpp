@@ -1,5 +1,6 @@
-// Goal: hostile peers get no answer of others and delay nobody, within limits. Method: send raw
-// bytes to real sockets, with short time limits; another client is answered during each attack.
+// Goal: within limits, hostile peers get no answers that are meant for others and delay no other
+// client. Method: send raw bytes to real sockets, with short time limits; another client is
+// answered during each attack.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

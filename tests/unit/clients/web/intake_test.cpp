@@ -133,7 +133,7 @@ TEST(Intakes, KeepNoBodyBeforeTheGuardHasSpoken) {
   EXPECT_EQ(budget.bytes, 0U);
 }
 
-// About 50 random requests per case; tests/fuzz continues.
+// Tests about 50 random requests per case. tests/fuzz tests more.
 TEST(Intakes, AgreeWithThePlainReaderOnAnything) {
   constexpr std::uint64_t k_seed = 27;
   std::size_t passed = 0;

@@ -1,5 +1,5 @@
 // Goal: keys can't be guessed, and each token authorizes once. Method: inspect generated keys; use
-// tokens, use them again, and push them out by newer ones; two threads use one.
+// tokens once and again, and replace them by newer tokens; use one token in two threads.
 #include "clients/web/keys.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Random requests, mostly like a browser's; some are hostile or damaged, some follow others.
+// Random requests and connections. Most requests resemble a browser's; some are hostile or damaged.
 #pragma once
 
 #include <fmt/format.h>
@@ -137,7 +137,7 @@ inline std::string random_request(random::Stream& stream) {
   return text + "\r\n" + (is_chunked ? chunked(body, stream) : body);
 }
 
-/// Returns one to four requests; in a quarter of cases some bytes are changed, removed or doubled.
+/// Returns one to four requests. In a quarter of cases, some bytes are changed, removed or doubled.
 inline std::string random_connection(random::Stream& stream) {
   std::string bytes;
   for (std::uint64_t i = 1 + below(stream, 4); i > 0; --i)

@@ -90,7 +90,7 @@ class RawClient {
     send(bytes);
     return receive(is_head);
   }
-  /// Returns a stream up to and including `text`, or up to its end if `text` doesn't come.
+  /// Returns a stream up to and including `text`, or up to its end if `text` doesn't occur.
   std::string receive_until(std::string_view text) {
     while (buffer_.find(text) == std::string::npos)
       if (!read_more()) return std::exchange(buffer_, {});
@@ -99,7 +99,8 @@ class RawClient {
     buffer_.erase(0, end);
     return received;
   }
-  /// Waits for the other end to close and returns whether at most `bytes_max` came before.
+  /// Waits until the other end closes the connection. Returns whether it sent at most `bytes_max`
+  /// bytes.
   bool is_closed(std::size_t bytes_max = 0) {
     while (buffer_.size() <= bytes_max)
       if (!read_more()) return !has_waited_in_vain_;

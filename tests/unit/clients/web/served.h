@@ -54,7 +54,8 @@ inline bool comes_true(const std::function<bool()>& is_so) {
   return true;
 }
 
-/// Whether clients have unlimited time, for busy machines, or the limits' time.
+/// How long clients may take: without limit (for busy machines), or as long as the server's limits
+/// allow.
 enum class Patience : std::uint8_t { endless, of_limits };
 
 class Served {

@@ -1,5 +1,6 @@
-// Goal: a page's folder is read once, with the right types, and nothing outside it. Method: make
-// folders with links, pipes and odd names; decompress what is compressed.
+// Goal: the server reads a page's folder once, with the right content types, and reads nothing
+// outside the folder. Method: make folders with links, pipes and odd names; decompress compressed
+// files.
 #include "clients/web/static_files.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Goal: a target has one path for every reader, or none. Method: parse a table of targets.
+// Goal: every reader finds the same path in a target, or the target is refused. Method: parse a
+// table of targets.
 #include "clients/web/target.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ TEST(Targets, PlainOnesAreDecodedOnce) {
   // A double encoding is decoded once.
   EXPECT_EQ(path_of("/%2525"), "/%25");
   EXPECT_EQ(path_of("/%252e%252e/"), "/%2e%2e/");
-  // Names of dots alone are refused; names with dots are not.
+  // Names may contain dots; only "." and ".." are refused.
   EXPECT_EQ(path_of("/..a/.b/c..d/..."), "/..a/.b/c..d/...");
   EXPECT_EQ(path_of("/" + std::string(k_target_bytes_max - 1, 'a')).size(), k_target_bytes_max);
 }

@@ -41,7 +41,8 @@ std::vector<double> joined(std::vector<double> first, const std::vector<double>&
   return first;
 }
 
-/// Two dice; one component of both and one of the second are random.
+/// Returns a prior of two dice. One component of both dice and one component of the second die are
+/// random.
 DicePrior small_prior() {
   const auto x = [](std::uint64_t die) {
     return StartComponent{.variable = "start_position_m",
@@ -108,8 +109,9 @@ class SmallArchive final : public archive::StoredArchive {
 };
 
 TEST(DicePlausibility, AreScoresAndCosts) {
-  // Scores of x are 0 and 1, then -1 and 2; of velocity 1, then -2. Their squares sum to 2 and 9,
-  // so the start's cost is half of 5.5 - 3. The table's cost is half of (2 + 8) / 2 less 4 points.
+  // The two animations' scores of x are (0, 1) and (-1, 2); those of velocity are 1 and -2. The
+  // scores' squares sum to 2 and 9 for 3 components, so the start's cost is half of 5.5 - 3. The
+  // table's squares sum to 2 and 8 for 4 points, so its cost is half of 5 - 4.
   const DicePlausibility all = dice_plausibility(SmallArchive(), small_prior(), {});
   EXPECT_EQ(all.animations, 2U);
   ASSERT_EQ(all.start.size(), 2U);
@@ -122,8 +124,8 @@ TEST(DicePlausibility, AreScoresAndCosts) {
   EXPECT_DOUBLE_EQ(all.start_cost.spread, std::sqrt(1.5));
   EXPECT_DOUBLE_EQ(all.table_cost.mean, 0.5 * (5 - 4));
   EXPECT_DOUBLE_EQ(all.table_cost.spread, std::sqrt(2));
-  // The start costs -1/2 and 3, the table -1 and 2, both together -3/2 and 5. The error of a mean
-  // of two is half their difference.
+  // The two animations' costs are -1/2 and 3 for the start, -1 and 2 for the table, and -3/2 and 5
+  // together. The error of a mean of two values is half their difference.
   EXPECT_DOUBLE_EQ(all.start_cost.error, 1.75);
   EXPECT_DOUBLE_EQ(all.table_cost.error, 1.5);
   EXPECT_DOUBLE_EQ(all.cost.mean, 1.75);
@@ -205,7 +207,8 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
     ASSERT_EQ(bars.size(), k_offset_bins);
     EXPECT_DOUBLE_EQ(bars[1].low.x, -3);
     EXPECT_DOUBLE_EQ(bars[5].low.x, -1);
-    // A bar from -1 to -1/2 holds 0.1499 of all in half a unit; 0.0013 are beyond 3.
+    // The bar from -1 to -1/2 holds a share of 0.1499 in half a unit. A share of 0.0013 is beyond
+    // 3.
     EXPECT_NEAR(bars[5].high.y, 0.2998, 0.05);
     EXPECT_NEAR(bars[13].high.y, 0.0027, 0.01);
   }
@@ -252,9 +255,9 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
 }
 
 TEST(DicePlausibility, ThePriorIsTheArchives) {
-  // Goal: the archive determines the prior of blind throws: components that vary, in the order of
-  // dice, and whether the table varies. Method: use a small archive with known priors, without
-  // priors, and damaged.
+  // Goal: the archive determines the prior of blind throws, that is, which components vary (in the
+  // order of dice) and whether the table varies. Method: use a small archive with known priors,
+  // without priors, and with damage.
   const DicePrior prior = dice_prior_of(SmallArchive({.has_prior = true}));
   EXPECT_EQ(prior.dice, 2U);
   EXPECT_TRUE(prior.is_table_random);
@@ -291,7 +294,7 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
 }
 
 TEST(DicePlausibility, NothingRandomIsSaid) {
-  // Goal: blind throws without variation give nothing to compare. Method: use such a prior.
+  // Goal: if blind throws don't vary, there is nothing to plot. Method: use such a prior.
   const SmallArchive fixed({.has_prior = true,
                             .position_sd = {0, 0, 0, 0, 0, 0},
                             .velocity_z_sd = 0,
@@ -301,8 +304,8 @@ TEST(DicePlausibility, NothingRandomIsSaid) {
 }
 
 TEST(DicePlausibility, BinsAreThoseOfTheWorld) {
-  // Goal: scores fall into the bins by which the world counts control points. Method: compare both
-  // functions over scores in and beyond all bins.
+  // Goal: plots sort scores into the same bins as the world uses to count control points. Method:
+  // compare both functions over scores in and beyond all bins.
   EXPECT_EQ(k_offset_bins, worlds::dice::k_offset_bins);
   EXPECT_EQ(k_offset_first_sd, worlds::dice::k_offset_first_sd);
   EXPECT_EQ(k_offset_step_sd, worlds::dice::k_offset_step_sd);

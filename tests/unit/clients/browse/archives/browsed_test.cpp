@@ -65,7 +65,7 @@ TEST_F(IndexCache, GivesBackWhatItKept) {
   for (std::size_t i = 0; i < index.entries.size(); ++i)
     EXPECT_TRUE(kept->index.entries[i] == index.entries[i]);
   EXPECT_TRUE(kept->of == *state_of_file(archive_));
-  // A link to the archive finds its index; another archive doesn't.
+  // The stored index is found by a link to its archive, but not for another archive.
   fs::create_symlink(archive_, path("link.h5"));
   EXPECT_TRUE(kept_index(path("link.h5")).has_value());
   std::ofstream(path("b.h5")) << "another";
