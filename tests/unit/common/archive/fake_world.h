@@ -224,7 +224,7 @@ class FakeRun : public RunView {
     record.accepted = {record.proposed[0] / 2, record.proposed[1] / 2};
     record.outcome = {unit_of(key + 4), static_cast<double>(key % 9)};
     record.state.clear();
-    // Few different keys, so that some animations are equal and some only look alike.
+    // Use few different keys, so that some animations are equal and some only look alike.
     if (record.satisfied || scan % options_.thin == 0) {
       record.state = FakeReader::state_of(mixed(key) % 64);
     }
@@ -233,8 +233,8 @@ class FakeRun : public RunView {
   FakeRunOptions options_;
 };
 
-/// The same run, tempered with two replicas and a method's tables. In chain 0, replica 1 has no
-/// state.
+/// A FakeRun that is tempered with two replicas and has a method's tables. In chain 0, replica 1
+/// has no state.
 class FakeTemperedRun final : public FakeRun {
  public:
   explicit FakeTemperedRun(const FakeRunOptions& options) : FakeRun(options) {}

@@ -1,5 +1,6 @@
 // Goal: an archive returns scenes and motions as they were written, and a damaged or older archive
-// returns an error. Method: write the made-up world, also with values that no writer writes.
+// returns an error. Method: write archives of the made-up world, with valid values and with values
+// that no writer writes.
 #include "common/archive/kept_motions.h"
 
 #include <gmock/gmock.h>

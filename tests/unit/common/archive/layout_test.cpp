@@ -360,8 +360,8 @@ TEST(DigestDeathTest, IncompleteArchivesAreBugs) {
 }
 
 TEST(Layout, SaysHowFarItIs) {
-  // Goal: writing reports its parts in order, each up to its end, and reports don't change the
-  // archive. Method: record all reports of one run.
+  // Goal: the writer reports its parts in order, each until it is complete, and reports don't
+  // change the archive. Method: record all reports of one run.
   const FakeRunOptions run{.chains = 3, .scans = 50, .thin = 5};
   std::vector<WritingProgress> heard;
   MemoryArchive told;

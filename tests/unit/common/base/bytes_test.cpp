@@ -16,8 +16,8 @@ std::optional<T> read_one(BytesView bytes) {
 }
 
 TEST(Bytes, ComeBackAsTheyWerePut) {
-  // Goal: scalars of every size read back in order, doubles bit for bit. Method: write and read one
-  // of each size, and doubles whose bits are easily lost.
+  // Goal: scalars of every size read back in order, and doubles bit for bit. Method: write and read
+  // one of each size, and doubles whose bits are easily lost.
   const double payload = std::bit_cast<double>(std::uint64_t{0x7ff4'0000'dead'beef});
   ByteWriter writer;
   writer.put(std::uint8_t{200});
@@ -43,7 +43,8 @@ TEST(Bytes, ComeBackAsTheyWerePut) {
 }
 
 TEST(Bytes, AreLittleEndian) {
-  // Goal: stored bytes are the same on every machine. Method: write a number of different bytes.
+  // Goal: stored bytes are the same on every machine. Method: write a number whose bytes all
+  // differ.
   ByteWriter writer;
   writer.put(std::uint32_t{0x04030201});
   EXPECT_EQ(writer.take(), (Bytes{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}}));

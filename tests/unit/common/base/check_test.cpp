@@ -40,8 +40,8 @@ TEST_F(CheckDeathTest, PrintsPlaceConditionAndBothOperands) {
 }
 
 TEST_F(CheckDeathTest, PrintsTextIdsAndWhatHasNoFormat) {
-  // Goal: operands of any type compile and print if they can. Method: use three types, one
-  // unprintable.
+  // Goal: operands of any type compile, and are printed if their type allows it. Method: use three
+  // types, one of them unprintable.
   EXPECT_DEATH(CHECK_EQ(std::string("left"), std::string("right")), "\\(left against right\\)");
   EXPECT_DEATH(CHECK_EQ(ChainId{7}, ChainId{8}), "\\(7 against 8\\)");
   EXPECT_DEATH(CHECK_EQ(Unprintable{1}, Unprintable{2}), "\\(\\? against \\?\\)");

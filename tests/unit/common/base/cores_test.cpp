@@ -33,7 +33,7 @@ TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
   EXPECT_EQ(quota("0::/\n"), std::nullopt);
   say("a/b/cpu.max", "1000 100000\n");
   EXPECT_EQ(quota("0::/a/b\n"), 1U);
-  // Inside a container, its own group is the root.
+  // Inside a container, the root is the container's group.
   say("cpu.max", "200000 100000\n");
   EXPECT_EQ(quota("0::/docker/17\n"), 2U);
   EXPECT_EQ(quota("nonsense\n0\n"), std::nullopt);

@@ -1,4 +1,4 @@
-// The real file system, with a fault at a chosen call.
+// The real file system, which fails at a chosen call.
 //
 // Counts the calls of all its files. Not thread-safe.
 #pragma once
@@ -58,7 +58,7 @@ class FaultyFileSystem final : public FileSystem {
   void remove(const std::string& path) override;
   void make_folder(const std::string& path) override;
 
-  /// Returns the error with which this call fails. None: the call succeeds.
+  /// Returns the error with which the call fails, or no error if the call succeeds.
   std::error_code failure_of(FileCall call) const;
 
  private:

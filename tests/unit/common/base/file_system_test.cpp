@@ -35,8 +35,8 @@ class FileSystemOfPosix : public archive::testing::Scratch {
 };
 
 TEST_F(FileSystemOfPosix, KnowsWhatExists) {
-  // Goal: existence tests answer yes or no correctly, and report an error if unsure. Method: test a
-  // file, a folder, a missing path, a path through a file, and an overlong name.
+  // Goal: exists() returns the right answer, and reports an error if it can't find out. Method:
+  // test a file, a folder, a missing path, a path through a file, and an overlong name.
   put_bytes(path("file"), "x");
   EXPECT_TRUE(files_.exists(path("file")));
   EXPECT_TRUE(files_.exists(path("")));
@@ -64,7 +64,7 @@ TEST_F(FileSystemOfPosix, TellsFoldersAndWhatIsInThem) {
 
 TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
   // Goal: a file holds the bytes written at their offsets and zeros elsewhere. Method: write with a
-  // gap, read over the end, shrink, close; creating the file again empties it.
+  // gap, read past the end, shrink and close the file; creating the file again must empty it.
   const auto bytes = [](std::string_view text) { return std::as_bytes(std::span(text)); };
   auto file = std::move(files_.create(path("file"))).value();
   EXPECT_FALSE(file->write_at(3, bytes("defg")));
@@ -80,8 +80,8 @@ TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
 }
 
 TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
-  // Goal: create doesn't follow a link at the new file's path, and errors are the system's. Method:
-  // create a file over a link, in a missing folder, over a folder, and on a full device.
+  // Goal: create() doesn't follow a link at the new file's path, and returns the system's errors.
+  // Method: create a file over a link, in a missing folder, over a folder, and on a full device.
   put_bytes(path("target"), "kept");
   std::filesystem::create_symlink(path("target"), path("link"));
   EXPECT_EQ(files_.create(path("link")).error(), std::errc::too_many_symbolic_link_levels);
@@ -96,7 +96,8 @@ TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
 }
 
 TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {
-  // Goal: a message names what failed. Method: call each function on a path that fails.
+  // Goal: an error message names the path that failed. Method: call each function on a path that
+  // fails.
   const std::string missing = path("missing");
   const std::string below = path("nowhere/file");
   std::filesystem::create_directory(path("folder"));
@@ -111,8 +112,8 @@ TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {
 }
 
 TEST_F(FileSystemOfPosix, ReadsTextUpToALimit) {
-  // Goal: read returns the whole file or an error, never a part. Method: read sizes around the
-  // limit, zero bytes within, a folder and a missing file.
+  // Goal: read_text_file() returns the whole file or an error, never a part. Method: read files of
+  // sizes around the limit, a file with zero bytes, a folder and a missing file.
   const std::string text("a\0b\n", 4);
   put_bytes(path("text"), text);
   put_bytes(path("empty"), "");
@@ -128,7 +129,7 @@ TEST_F(FileSystemOfPosix, ReadsTextUpToALimit) {
 }
 
 TEST(DirectoryOf, IsTheFolderPart) {
-  // Goal: directory_of returns the folder to sync after a rename. Method: use every form of path.
+  // Goal: directory_of() returns the folder to sync after a rename. Method: use every form of path.
   EXPECT_EQ(directory_of("file"), ".");
   EXPECT_EQ(directory_of("/file"), "/");
   EXPECT_EQ(directory_of("a/file"), "a");

@@ -47,7 +47,8 @@ TEST_F(Outputs, GoWhereLinksLead) {
 
 TEST_F(Outputs, AreWholeOrAsBefore) {
   // Goal: a failed write leaves the old file and no other file; modes follow the umask. Method:
-  // write with a writer that throws, to a full device, into a missing folder, and under two umasks.
+  // write with a function that throws, to a full device, into a missing folder, and under two
+  // umasks.
   write("a", "old");
   const auto throwing = [](std::ostream& file) {
     file << "new";

@@ -62,8 +62,8 @@ TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
 }
 
 TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
-  // Goal: a log stays within its bound and holds the newest events without a gap, at least half the
-  // bound's worth. Method: append many events under a small bound.
+  // Goal: a log stays within its bound and holds the newest events without a gap; these fill at
+  // least half the bound. Method: append many events under a small bound.
   constexpr std::uint64_t k_bytes_max = 10'000;
   EventLog log(folder(), k_bytes_max);
   for (std::uint64_t number = 1; number <= 2000; ++number) {
@@ -82,7 +82,7 @@ TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
 
 TEST_F(EventLogTest, ReadersSeeNoGapWhileItTurnsOver) {
   // Goal: a reader sees consecutive numbers at any moment, and its newest number never decreases.
-  // Method: a thread reads all the time beside a writer that rotates its files every few events.
+  // Method: a thread reads all the time while a writer rotates its files every few events.
   std::atomic<bool> is_over = false;
   std::atomic<std::uint64_t> looks = 0;
   std::optional<std::string> complaint;

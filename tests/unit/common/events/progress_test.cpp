@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// Returns the numbers of a line in their order, with the signs that belong to them.
+/// Returns a line's numbers in order, with their signs and separators.
 std::vector<std::string> numbers_of(const std::string& line) {
   constexpr std::string_view k_signs = "0123456789,.:%+-";
   std::vector<std::string> numbers;
@@ -33,7 +33,7 @@ std::vector<std::string> numbers_of(const std::string& line) {
 }
 
 TEST(Grouped, GroupsByThousands) {
-  // Goal: large counts are readable. Method: format every number of digits around the commas.
+  // Goal: large counts are readable. Method: format numbers of different lengths.
   EXPECT_EQ(grouped(0), "0");
   EXPECT_EQ(grouped(999), "999");
   EXPECT_EQ(grouped(1000), "1,000");
@@ -128,7 +128,7 @@ TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
 
 TEST(ProgressLine, CountsWhatASearchDoes) {
   // Goal: the line never shows "0 sims/s" while something is simulated. Method: print the line
-  // before the first start has ended, among starts, and while finds are relaxed.
+  // before the first start has ended, between starts, and while finds are relaxed.
   Progress search{.finds = {.wanted = 5, .is_all = true}, .workers = 2, .elapsed_s = 12};
   EXPECT_THAT(numbers_of(progress_line("x", search)), ElementsAre("0", "5", "0.0", "0:12", "2"));
   search.session_simulations = 600;

@@ -42,7 +42,7 @@ std::vector<RunEvent> examples() {
 
 TEST(RunEvent, ComesBackFromItsLine) {
   // Goal: each kind of event is one line that reads back with every field. Method: write, read and
-  // write examples of all kinds; both lines must be equal.
+  // write again examples of all kinds; both lines must be equal.
   for (const RunEvent& event : examples()) {
     const std::string line = to_line(event);
     EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;

@@ -39,7 +39,7 @@ TEST(FailureFile, ComesBack) {
     EXPECT_EQ(back.value().failed, file.failed);
     EXPECT_EQ(back.value().replica, file.replica);
     EXPECT_EQ(back.value().program_version, file.program_version);
-    // The request keeps its line numbers within the file, so that its errors name the file's lines.
+    // The request's text keeps the file's line numbers, so that errors name the right lines.
     const std::string& text = back.value().request_text;
     EXPECT_EQ(text.substr(text.find('[')), k_request);
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), std::ranges::count(to_text(file), '\n'));
@@ -71,7 +71,7 @@ TEST(FailureFile, NamesWhatIsWrong) {
 
 TEST(FailureFile, ChangedFilesAreRefused) {
   // Goal: a damaged file is refused instead of replaying another simulation. Method: change each
-  // byte in turn, in the comment and the request too; remove the checksum.
+  // byte in turn, including the comment and the request; remove the checksum.
   const std::string good = to_text(example());
   for (std::size_t at = 0; at < good.size(); ++at) {
     std::string text = good;
@@ -95,8 +95,8 @@ TEST(FailureFile, ChangedFilesAreRefused) {
 }
 
 TEST(FailureFile, AnyBytesAreReadOrRefused) {
-  // Goal: no file crashes the reader. Method: change, drop and double bytes from a fixed seed;
-  // without the checksum, so that later checks run.
+  // Goal: no file crashes the reader. Method: change, drop and double bytes, drawn from a fixed
+  // seed, in a file without a checksum, so that later checks run.
   std::string good = to_text(example());
   const std::size_t line = good.find("checksum");
   good.erase(line, good.find('\n', line) + 1 - line);

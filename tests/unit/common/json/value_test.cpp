@@ -1,5 +1,5 @@
 // Goal: common/json keeps its promises about order, numbers, limits and errors. Method: check
-// examples; the library tests its grammar itself.
+// examples. The library's own tests cover the grammar.
 #include "common/json/value.h"
 
 #include <cstdint>
@@ -49,7 +49,8 @@ TEST(JsonValue, NumbersComeBackAsTheyWere) {
 }
 
 TEST(JsonValue, AValueOfAnotherKindIsRefused) {
-  // Goal: reading a value as another type throws. Method: read each kind as the others.
+  // Goal: reading a value as another type throws. Method: read each kind of value as every other
+  // kind.
   EXPECT_THROW(Value(256).get<std::uint8_t>(), Error);
   EXPECT_THROW(Value(-1).get<std::uint64_t>(), Error);
   EXPECT_THROW(Value(std::uint64_t{1} << 63U).get<std::int64_t>(), Error);
@@ -66,7 +67,8 @@ TEST(JsonValue, AValueOfAnotherKindIsRefused) {
 }
 
 TEST(JsonValue, TextThatIsNotJsonIsRefused) {
-  // Goal: hostile text is refused and does no harm. Method: cut, wrong and deeply nested texts.
+  // Goal: hostile text is refused and does no harm. Method: parse truncated, wrong and deeply
+  // nested texts.
   const auto nested = [](int depth) {
     return std::string(static_cast<std::size_t>(depth), '[') +
            std::string(static_cast<std::size_t>(depth), ']');

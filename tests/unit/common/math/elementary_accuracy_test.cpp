@@ -1,7 +1,7 @@
 // Goal: results stay within the error bounds of elementary.h. Method: compare with MPFR for
-// arguments known to be hard, and for random ones that cover the domain (denormals, huge angles,
-// neighbourhoods of zeros and thresholds). Random bits come from a counter-based stream with the
-// seed below.
+// arguments known to be hard, and for random arguments that cover the domain (denormals, huge
+// angles, neighbourhoods of zeros and thresholds). Random bits come from a counter-based stream
+// with the seed below.
 #include <gtest/gtest.h>
 
 #include <cstdint>

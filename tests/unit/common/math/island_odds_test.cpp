@@ -21,8 +21,9 @@ std::vector<double> logs_of(const std::vector<double>& estimates, double shift =
 }
 
 TEST(IslandOdds, AreMeanErrorAndShare) {
-  // Goal: mean, relative standard error and largest share match the textbook in any order and below
-  // the range of doubles. Method: use 1, 2, 3 and 6, which by hand have mean 3 and variance 14 / 3.
+  // Goal: mean, relative standard error and largest share match the textbook in any order of
+  // islands, also for estimates below the range of doubles. Method: use estimates 1, 2, 3 and 6,
+  // whose mean is 3 and whose variance is 14 / 3.
   for (const double shift : {0.0, -207.0, -5000.0, 5000.0}) {
     for (const std::vector<double>& estimates :
          {std::vector{1.0, 2.0, 3.0, 6.0}, std::vector{6.0, 3.0, 1.0, 2.0}}) {
@@ -38,7 +39,8 @@ TEST(IslandOdds, AreMeanErrorAndShare) {
 }
 
 TEST(IslandOdds, IslandsWithoutASolutionCount) {
-  // Goal: estimates of 0 count. Method: use two zeros of four (mean 1/2, variance 1/3), and four.
+  // Goal: estimates of 0 count. Method: use two zeros among four estimates (mean 1/2, variance
+  // 1/3), and four zeros.
   const IslandOdds half = island_odds(logs_of({0, 1, 0, 1}, -300));
   EXPECT_NEAR(half.log_mean, std::log(0.5) - 300, 1e-11);
   EXPECT_NEAR(half.relative_sd, 2 / std::sqrt(3.0), 1e-12);
@@ -77,8 +79,8 @@ TEST(IslandOdds, EqualIslandsHaveNoError) {
 }
 
 TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
-  // Goal: known() applies each limit exactly. Method: test both sides of each limit, with estimates
-  // of 1 and a single one of `largest`.
+  // Goal: known() applies each limit exactly. Method: test both sides of each limit, with one
+  // estimate of `largest` among estimates of 1.
   const auto odds = [](std::size_t count, double largest) {
     std::vector<double> estimates(count, 1);
     estimates[count / 2] = largest;

@@ -36,7 +36,7 @@ inline double error_in_bounds(double result, Exact& exact, double k) {
   Exact difference(std::isinf(result) ? std::copysign(1.0, result) : result);
   if (std::isinf(result)) {
     mpfr_mul_2si(difference.get(), difference.get(), 1024, MPFR_RNDN);
-    // Above 2^1024, infinity is the right result at any distance.
+    // If the exact value is above 2^1024, infinity is right, however large the difference.
     if (mpfr_cmpabs(exact.get(), difference.get()) >= 0 &&
         mpfr_signbit(exact.get()) == static_cast<int>(std::signbit(result))) {
       return 0;

@@ -48,7 +48,7 @@ TEST(QuaternionOfRotationVector, rotates_as_rodrigues_formula) {
   for (const Vec3& w : rotation_vectors()) {
     const Quat q = quaternion_of_rotation_vector(w);
     EXPECT_NEAR(quaternion_norm(q), 1, 0x1p-50);
-    // The largest error is the angle's own rounding, up to 2^-53 of 100 rad.
+    // The largest part of the error is the rounding of the angle, up to 2^-53 of 100 rad.
     EXPECT_LT((rotated(q, v) - rodrigues(w, v)).cwiseAbs().maxCoeff(), 4e-14) << w.transpose();
     if (norm(w) < 10) {
       EXPECT_LT((rotated(q, v) - rodrigues(w, v)).cwiseAbs().maxCoeff(), 5e-15) << w.transpose();

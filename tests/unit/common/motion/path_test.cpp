@@ -1,5 +1,5 @@
 // Goal: an animation accepts only sound segments and returns each body's position at any time.
-// Method: make small motions by hand, and each kind of unsound segment.
+// Method: use small motions that are made by hand, and each kind of unsound segment.
 #include "common/motion/path.h"
 
 #include <gmock/gmock.h>

@@ -48,7 +48,7 @@ TEST(Segment, MovesOnAParabola) {
         (2 * k_step_s);
     EXPECT_LT(math::norm(Vec3(rate - velocity_at(segment, t_s))), 1e-8);
     EXPECT_EQ(position_at(segment, segment.start_s), segment.position_m);
-    // Compare the distance between the path and its chord over 0.2 s.
+    // Compare bow_m() with the distance between the path and its chord over 0.2 s.
     const Vec3 middle = 0.5 * (position_at(segment, t_s) + position_at(segment, t_s + 0.2));
     EXPECT_NEAR(math::norm(Vec3(middle - position_at(segment, t_s + 0.1))), bow_m(segment, 0.2),
                 1e-12);
@@ -56,8 +56,8 @@ TEST(Segment, MovesOnAParabola) {
 }
 
 TEST(Segment, TurnsByItsAngularVelocity) {
-  // Goal: rotations follow the angular velocity. Method: accumulate steps of 1e-5 of the time, each
-  // by the angular velocity at its middle.
+  // Goal: rotations follow the angular velocity. Method: accumulate 100,000 equal steps, each with
+  // the angular velocity at the step's middle.
   random::Stream stream({.seed = 2, .purpose = random::Purpose::scene}, 0);
   for (int i = 0; i < 20; ++i) {
     const Segment segment = any_segment(stream);

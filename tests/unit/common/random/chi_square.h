@@ -36,8 +36,9 @@ inline Stream test_stream(std::uint64_t seed = k_test_seed) {
   return Stream({.seed = seed, .purpose = Purpose::prior}, 0);
 }
 
-/// Returns the probability that a right sampler deviates at least as much. REQUIRES: as many
-/// probabilities as counts, adding up to 1, each with an expected count of 10 or more.
+/// Returns the probability that a right sampler's counts deviate at least as much as `counts`.
+/// REQUIRES: as many probabilities as counts, adding up to 1, each with an expected count of 10 or
+/// more.
 inline double chi_square_p_value(const std::vector<int>& counts,
                                  const std::vector<double>& probabilities) {
   double total = 0;

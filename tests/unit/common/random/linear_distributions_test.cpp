@@ -43,7 +43,7 @@ void expect_agreement(const std::string& name, const Distribution& ours, const O
     EXPECT_NEAR(ours.log_density(x), expected, 1e-13 * (1 + std::fabs(expected))) << name << x;
   }
 
-  // Integrate over all but 1e-15 of the mass, in units of the sd.
+  // Integrate over all but 1e-15 of the mass at each end, in units of the sd.
   const double mean = boost::math::mean(oracle);
   const double sd = boost::math::standard_deviation(oracle);
   const double low = (boost::math::quantile(oracle, 1e-15) - mean) / sd;

@@ -1,6 +1,7 @@
 // Goal: a Stream is Philox4x64-10 at the address that stream.h states, and depends on nothing else.
 // Method: check known answers of Random123 and of a reference written from the paper; compare the
-// Stream with the reference; vary each field alone; test statistics across neighbouring addresses.
+// Stream with the reference; vary each field of the address alone; test statistics across
+// neighbouring addresses.
 #include "common/random/stream.h"
 
 #include <Random123/philox.h>
@@ -18,7 +19,8 @@ using Counter = std::array<std::uint64_t, 4>;
 using Key = std::array<std::uint64_t, 2>;
 __extension__ using Wide = unsigned __int128;
 
-// Returns Philox4x64-10 as in the paper: ten rounds, Weyl constants added to the key between.
+// Returns Philox4x64-10 as in the paper: ten rounds, with Weyl constants added to the key between
+// rounds.
 Counter reference_philox(Counter counter, Key key) {
   for (int round = 0; round < 10; ++round) {
     const Wide even = Wide{0xD2E7470EE14C6C93} * counter[0];

@@ -49,7 +49,7 @@ void set_mass(Number& mass, double a, double b) {
   mpfr_div_ui(mass.get(), mass.get(), 2, MPFR_RNDN);
 }
 
-// Mean 0 and sd 1 give oracle and code the same bounds.
+// The mean is 0 and the sd 1, so that oracle and code use the same bounds.
 struct Bounds {
   double low = 0;
   double high = 0;
@@ -137,7 +137,7 @@ TEST(TruncatedNormal, draws_an_exponential_from_the_farthest_tail) {
 TEST(TruncatedNormal, log_densities_are_mpfrs) {
   for (const Bounds& bounds : k_intervals) {
     const TruncatedNormal d{.mean = 0, .sd = 1, .low = bounds.low, .high = bounds.high};
-    // This is log(mass sqrt(2 pi)), rounded correctly to a double.
+    // The normalizer is log(mass sqrt(2 pi)), rounded correctly to a double.
     Number normalizer(0);
     set_mass(normalizer, d.low, d.high);
     Number root(0);

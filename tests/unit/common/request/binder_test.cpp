@@ -11,7 +11,7 @@
 namespace sleight::request {
 namespace {
 
-/// Runs `bind` over [s] of `text` and returns the errors or the normalised keys.
+/// Runs `bind` over the text's section [s]. Returns the errors or the normalised keys.
 std::string bound(std::string_view text, const std::function<void(Binder&)>& bind) {
   const auto document = parse_document(text, "f");
   EXPECT_TRUE(document);

@@ -110,8 +110,8 @@ TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
 }
 
 TEST(ReadRequest, ASearchHasFewKeys) {
-  // Goal: keys that don't apply to a search are refused if given and otherwise omitted. Method:
-  // each such key; the normalised text of a search.
+  // Goal: keys that don't apply to a search are refused if given and otherwise omitted. Method: set
+  // each such key; read the normalised text of a search.
   const std::string least = "[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n";
   const std::array worlds{toy::binding(), toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
@@ -151,8 +151,8 @@ TEST(ReadRequest, ASearchHasFewKeys) {
 }
 
 TEST(ReadRequest, OddsAreARuleOfIslands) {
-  // Goal: the odds rule works alone or with others, only for sequential, within its range, and
-  // reads back. Method: try each case, in a world with stages.
+  // Goal: the odds rule works alone or with other rules, and reads back. The rule requires method
+  // "sequential" and a value in its range. Method: try each case, in a world with stages.
   const std::string islands = "[world]\nname = 'staged'\n[sampler]\nmethod = 'sequential'\n";
   const std::array worlds{toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
@@ -231,8 +231,9 @@ TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
 }
 
 TEST(ReadRequest, FindsAskedForStayFinds) {
-  // Goal: a requested number of solutions counts finds if the request only searches, or draws
-  // beside other stop rules. Method: read requests with an open sampler, and with chains.
+  // Goal: if a request only searches, the command line's number of solutions counts finds.
+  // Otherwise the number counts draws, and the request's other stop rules stay. Method: read
+  // requests with an open sampler, and with chains.
   const std::array worlds{toy::staged_binding()};
   const auto rules_of = [&](const std::string& text) {
     return read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, Asked{.number = 4})
@@ -273,7 +274,8 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
             in_proportion);
   EXPECT_EQ(read_with("[stop]\nscans = 9\n", {}).stop.takes, std::nullopt);
 
-  // A cut request has takes, or before the first take the finds of the search.
+  // The request of a cut run states the takes. Before the first take, it states the finds of the
+  // search.
   EXPECT_THAT(normalised_text_of(open, {.found = 7, .relaxed = 2, .prior_draws = 40}),
               HasSubstr("relax_scans = 3\nstep = 0.5\n\n[stop]\ntakes = 2\n\n[output]\n"
                         "keep_max = 5000\nprior_draws = 40\n"));
@@ -293,8 +295,8 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
 }
 
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
-  // Goal: a cut request for islands keeps its odds rules beside its scans; for other methods it
-  // keeps its scans alone. Method: set all rules at once, for both.
+  // Goal: a cut request for islands keeps its odds rules and its scans. A cut request for other
+  // methods keeps only its scans. Method: set all rules at once, for both.
   const std::array worlds{toy::staged_binding()};
   const auto cut_of = [&](const std::string& method, const std::string& rules) {
     const auto request = read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
@@ -393,8 +395,8 @@ TEST(WithSeed, IsAsIfTheFileHadIt) {
 }
 
 TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
-  // Goal: tables of a section belong to a request like its keys, in values, error places, canonical
-  // text and identity. Method: read a good request, and one fault each.
+  // Goal: a section's tables are part of a request like its keys: in values, error places,
+  // canonical text and identity. Method: read a good request, and requests with one fault each.
   const std::array worlds{toy::binding()};
   const std::string pegs = "[[world.peg]]\ny_m = 2\n[[world.peg]]\nx_m = 3\n";
   const std::string text = "[world]\nname = 'toy'\n" + pegs + "[stop]\nscans = 1\n";

@@ -43,7 +43,7 @@ TEST(Document, KeepsSectionsAndKeysInFileOrderWithPlaces) {
 
 TEST(Document, KeepsArraysOfTables) {
   // Goal: tables of an array come in order, with places, beside the section's keys; arrays of other
-  // values don't count. Method: read both notations for tables, and arrays of other values.
+  // values are not tables. Method: read both notations for tables, and arrays of other values.
   const Document document = parsed(
       "[a]\nk = 1\n[[a.t]]\ny = 2\n\n  [[a.t]]\nx = 3\ny = 4\n[b]\nt = [{x = 5}]\nu = [1]\n");
   const Section& a = document.sections[0];

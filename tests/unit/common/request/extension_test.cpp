@@ -72,7 +72,7 @@ TEST(Extension, IsLonger) {
   EXPECT_EQ(why_not(before, {.rounds = 1}), "");
 }
 
-// Reading the text again finds values beyond a rule's range.
+// Extending a request doesn't check a rule's range; reading the extended text does.
 TEST(Extension, LeavesValuesToTheReader) {
   const auto text = extended_text(request_with("scans = 10"), {.scans = k_scans_max + 1});
   ASSERT_TRUE(text.ok());

@@ -1,5 +1,5 @@
-// Goal: a typing error finds the intended name, and unrelated words find none. Method: check known
-// distances, a slow reference distance, and typical typing errors.
+// Goal: nearest() finds the intended name for a typing error, and nothing for unrelated words.
+// Method: check known distances, a slow reference distance, and typical typing errors.
 #include "common/request/nearest.h"
 
 #include <gtest/gtest.h>

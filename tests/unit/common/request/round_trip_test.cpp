@@ -1,6 +1,6 @@
 // Goal: any request's normalised text reads back to the same request and the same text, bit for
-// bit. Method: write random valid requests, with each key present with probability one half and in
-// random order, by splitmix64 from fixed seeds that failures print.
+// bit. Method: write random valid requests, whose keys are in random order and each present with
+// probability one half. Splitmix64 draws the requests from fixed seeds, which failures print.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Goal: a key set by `--set` reads as if the file contained it, its errors name the set, and ranges
-// expand to all combinations in order. Method: compare toy requests with sets with the same
-// requests as files; lists of texts with their errors.
+// expand to all combinations in order. Method: compare toy requests that use sets with the same
+// requests as files; compare the errors of bad sets with known errors.
 #include "common/request/sets.h"
 
 #include <gmock/gmock.h>
@@ -55,7 +55,7 @@ TEST(Sets, AreReadAsIfTheFileHadThem) {
             read_file("[world]\nname = \"toy\"\nballs = 2\nsurface = \"wood\"\nspinning = false\n"
                       "[sampler]\nseed = 7\n[constraint]\nword = \"A B\"\nlambda = 2\n"
                       "[stop]\nscans = 10\n[output]\nthin = 3\n"));
-  // The order doesn't matter, nor does the file's value.
+  // Neither the order of sets nor the value in the file matters.
   EXPECT_EQ(read({"stop.scans=20", "world.balls=4"}), read({"world.balls=4", "stop.scans=20"}));
   EXPECT_EQ(read({"world.balls=4"}, "[world]\nname = \"toy\"\nballs = \"x\"\n[stop]\nscans = 10\n"),
             read_file("[world]\nname = \"toy\"\nballs = 4\n[stop]\nscans = 10\n"));

@@ -76,8 +76,8 @@ JobView full_view() {
 }
 
 TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
-  // Goal: all fields of all calls and answers travel. Method: set every field apart from its
-  // default and compare at the other end.
+  // Goal: all fields of all calls and answers travel. Method: set every field to a value other than
+  // its default, and compare at the other end.
   service.jobs[17].view = full_view();
   ServerThread server(socket(), service);
   Client client(socket());
@@ -150,8 +150,9 @@ TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
 }
 
 TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
-  // Goal: a refusal arrives whole. A handler's failure, such as a dropped reply, arrives as a bug
-  // whose text only the log has. Method: call a handler that refuses, throws and drops replies.
+  // Goal: all fields of a refusal arrive. A handler's failure, such as a dropped reply, arrives as
+  // a bug; only the log has its text. Method: call a handler that refuses, throws and drops
+  // replies.
   ServerThread server(socket(), service);
   Client client(socket());
   const Refusal bad = refusal_of(
@@ -288,8 +289,8 @@ TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
 
 TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
   // Goal: a socket has mode 0600. A server refuses a living server's socket, replaces a dead
-  // server's socket, and leaves its successor's alone when it ends. Method: start servers one after
-  // another; kill a process; use a path beyond the system's limit.
+  // server's socket, and doesn't remove its successor's socket when it ends. Method: start servers
+  // one after another; kill a process; use a path beyond the system's limit.
   const std::string deep = path(std::string(200, 'd'));
   std::filesystem::create_directory(deep);
   const std::string place = deep + "/socket";
@@ -333,7 +334,8 @@ TEST_F(CallsTest, AClientOutlivesItsServers) {
 }
 
 TEST_F(CallsTest, AClientMayPauseForLongerThanACallMayTake) {
-  // Goal: a call's time limit starts with the call. Method: make calls of 2 s, 2.5 s apart.
+  // Goal: a call's time limit starts with the call. Method: make calls with a limit of 2 s, 2.5 s
+  // apart.
   ServerThread server(socket(), service);
   Client client(socket(), {.call_s_max = 2});
   EXPECT_EQ(client.info().version, "1.2");

@@ -1,4 +1,5 @@
-// A service in memory, and servers for it: in a thread of the test, or in a process to be killed.
+// An in-memory service, and servers for it. A server runs in a thread of the test, or in a process
+// that a test can kill.
 //
 // The fake service is a handler like the daemon's; the transport is real.
 #pragma once
@@ -119,9 +120,9 @@ struct Shared {
   int nursery = -1;  ///< socket to the process that forks servers
 };
 
-/// A server in its own process, with job 1 and the file "ball.h5" of `file_bytes`. The nursery of
-/// make_shared_memory forks it, because the nursery never has a second thread. A process forked
-/// beside a thread that holds a sanitizer's lock would wait for the lock forever.
+/// A server in its own process, with job 1 and the file "ball.h5" of `file_bytes`. The nursery
+/// process of make_shared_memory() forks the server, because the nursery never has a second thread.
+/// A process forked beside a thread that holds a sanitizer's lock would wait for the lock forever.
 class ServerProcess {
  public:
   ServerProcess(const std::string& path, Shared& shared, std::size_t file_bytes = 1000,
@@ -139,7 +140,8 @@ class ServerProcess {
   pid_t pid_;
 };
 
-/// Creates a Shared in memory that processes share. REQUIRES: the test has no other thread yet.
+/// Creates a `Shared` object in memory that processes share. REQUIRES: the test has no other thread
+/// yet.
 std::shared_ptr<Shared> make_shared_memory();
 
 class SocketFolder : public ::testing::Test {

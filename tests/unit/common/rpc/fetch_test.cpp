@@ -1,4 +1,4 @@
-// Goal: a fetched file is complete or absent, whatever happens. Method: break connections.
+// Goal: after any failure, a fetched file is complete or absent. Method: break connections.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -48,7 +48,7 @@ class FetchTest : public testing::SocketFolder {
 
 TEST_F(FetchTest, BringsAFileOfAnySize) {
   // Goal: files arrive bit for bit, replace an older file and add no other. Method: use sizes
-  // around a piece.
+  // around that of a piece.
   ServerThread server(socket(), service);
   Client client(socket());
   const std::string to = path("out/ball.h5");
@@ -163,7 +163,7 @@ TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
 
 TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
   // Goal: a file created at the destination during a fetch stays unless it may be replaced or has
-  // the same content. Method: create the file with the last piece.
+  // the same content. Method: create the file when the last piece arrives.
   const std::string content = content_of(2 * k_piece_bytes_max, 3);
   service.add_file("ball.h5", content);
   const ServerThread server(socket(), service);
@@ -189,7 +189,7 @@ TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
 }
 
 TEST_F(FetchTest, BringsManyFilesByPages) {
-  // Goal: one call fetches several files into a folder, over pages and killed connections; names
+  // Goal: one call fetches several files into a folder, across pages and killed connections; names
   // that leave the folder are refused. Method: fetch 20 files, 7 in a page, and a hostile name.
   for (int i = 10; i < 30; ++i)
     service.add_file(fmt::format("failure-{}.bin", i), content_of(1000, static_cast<unsigned>(i)));
@@ -258,7 +258,7 @@ TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
   EXPECT_TRUE(is_refused);
 }
 
-/// A link that is cut in the first call, absent in the second, and back in the third.
+/// A link that breaks in the first call, finds nobody in the second, and works again in the third.
 class CutLink final : public Link {
  public:
   std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>&) override { return {}; }

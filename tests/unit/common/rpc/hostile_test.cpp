@@ -1,5 +1,5 @@
-// Goal: whatever peers send, or leave unread, the server's memory stays bounded and other clients
-// are served. Method: measure the peak memory of a server in its own process; another client calls
+// Goal: whatever peers send or don't read, the server's memory stays bounded and other clients are
+// served. Method: measure the peak memory of a server in its own process; another client calls
 // during and after each attack.
 #include <capnp/message.h>
 #include <capnp/rpc-twoparty.h>
@@ -42,7 +42,7 @@ class Raw {
   Raw(const Raw&) = delete;
   Raw& operator=(const Raw&) = delete;
 
-  /// Sends what fits within the time; returns false if the server ended the connection.
+  /// Sends as much as it can within the time. Returns false if the server ended the connection.
   bool send(const void* bytes, std::size_t size, int patience_ms = 2000) {
     const char* next = static_cast<const char*>(bytes);
     while (size > 0) {
@@ -111,7 +111,7 @@ void ask_for_bootstrap(capnp::MessageBuilder& message, std::uint32_t question) {
   message.initRoot<capnp::rpc::Message>().initBootstrap().setQuestionId(question);
 }
 
-/// Starts a call of the service that `open` promises, as question 1 of a connection.
+/// Starts a call of the service that open() requests as question 1 of a connection.
 capnp::rpc::Call::Builder call_of_service(capnp::MessageBuilder& message, std::uint32_t question,
                                           std::uint16_t method) {
   auto call = message.initRoot<capnp::rpc::Message>().initCall();
@@ -237,8 +237,8 @@ TEST_F(HostileTest, HalfMessagesAreGivenUp) {
 
 TEST_F(HostileTest, AThousandConnections) {
   // Goal: however many connections are open, other clients are served and memory stays low. Method:
-  // open 1,000 idle connections, half of them with the beginning of a message, beside ordinary
-  // clients.
+  // open 1,000 idle connections, half of which have sent part of a message, while ordinary clients
+  // call.
   rlimit files = {};
   ::getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = files.rlim_max;
@@ -262,7 +262,7 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
     raws.push_back(std::make_unique<Raw>(socket()));
     open(*raws.back());
   }
-  // Waits until all connections have more unread bytes than before, and equally many.
+  // Waits until every connection has more than `before` unread bytes, and all have the same number.
   const auto wait_for_more_than = [&](int before) {
     EXPECT_TRUE(testing::comes_true([&] {
       const int first = raws.front()->unread();
@@ -302,7 +302,7 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
   std::this_thread::sleep_for(std::chrono::duration<double>(2 * limits().message_s_max));
   for (const auto& raw : raws) {
     EXPECT_TRUE(raw->is_ended());
-    // Check that the attack worked: the beginning of a piece filled the system's buffers.
+    // Check that the attack worked: the first part of a piece filled the system's buffers.
     EXPECT_GT(raw->received, 100'000U);
     EXPECT_LT(raw->received, k_megabyte);
   }
@@ -311,9 +311,9 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
 }
 
 TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
-  // Goal: a peer can't make the server store answers, neither by never releasing them nor by
-  // leaving results on the server. Method: ask more questions than allowed and read their answers;
-  // make a call whose results are to stay.
+  // Goal: a peer can't make the server store answers, either by never releasing them or by leaving
+  // results on the server. Method: ask more questions than allowed and read their answers; make a
+  // call that requests its results to stay on the server.
   Raw many(socket());
   open(many);
   bool is_ended = false;
@@ -335,7 +335,7 @@ TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
 
 TEST_F(HostileTest, APeerBringsNoCapabilities) {
   // Goal: a peer can't make the server hold descriptions of the peer's capabilities, which Cap'n
-  // Proto would hold forever. Method: each such message ends its connection.
+  // Proto would hold forever. Method: send each kind of such a message; it must end the connection.
   using Make = std::function<void(capnp::rpc::Message::Builder)>;
   const std::vector<Make> messages = {
       [](auto message) { message.initResolve().initCap().setSenderPromise(0); },

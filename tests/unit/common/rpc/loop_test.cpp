@@ -21,7 +21,7 @@ double now_s() {
 
 TEST(LoopTest, CallsInTimeAndInOrder) {
   // Goal: timers fire in time order and never early; a destroyed timer doesn't fire. Method: start
-  // several timers; one is dropped, one ends another.
+  // several timers; destroy one, and let one destroy another.
   Loop loop;
   const double began_s = now_s();
   std::vector<int> called;
@@ -79,7 +79,8 @@ TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
 
 TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
   // Goal: a callback fires while data is readable, even after a partial read, and when the other
-  // end closes, but not after its handle is destroyed. Method: read a pipe one byte per call.
+  // end closes. The callback doesn't fire after its handle is destroyed. Method: read a pipe one
+  // byte per call.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   Loop loop;
@@ -106,8 +107,8 @@ TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
 }
 
 TEST(LoopTest, TakesPostsFromOtherThreadsInOrder) {
-  // Goal: posts of threads run on the loop's thread, each thread's in order, including posts before
-  // run(). Method: post 500 times from each of four threads.
+  // Goal: functions that threads post run on the loop's thread, in each thread's order, including
+  // functions posted before run(). Method: post 500 times from each of four threads.
   Loop loop;
   const auto here = std::this_thread::get_id();
   std::vector<int> next(4, 0);
@@ -142,7 +143,7 @@ TEST(LoopTest, EndsWithWhatACallbackThrows) {
 
 TEST(LoopTest, HearsStopSignalsAndBlocksNone) {
   // Goal: SIGTERM, SIGINT and SIGHUP are reported, even several at once. No signal stays blocked,
-  // because child processes would inherit that. Method: raise the signals; read the mask.
+  // because child processes would inherit that. Method: raise the signals; read the signal mask.
   std::vector<int> heard;
   {
     Loop loop;

@@ -167,7 +167,7 @@ TEST_F(TlsTest, ARevokedTokenEndsItsSessions) {
   EXPECT_EQ(client.status({1}).name, "one");
   EXPECT_EQ(server_.counts().connections, 1U);
   authority_.remove(token_);
-  // A call fails, and a connection without calls ends.
+  // After the token is removed, a call fails and the session's connection ends.
   EXPECT_THROW(client.status({1}), RefusedError);
   EXPECT_TRUE(testing::comes_true([&] { return server_.counts().connections == 0; }));
 }
@@ -272,7 +272,7 @@ TEST_F(TlsCrowdTest, SlowHandshakesAreEnded) {
   const base::SteadyClock clock;
   const double began_s = clock.now_s();
   bool ended = false;
-  // This TLS record's beginning is sent a byte at a time.
+  // Send the beginning of a TLS record one byte at a time.
   const unsigned char head[] = {0x16, 0x03, 0x01, 0x02, 0x00, 0x01, 0x00, 0x01, 0xfc, 0x03, 0x03};
   for (std::size_t i = 0; !ended && clock.now_s() - began_s < 10; ++i) {
     const unsigned char byte = i < sizeof head ? head[i] : 0;
@@ -298,7 +298,7 @@ TEST_F(TlsCrowdTest, BytesThatAreNoTlsAreEnded) {
   EXPECT_TRUE(testing::comes_true([&] { return server_.counts().strangers == 0; }));
 }
 
-// A service serves this many clients at once.
+// A service serves two hundred clients at once.
 TEST_F(TlsTest, TwoHundredClients) {
   std::atomic<int> served = 0;
   std::vector<std::thread> threads;

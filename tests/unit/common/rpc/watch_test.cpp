@@ -126,7 +126,7 @@ TEST_F(WatchTest, NewsArriveAsTheyCome) {
 TEST_F(WatchTest, ASlowWatcherMissesNothingNumberedAndNothingQueues) {
   // Goal: a slow watcher gets all events and fewer progress reports, and the server buffers nothing
   // for it. Method: send 20,000 changes of progress and 2,000 events; the watcher sleeps after each
-  // hundredth.
+  // event.
   const auto shared = testing::make_shared_memory();
   ServerProcess server(socket(), *shared);
   const std::size_t before = server.peak_bytes();
@@ -185,7 +185,7 @@ TEST_F(WatchTest, NoneIsLostOrDoubledOverKilledServers) {
 }
 
 TEST_F(WatchTest, GivesUpAServiceThatStaysAway) {
-  // Goal: a watch ends if the service does not come back, and at once if there never was one.
+  // Goal: a watch ends if the service does not come back, and ends at once if no service ever ran.
   // Method: kill the service, with a short patience.
   const auto shared = testing::make_shared_memory();
   Listener listener;

@@ -1,4 +1,4 @@
-// Goal: a surface has its formula's heights where its control points exist, and none elsewhere.
+// Goal: a surface has its formula's heights where control points exist, and no heights elsewhere.
 // Method: use planes and parabolas, whose splines differ by a constant; remove points.
 #include "common/scene/surface.h"
 

@@ -48,8 +48,8 @@ TEST_F(DatabaseOf, IsDurableByItsSettings) {
 }
 
 TEST_F(DatabaseOf, ErrorsNameTheFileAndWhatToDo) {
-  // Goal: each error's message says what to fix. Method: open a missing file, a missing folder and
-  // a file that is no database; run invalid SQL; violate a constraint.
+  // Goal: each error's message states what to fix. Method: open a missing file, a missing folder
+  // and a file that is no database; run invalid SQL; violate a constraint.
   const auto failure = [](const auto& act) -> std::string {
     try {
       act();

@@ -21,7 +21,7 @@ base::Bytes state_before(std::uint32_t chain, std::uint64_t scan);
 /// Returns the result of scans [first, first + scans) of a chain.
 plan::UnitResult result_of(std::uint32_t chain, std::uint64_t first, std::uint32_t scans);
 
-/// Returns `result` with every field of every record, and the state, changed.
+/// Returns a copy of `result` in which the state and every field of every record differ.
 plan::UnitResult forged(plan::UnitResult result);
 
 bool same_bits(const plan::ScanRecord& a, const plan::ScanRecord& b);
@@ -32,11 +32,13 @@ RunIdentity example_identity(std::uint32_t chains);
 std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t chain,
                                      std::uint64_t scans);
 
-/// Checks that a chain's stored scans are 0 .. scans-1 of record_of, and that its progress matches.
+/// Checks that a chain's stored scans are 0 .. scans-1 of record_of(), and that its progress
+/// matches.
 void expect_stored(const std::string& folder, RunStore& store, std::uint32_t chain,
                    std::uint64_t scans);
 
-/// Checks the same for a store that only its writer may read, as on a network disk.
+/// Does the checks of expect_stored() for a store that only its writer may read, as on a network
+/// disk.
 void expect_stored_of(RunStore& store, std::uint32_t chain, std::uint64_t scans);
 
 /// A scratch folder with an unlocked run folder in it.

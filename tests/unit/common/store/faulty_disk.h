@@ -1,6 +1,6 @@
-// SQLite's file functions with a fault at a chosen call.
+// SQLite's file functions, which fail at a chosen call.
 //
-// While an object lives, databases opened meanwhile write through it. The object counts writes,
+// Databases that are opened while a FaultyDisk exists write through it. The object counts writes,
 // truncations and syncs of all files in all threads; reads never fail.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Goal: a disk that fills up or fails does no lasting harm. Method: fail calls.
+// Goal: a disk that fills up or fails does no lasting harm. Method: let calls fail.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -136,8 +136,8 @@ TEST_F(FullDisk, FailureStopsTheSession) {
 }
 
 TEST_F(FullDisk, FileSizeLimit) {
-  // Goal: the same holds for the operating system's own refusal. Method: a child process with a
-  // file-size limit stores until it fails, and reports what committed() returned.
+  // Goal: committed scans stay whole if the operating system refuses a write. Method: a child
+  // process with a file-size limit stores until it fails, and reports what committed() returned.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   const pid_t child = ::fork();

@@ -81,8 +81,8 @@ std::vector<std::uint64_t> numbers_to(std::uint64_t count) {
 }
 
 TEST(GroupCommit, KeepsOrderInFewCommits) {
-  // Goal: results are committed in the order of put, many at a time. Method: put a thousand results
-  // and flush; there must be far fewer commits than results.
+  // Goal: results are committed in the order of put(), many at a time. Method: put a thousand
+  // results and flush; there must be far fewer commits than results.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   for (std::uint64_t i = 0; i < 1000; ++i)
@@ -118,7 +118,7 @@ TEST(GroupCommit, CommitsWithoutBeingAsked) {
 }
 
 TEST(GroupCommit, FlushOfNothingReturns) {
-  // Goal: flush returns at once if nothing waits. Method: flush before and after a put, twice.
+  // Goal: flush() returns at once if no result waits. Method: flush before and after a put, twice.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   group_commit.flush();
@@ -129,8 +129,8 @@ TEST(GroupCommit, FlushOfNothingReturns) {
 }
 
 TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
-  // Goal: flush returns once all earlier puts are committed, even if others keep putting. Method:
-  // every commit puts another result, so that the queue is never empty.
+  // Goal: flush() returns once all earlier results are committed, even if other callers continue to
+  // put results. Method: every commit puts another result, so that the queue is never empty.
   std::atomic<bool> stop{false};
   GroupCommit* self = nullptr;
   GroupCommit group_commit([&](const GroupCommit::Group& group) {
@@ -192,7 +192,7 @@ class Putter {
           }
         })) {}
 
-  /// Returns the number of accepted results once none was accepted for a while.
+  /// Waits until no result is accepted for a while. Returns the number of accepted results.
   std::uint64_t taken_when_stuck() const {
     std::uint64_t before = 0;
     do {
@@ -211,8 +211,8 @@ class Putter {
 
 TEST(GroupCommit, StalledDiskHoldsPutsUp) {
   // Goal: at most k_queue_bytes_max waits in memory behind the group being written, and nothing is
-  // lost. Method: pause a commit of a few results of an eighth of the limit each; put accepts eight
-  // more, then blocks until the disk works again.
+  // lost. Method: use results of an eighth of the limit each. While a commit is paused, put()
+  // accepts eight more results, then blocks until the commit continues.
   Recorder recorder;
   recorder.hold();
   GroupCommit group_commit(recorder.commit());
@@ -229,7 +229,8 @@ TEST(GroupCommit, StalledDiskHoldsPutsUp) {
 }
 
 TEST(GroupCommit, FailureFreesWhoIsHeldUp) {
-  // Goal: a waiting put throws when the disk fails. Method: fill the queue, then fail.
+  // Goal: a waiting put() throws when the disk fails. Method: fill the queue, then let the commit
+  // fail.
   Recorder recorder;
   recorder.hold();
   recorder.fail_at(1);

@@ -25,8 +25,8 @@ class LeaseFilesOf : public archive::testing::Scratch {
 };
 
 TEST_F(LeaseFilesOf, OneOfManyMakesAFile) {
-  // Goal: only one process gets a generation's file, with its whole text; no other file is left.
-  // Method: 8 threads try to create each of 20 files at once.
+  // Goal: only one process creates a generation's file, which has that process's whole text; no
+  // other file is left. Method: 8 threads try to create each of 20 files at once.
   constexpr int k_threads = 8;
   for (std::uint64_t generation = 1; generation <= 20; ++generation) {
     std::atomic<int> made = 0;
@@ -81,8 +81,8 @@ TEST_F(LeaseFilesOf, ListsNumbersAlone) {
 
 TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
   // Goal: a process is reported as running until it is killed, whether its parent or another
-  // process asks; its number alone is not enough, and another machine's process is unknown. Method:
-  // kill a child.
+  // process checks. A process number alone is not enough, and processes of other machines are
+  // unknown. Method: kill a child.
   PosixLeaseFiles files(folder(), this_process());
   EXPECT_TRUE(files.is_here(this_process()));
   EXPECT_FALSE(files.is_gone(this_process()));

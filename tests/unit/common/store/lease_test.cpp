@@ -13,7 +13,7 @@
 namespace sleight::store {
 namespace {
 
-/// A folder in memory. Processes of machine "here" run only if the test says so.
+/// A folder in memory. The only running process of machine "here" is `running`.
 class Folder final : public LeaseFiles {
  public:
   std::vector<std::uint64_t> list() override {
@@ -68,7 +68,7 @@ bool is_taken(const Lease::Outcome& outcome) {
   return std::holds_alternative<Lease::Taken>(outcome);
 }
 
-/// Returns the remaining time to observe the lease; none if the outcome is another.
+/// Returns the remaining time of observation, or nothing if the outcome is not Unsure.
 std::optional<double> left_s(const Lease::Outcome& outcome) {
   const auto* unsure = std::get_if<Lease::Unsure>(&outcome);
   return unsure == nullptr ? std::nullopt : std::optional(unsure->left_s);
@@ -80,8 +80,8 @@ std::string holder(const Lease::Outcome& outcome) {
 }
 
 TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
-  // Goal: an observer waits one lease by its own clock from its first look; a renewal meanwhile
-  // shows that the holder lives. Method: use two leases on one clock.
+  // Goal: an observer waits one lease by its own clock from its first look; a renewal during this
+  // time shows that the holder lives. Method: use two leases on one clock.
   Folder folder;
   base::ManualClock clock;
   Lease first(folder, clock, of("a", 1));
@@ -107,8 +107,8 @@ TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
 
 TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
   // Goal: the holder may act for three quarters of a lease after the start of its last successful
-  // renewal. A failing disk doesn't prolong that, and a short failure has no effect. Method: move a
-  // clock, and let a disk fail for a while.
+  // renewal. A failing disk doesn't prolong this time, and a short failure has no effect. Method:
+  // move a clock, and let a disk fail for a while.
   Folder folder;
   base::ManualClock clock;
   Lease lease(folder, clock, of("a", 1));
@@ -130,7 +130,7 @@ TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
 
 TEST(Lease, IsTakenAtOnceFromWhoeverIsGone) {
   // Goal: a lease is free at once if its holder released it or died on this machine; a holder that
-  // runs here keeps it without renewing. Method: try one case after the other.
+  // runs on this machine keeps it without renewing. Method: try one case after the other.
   Folder folder;
   base::ManualClock clock;
   {
@@ -206,8 +206,8 @@ TEST(Lease, TextComesBack) {
 }
 
 TEST(Lease, AStrangeFileIsAHolderThatSaysNothing) {
-  // Goal: an invalid lease file is observed like a dead holder's, for one lease at most, whatever
-  // its content. Method: read short, foreign and hostile texts.
+  // Goal: an invalid lease file of any content is observed like a dead holder's file, for at most
+  // one lease. Method: read short, foreign and hostile texts.
   const std::string sound = of("a", 1).to_text();
   std::string endless = sound;
   endless.replace(endless.find("lease_s 60"), 10, "lease_s 1e9");

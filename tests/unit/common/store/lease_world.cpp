@@ -25,7 +25,7 @@ constexpr std::uint32_t k_processes = 4;
 constexpr std::uint32_t k_machines = 3;
 constexpr double k_old_list_s = 30;
 
-/// Thrown in a process that is killed, or whose story is over.
+/// Thrown in a simulated process when it is killed or when the simulation ends.
 struct Killed {};
 
 class World;
@@ -53,7 +53,7 @@ class Baton {
   bool is_here_ = false;
 };
 
-/// The processes of one machine, one after another.
+/// Runs simulated processes, one after another.
 struct Contender final : base::Clock {
   explicit Contender(World& all, std::uint32_t id) : world(all), number(id) {}
   double now_s() const override;
@@ -351,7 +351,7 @@ LeaseStory World::run() {
         std::ranges::min_element(contenders_, {}, [](const auto& one) { return one->wake_s; });
     Contender& one = **next;
     if (one.wake_s == std::numeric_limits<double>::infinity()) break;
-    // When the story is over, each process is woken once to end.
+    // At the end of the simulation, wake each process once so that it ends.
     now_s = std::max(now_s, one.wake_s);
     land_late_writes();
     judge();

@@ -2,8 +2,9 @@
 //
 // Real leases (common/store/lease.h) run against a disk in memory. Before and after every disk
 // call, a process may pause for a moment or for several leases, or be killed. Machines' clocks
-// differ and run up to 10% too fast or too slow. Lists of the folder may be old, and writes may
-// fail, yet take effect later. One process runs at a time, in an order that the seed determines.
+// differ and run up to 10% too fast or too slow. Lists of the folder may be out of date. A write
+// may report failure and still take effect later. One process runs at a time, in an order that the
+// seed determines.
 #pragma once
 
 #include <cstdint>

@@ -38,7 +38,7 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Returns this process as if on another machine.
+/// Returns this process's identity with another machine's name.
 LeaseHolder on_node(const std::string& host) {
   LeaseHolder self = this_process();
   self.host = host;
@@ -135,7 +135,7 @@ class NetworkStore : public testing::RunFolder {
 
 TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
   // Goal: readers in the writing process see committed results without shared memory while it
-  // commits more; the next session continues. Method: a thread reads everything repeatedly.
+  // commits more; the next session resumes the run. Method: a thread reads everything repeatedly.
   {
     RunLock lock(folder());
     RunStore store(folder(), example_identity(1), &lock);
@@ -174,8 +174,8 @@ TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
 }
 
 TEST_F(NetworkStore, NeedsItsOwnMode) {
-  // Goal: the tests' disk breaks SQLite's usual write-ahead log, and the network-disk mode repairs
-  // that. Method: open the same database with the variable off and on.
+  // Goal: SQLite's usual write-ahead log fails on the tests' disk, and the network-disk mode works.
+  // Method: open the same database with the variable off and on.
   const auto mode = [&](const char* said, const std::string& name) {
     ::setenv(base::k_network_disk_variable, said, 1);
     Database database(path(name), Access::read_write);
@@ -189,8 +189,9 @@ TEST_F(NetworkStore, NeedsItsOwnMode) {
 }
 
 TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
-  // Goal: only the writing process can read a run. Others get the reason and the path of the latest
-  // archive, and can read the run afterwards. Method: give this process another node name.
+  // Goal: while a process writes a run, only this process can read the run. Other processes get the
+  // reason and the path of the latest archive, and can read the run when the writer has ended.
+  // Method: give this process another node name.
   std::filesystem::create_directory(path("a.h5.run"));
   const std::string run = path("a.h5.run");
   {
@@ -216,8 +217,9 @@ TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
 }
 
 TEST_F(NetworkStore, OfTwoNodesOneWrites) {
-  // Goal: of two starts on two nodes one writes; the other reports the writer's node, process,
-  // start time and session. Method: use leases of 5 s, so that the second start sees a renewal.
+  // Goal: if a run is started on two nodes, one process writes, and the other reports the writer's
+  // node, process, start time and session. Method: use leases of 5 s, so that the second start sees
+  // a renewal.
   RunLock lock(folder(), {.lease_s = 5, .self = on_node("first")});
   RunStore store(folder(), example_identity(1), &lock);
   lock.keep();
@@ -233,7 +235,7 @@ TEST_F(NetworkStore, OfTwoNodesOneWrites) {
 
 TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
   // Goal: a run can be resumed right after kill -9 on the same machine. Method: check that the
-  // successor owes no copies, as it would after waiting for the lease.
+  // successor owes no copies. The successor would owe copies if it had waited for the lease.
   const Moment taken;
   Child holder([&] {
     RunLock lock(folder());
@@ -251,7 +253,8 @@ TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
 TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
   // Goal: a successor has the committed results in its own files, but only after the dead holder's
   // lease ends. If it is killed before it has copied the files, the next process copies them.
-  // Method: kill -9 of a child on another "node"; a second child takes over and dies at once.
+  // Method: kill a child on another "node" with kill -9; a second child takes over and dies at
+  // once.
   const Moment committed;
   Child holder([&] {
     RunLock lock(folder(), {.lease_s = 2, .self = on_node("first")});
@@ -300,9 +303,9 @@ void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& dis
 
 TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
   // Goal: a writer that pauses longer than its lease, even within a commit, and wakes while its
-  // successor writes, changes nothing of the successor's. It ends with a conflict, and the
-  // successor has everything that it reported. Method: children stop at 12 different writes; each
-  // is taken over and woken while the successor commits.
+  // successor writes, changes none of the successor's data. The writer ends with a conflict, and
+  // the successor has everything that the writer reported. Method: children stop at 12 different
+  // writes. A successor takes over from each child, which is woken while the successor commits.
   constexpr std::uint64_t k_sleepers = 12;
   struct Sleeper {
     std::string folder{};
@@ -356,7 +359,8 @@ TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
 
 TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
   // Goal: processes that disagree whether a disk is local use the same kind of lock. Method: a
-  // start that believes the disk local finds a held lease; afterwards flock works again.
+  // process that takes the disk for a local one finds a held lease; when the lease is free, flock
+  // works again.
   {
     const RunLock lock(folder());
     ::setenv(base::k_network_disk_variable, "0", 1);
@@ -369,8 +373,8 @@ TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
 
 TEST_F(NetworkStore, TurnsComeInOrder) {
   // Goal: a commit waits for at most one turn of each other thread, even if a reader takes turn
-  // after turn. Method: a greedy thread counts its turns; while another waits, it gets at most two,
-  // one of which may have begun before.
+  // after turn. Method: a greedy thread counts its turns; while another thread waits, it gets at
+  // most two turns, one of which may have begun before.
   SharedDatabase shared(path("a.sqlite"), Access::read_write);
   std::atomic<bool> stop = false;
   std::atomic<std::uint64_t> turns = 0;

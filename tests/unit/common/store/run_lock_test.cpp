@@ -63,8 +63,9 @@ class Holder {
 class RunLockOf : public testing::RunFolder {};
 
 TEST_F(RunLockOf, OneProcessAtATime) {
-  // Goal: a second process is refused and told the first one's number; a killed process holds no
-  // lock. Method: a child takes the lock and is killed with SIGKILL, ten times.
+  // Goal: a second process is refused with an error that has the first one's process number; a
+  // killed process holds no lock. Method: a child takes the lock and is killed with SIGKILL, ten
+  // times.
   for (int i = 0; i < 10; ++i) {
     Holder holder(folder());
     const auto conflict = conflict_of(folder());
@@ -78,7 +79,7 @@ TEST_F(RunLockOf, OneProcessAtATime) {
 
 TEST_F(RunLockOf, OneObjectAtATime) {
   // Goal: two runs in one process can't share a folder either. Method: take the lock twice, then
-  // after the first is released; the refused attempt must not have freed it.
+  // again after its release. The refused attempt must not release the lock.
   {
     const RunLock first(folder());
     EXPECT_TRUE(conflict_of(folder()).has_value());

@@ -60,7 +60,7 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
               AllOf(HasSubstr("format 7"), HasSubstr("writes format 6")));
   execute("UPDATE run SET value=6 WHERE key='format_version'");
 
-  // A later program with the same results version may resume.
+  // A later program version with the same results version may resume the run.
   RunIdentity later_program = example_identity(1);
   later_program.program_version = "1.1";
   RunStore store(folder(), later_program);
@@ -70,7 +70,7 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
 
 TEST_F(RunStoreSessions, MayStopElsewhere) {
   // Goal: the request may change in keys outside its identity, such as [stop]. Method: reopen with
-  // another request text; the newest is stored.
+  // another request text; the store has the newest text.
   { RunStore(folder(), example_identity(1)); }
   RunIdentity longer = example_identity(1);
   longer.request_text += "# more\n";
@@ -82,8 +82,8 @@ TEST_F(RunStoreSessions, MayStopElsewhere) {
 }
 
 TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
-  // Goal: a session that was presumed dead stores nothing beside its successor. Method: open a
-  // second store; the first one's next commit and later puts fail with a conflict.
+  // Goal: a session that was presumed dead stores nothing once its successor has begun. Method:
+  // open a second store; the first one's next commit and later puts fail with a conflict.
   RunStore first(folder(), example_identity(2));
   first.put(result_of(0, 0, 5));
   first.flush();

@@ -63,7 +63,8 @@ TEST_F(RunStoreOf, GivesBackWhatWasPut) {
 }
 
 TEST_F(RunStoreOf, ProgressIsInOrder) {
-  // Goal: replicas are sorted by chain, then replica. Method: put out of order, ids far apart.
+  // Goal: replicas are sorted by chain, then replica. Method: put results out of order, with ids
+  // far apart.
   open();
   for (const auto& [chain, replica] :
        {std::pair{70'000U, 1U}, {3U, 0U}, {0xffffffffU, 0U}, {3U, 0xffffffffU}, {70'000U, 0U}}) {
@@ -136,7 +137,8 @@ TEST_F(RunStoreOf, TakesFromManyThreads) {
 using RunStoreOfDeathTest = RunStoreOf;
 
 TEST_F(RunStoreOfDeathTest, GapIsABug) {
-  // Goal: a replica never has a gap (invariant 4). Method: put scans 3.. of an empty replica.
+  // Goal: a replica never has a gap (invariant 4). Method: put scans from number 3 on into an empty
+  // replica.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(
       {

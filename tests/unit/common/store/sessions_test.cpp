@@ -31,9 +31,9 @@ class Sessions : public testing::RunFolder {
 };
 
 TEST_F(Sessions, TellHowEachEnded) {
-  // Goal: a finished session is listed with its record, a dead or running one without, each with
-  // whether it committed anything. Method: let sessions die before and after they commit, fail,
-  // finish, and run.
+  // Goal: a supervisor lists finished sessions with their record, and dead or running sessions
+  // without one. The list also states whether each session committed anything. Method: let sessions
+  // die before and after they commit, fail, finish, and run.
   { RunStore died(folder(), example_identity(1)); }
   {
     RunStore died(folder(), example_identity(1));

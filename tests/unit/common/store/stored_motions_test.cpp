@@ -1,4 +1,5 @@
-// Goal: motions stored beside a run's store return bit for bit, or not at all. Method: damage them.
+// Goal: motions stored beside a run's store return bit for bit, or not at all. Method: damage the
+// stored motions.
 #include "common/store/stored_motions.h"
 
 #include <gtest/gtest.h>
@@ -113,7 +114,8 @@ TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
   // change each column in one row; replace the file by garbage; remove it.
   keep_fifty("a");
   int left = 50;
-  // States of motions with segments; a state is an integer's four bytes.
+  // Each change affects the motion of a state, given by the first of the state's four bytes. These
+  // motions have segments.
   const std::vector<std::pair<std::string, std::string>> changes{{"ends=2", "01"},
                                                                  {"columns=4", "02"},
                                                                  {"numbers=zeroblob(24)", "05"},

@@ -74,7 +74,8 @@ TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
 }
 
 TEST_F(StoredRunOf, CutsWhereItIsTold) {
-  // Goal: scans after the cut don't appear. Method: read only some scans, or none, beside a writer.
+  // Goal: scans after the cut don't appear. Method: read only some scans, or none, while a writer
+  // runs.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 9));
   store.put(result_of(1, 0, 7));

@@ -64,7 +64,7 @@ class ToldEventsTest : public testing::RunFolder {
     }
     return {};
   }
-  /// Writes a log of numbered rounds, as a session writes it for its events.
+  /// Writes a log of numbered rounds in the form that a session writes.
   void log(std::uint64_t first, std::uint64_t last) const {
     events::EventLog log(folder());
     for (std::uint64_t number = first; number <= last; ++number) {
@@ -81,9 +81,10 @@ class ToldEventsTest : public testing::RunFolder {
 };
 
 TEST_F(ToldEventsTest, NumbersGoOnOverSessionsAndEnds) {
-  // Goal: numbers run from 1 without a gap in the order of put. A session's end has a number, a
-  // dead session leaves none, and the frontier is the last committed number. Method: run three
-  // sessions, of which the second dies; compare what each reports with what is read back.
+  // Goal: events are numbered from 1 without a gap, in the order of put(). A session's end has a
+  // number, a dead session has no end, and the frontier is the last committed number. Method: run
+  // three sessions, of which the second dies; compare the events that each reports with the events
+  // that are read back.
   std::vector<std::uint64_t> heard;
   const auto hear = [&](std::span<const events::RunEvent> told) {
     for (const events::RunEvent& event : told)
@@ -145,7 +146,8 @@ TEST_F(ToldEventsTest, AreCommittedBehindTheirResultsAndFenced) {
 }
 
 TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
-  // Goal: an event is committed soon without further results. Method: put one event, don't flush.
+  // Goal: an event is committed soon without further results. Method: put one event without a
+  // flush.
   RunStore store(folder(), example_identity(1));
   std::atomic<bool> has_heard = false;
   store.on_told([&](std::span<const events::RunEvent>) { has_heard = true; });
@@ -194,9 +196,9 @@ TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
 }
 
 TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
-  // Goal: a follower misses and repeats nothing while the log rotates, is deleted or starts again,
-  // and returns nothing if nothing is new. Method: step slow and quick followers by hand with a
-  // small log; the store has everything.
+  // Goal: a follower misses and repeats nothing while the log rotates, is deleted or starts again.
+  // The follower returns nothing if there are no new events. Method: step slow and quick followers
+  // by hand with a small log; the store has everything.
   store_rounds(2000);
   ToldEvents quick(folder());
   ToldEvents slow(folder());
@@ -229,8 +231,8 @@ TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
 }
 
 TEST_F(ToldEventsTest, TellsTheNewestOfWhatHasNoNumber) {
-  // Goal: of progress, phases and archives, a reader gets only the newest unseen one, after the
-  // numbered events. Method: check by hand.
+  // Goal: a reader gets only the newest unseen progress, phase and archive, after the numbered
+  // events. Method: check by hand.
   store_rounds(1);
   events::EventLog log(folder());
   log.append({.what = events::Phase{.words = "a"}});
@@ -251,8 +253,8 @@ TEST_F(ToldEventsTest, TellsTheNewestOfWhatHasNoNumber) {
 }
 
 TEST_F(ToldEventsTest, ReadsBesideAWriter) {
-  // Goal: beside a session that commits and logs all the time, a follower gets every number once,
-  // in order, and only after its commit. Method: run a follower in its own thread.
+  // Goal: while a session commits and logs all the time, a follower gets every number once, in
+  // order, and only after its commit. Method: run a follower in its own thread.
   constexpr std::uint64_t k_events = 3000;
   std::atomic<bool> is_over = false;
   std::vector<std::uint64_t> has;

@@ -1,5 +1,5 @@
-// A disk that machines share, as SQLite sees it: without shared memory. While an object lives,
-// databases opened meanwhile are on such a disk, and every disk counts as a network disk.
+// A disk that machines share, which SQLite sees as a disk without shared memory. Databases that are
+// opened while an UnsharedDisk exists are on this disk, and every disk counts as a network disk.
 //
 // A process can pause within a commit, as on a suspended machine.
 #pragma once

@@ -1,5 +1,6 @@
-// Goal: a file that our writer can't have written is refused by name before any value is read.
-// Method: add one thing to a sound archive with the HDF5 library.
+// Goal: a file that our writer can't have written is refused before any value is read, with an
+// error that names the file and the object. Method: add one thing to a sound archive with the HDF5
+// library.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -40,7 +40,7 @@ class Writer : public archive::testing::Scratch {
 };
 
 TEST_F(Writer, FilesAndMemoryHaveOneDigest) {
-  // The last two exceed a batch, so they have chunks and a shorter last chunk.
+  // The last two runs exceed a batch, so their datasets have chunks and a shorter last chunk.
   const std::vector<FakeRunOptions> runs{{},
                                          {.chains = 1, .scans = 1, .satisfied_share = 0},
                                          {.chains = 1, .scans = 1, .satisfied_share = 1},
@@ -116,7 +116,7 @@ TEST_F(Writer, AFullDiskLeavesTheOldFileAlone) {
   write_file(path("b.h5"), files_, filler(run));
   const std::string whole = bytes_of(path("b.h5"));
 
-  // All limits apply in one process, so a failed write must not harm the next try.
+  // One process tries all limits, so a failed write must not harm the next one.
   const auto write_within_limits = [&] {
     std::signal(SIGXFSZ, SIG_IGN);
     const auto try_with = [&](rlim_t bytes) {

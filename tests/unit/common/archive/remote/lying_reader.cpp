@@ -66,7 +66,8 @@ void spin() {
     ++turns;
 }
 
-/// Tries an action that confine.h forbids. If the action succeeds, the reader passes for honest.
+/// Tries an action that confine.h forbids. If the action succeeds, the process continues as an
+/// honest reader.
 void attempt(std::string_view what) {
   if (what == "socket") ::socket(AF_INET, SOCK_STREAM, 0);
   if (what == "write") ::open("/tmp/sleight-lying-reader", O_WRONLY | O_CREAT, 0600);

@@ -1,6 +1,6 @@
 // Goal: a reader's description of an archive arrives unchanged, and an invalid one is refused with
-// a reason. Method: encode and decode contents; break each invariant of contents_check.h alone; cut
-// off or change bytes anywhere.
+// a reason. Method: encode and decode contents; break each invariant of contents_check.h alone;
+// remove bytes at the end or change bytes anywhere.
 #include "common/archive/remote/messages.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Goal: whatever an archive holds and its reader does, the calling program survives, reports the
-// cause and reads its other archives. Method: open sound and damaged archives from several threads
+// Goal: the calling program survives any archive and any behaviour of its reader, reports the
+// cause, and reads its other archives. Method: open sound and damaged archives from several threads
 // with the real reader, and with a reader under the same limits (lying_reader.cpp) that crashes,
 // hangs, lies or tries forbidden calls.
 #include "common/archive/remote/remote_source.h"
@@ -78,7 +78,7 @@ class Remote : public archive::testing::Scratch {
     return reason;
   }
 
-  /// Returns the error that a false answer causes. The next question must fail with the same error.
+  /// Returns the error that a wrong answer causes. The next question must fail with the same error.
   std::string why_not_read(const std::string& word, const std::string& dataset = "draw",
                            const ReaderLimits& limits = {}) {
     const auto source = open_remote_by(k_liar, telling(word), limits);
@@ -166,7 +166,7 @@ TEST_F(Remote, ThoseThatHangCostAListOneTimeLimit) {
   }
   const auto start = std::chrono::steady_clock::now();
   const std::vector<OpenedArchive> opened = open_all_by(k_liar, paths, {.timeout_s = 2});
-  // Waiting for them one after the other would take 14 s.
+  // Waiting for the readers one after the other would take 14 s.
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
   for (std::size_t i = 0; i < paths.size(); ++i)
     EXPECT_EQ(opened[i].source != nullptr, i == 5) << opened[i].refused;
@@ -226,7 +226,7 @@ TEST_F(Remote, LiesAboutValuesAreFound) {
 }
 
 TEST_F(Remote, WordsThatNobodyAskedForAreFound) {
-  // The first answer is right; its surplus byte is noticed at the next question.
+  // The first answer is right but has a surplus byte, which is noticed at the next question.
   const auto source = open_remote_by(k_liar, telling("more"));
   source->read(k_posterior, "draw", 0, 4);
   std::string reason;

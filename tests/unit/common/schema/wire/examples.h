@@ -1,4 +1,4 @@
-// Messages for tests, and bitwise equality.
+// Example messages for tests, and their bitwise comparison.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@ std::vector<double> awkward_doubles();
 /// Returns a result of `scans` scans with every transmitted field filled.
 plan::UnitResult example_result(std::uint32_t scans);
 
-/// Returns a delivery of results with these numbers of scans, every field filled.
+/// Returns a delivery of results with these numbers of scans. Every field is filled.
 Delivery example_delivery(const std::vector<std::uint32_t>& scans);
 
-/// Returns a part of a ladder, starting at level 3 of `members` + 4 levels, with states of all
-/// kinds.
+/// Returns an assignment of a part of a ladder, starting at level 3 of `members` + 4 levels, with
+/// states of all kinds.
 Assignment example_assignment(std::uint32_t members);
 
 /// Returns messages of every kind and shape, including empty and large ones.

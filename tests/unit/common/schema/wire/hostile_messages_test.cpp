@@ -137,8 +137,8 @@ TEST(HostileMessages, EveryCutIsRefused) {
 }
 
 TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
-  // Goal: noise does no harm. Method: decode noise of 0 to 60 words, half of it after a head that
-  // claims one segment of the right length.
+  // Goal: noise does no harm. Method: decode noise of 0 to 60 words, half of the inputs with a head
+  // that claims one segment of the right length.
   for (const std::uint64_t input : property::cases(inputs())) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::proposal}, input);
     base::Bytes bytes(below(480, stream));

@@ -20,7 +20,8 @@ TEST(Messages, ComeBackBitForBit) {
   }
 }
 
-/// Returns whether the comparer notices `change`. Fails if it sees a difference without the change.
+/// Returns whether the comparer notices `change`. Fails if the comparer reports a difference
+/// without the change.
 template <class M, class Change>
 bool is_seen(const M& example, const Change& change) {
   M changed = example;
@@ -90,7 +91,7 @@ TEST(Messages, ComparerSeesOneBit) {
 }
 
 TEST(Messages, EncodingIsAFunctionOfTheMessage) {
-  // Goal: equal messages are equal bytes. Method: encode twice.
+  // Goal: equal messages encode to equal bytes. Method: encode twice.
   for (const Message& message : testing::examples())
     EXPECT_EQ(encode(message), encode(message));
 }
@@ -101,9 +102,9 @@ std::string refusal(const Message& message) {
 }
 
 TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
-  // Goal: a result's unit travels as replica, first scan and number of records, whatever number of
-  // scans the unit claims. The coordinator knows the other fields. Method: fill every field of a
-  // unit, and claim other lengths.
+  // Goal: only the replica, first scan and number of records of a result's unit are sent, whatever
+  // number of scans the unit claims. The coordinator has the other fields. Method: fill every field
+  // of a unit, and claim other lengths.
   for (const std::uint32_t claimed : {3U, 0U, 2U, 4U, 0xffffffffU}) {
     Delivery delivery = testing::example_delivery({3});
     plan::Unit& unit = delivery.results[0].unit;
@@ -124,8 +125,8 @@ TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
 }
 
 TEST(Messages, ResultWithoutScansIsRefused) {
-  // Goal: each result of a delivery has scans. Method: encode three results, one of them without
-  // scans, and a delivery without results.
+  // Goal: a delivery is refused if one of its results has no scans. Method: encode three results,
+  // one of them without scans, and a delivery without results.
   EXPECT_THAT(refusal(testing::example_delivery({0})), HasSubstr("without scans"));
   EXPECT_THAT(refusal(testing::example_delivery({2, 0, 1})), HasSubstr("without scans"));
   EXPECT_EQ(refusal(testing::example_delivery({})), "");
