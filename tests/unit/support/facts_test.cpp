@@ -1,5 +1,5 @@
-// Goal: the matchers of messages accept any sentence with the facts, and nothing else. Method:
-// sentences with a fact missing, changed, in another order, or part of a longer number.
+// Goal: the matchers of messages accept any sentence that has the facts, and no other. Method: try
+// sentences with a fact that is missing, changed, in another order, or part of a longer number.
 #include "tests/support/facts.h"
 
 #include <gtest/gtest.h>

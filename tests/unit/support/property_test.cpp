@@ -34,7 +34,7 @@ void say(std::uint64_t number) {
 }
 
 TEST(Planted, DISABLED_Check) {
-  // Goal: provide a case that ends the process. Method: case 7 of nine.
+  // Goal: provide a case that ends the process. Method: fail in case 7 of nine.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     CHECK(n != 7);
@@ -42,7 +42,7 @@ TEST(Planted, DISABLED_Check) {
 }
 
 TEST(Planted, DISABLED_Exception) {
-  // Goal: provide a case that leaves its loop. Method: case 7 of nine.
+  // Goal: provide a case that leaves its loop. Method: fail in case 7 of nine.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     if (n == 7) throw std::runtime_error("seven");
@@ -50,7 +50,7 @@ TEST(Planted, DISABLED_Exception) {
 }
 
 TEST(Planted, DISABLED_Expectation) {
-  // Goal: provide a case that fails more than once. Method: case 7 of nine.
+  // Goal: provide a case that fails more than once. Method: fail in case 7 of nine.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     EXPECT_NE(n, 7);
@@ -59,7 +59,7 @@ TEST(Planted, DISABLED_Expectation) {
 }
 
 TEST(Planted, DISABLED_ExpectationOfAnotherThread) {
-  // Goal: provide a case that fails in another thread. Method: case 7 of nine.
+  // Goal: provide a case that fails in another thread. Method: fail in case 7 of nine.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     std::thread([n] { EXPECT_NE(n, 7); }).join();
@@ -67,7 +67,8 @@ TEST(Planted, DISABLED_ExpectationOfAnotherThread) {
 }
 
 TEST(Planted, DISABLED_LongRun) {
-  // Goal: provide a case that only long runs have. Method: case 7 of nine, or of six.
+  // Goal: provide a case that only long runs have. Method: fail in case 7. Long runs have nine
+  // cases, others six.
   for (const std::uint64_t n : seeds(long_run() ? 9 : 6)) {
     say(n);
     EXPECT_NE(n, 7);
@@ -75,14 +76,15 @@ TEST(Planted, DISABLED_LongRun) {
 }
 
 TEST(Planted, DISABLED_OutsideCases) {
-  // Goal: provide a failure outside cases. Method: after a loop.
+  // Goal: provide a failure outside cases. Method: fail after a loop.
   for (const std::uint64_t n : cases(9))
     say(n);
   ADD_FAILURE();
 }
 
 TEST(Planted, DISABLED_NoFailure) {
-  // Goal: show what runs. Method: cases, seeds, and expectations about all cases.
+  // Goal: show what runs. Method: print a number for each case, each seed, and expectations about
+  // all cases.
   for (const std::uint64_t n : cases(9))
     say(n);
   for (const std::uint64_t n : seeds(3))
@@ -91,14 +93,14 @@ TEST(Planted, DISABLED_NoFailure) {
 }
 
 TEST(Planted, DISABLED_ManyCases) {
-  // Goal: provide a loop of which a build may run a part. Method: a hundred cases.
+  // Goal: provide a loop that a build may run in part. Method: use a hundred cases.
   for (const std::uint64_t n : cases(100))
     say(n);
   if (all_cases()) say(1000);
 }
 
 TEST(Planted, DISABLED_InTurn) {
-  // Goal: provide a case that needs earlier ones. Method: case 7 of nine.
+  // Goal: provide a case that needs an earlier one. Method: fail after case 6.
   std::uint64_t before = 0;
   for (const std::uint64_t n : in_turn(9)) {
     say(n);
@@ -110,7 +112,8 @@ TEST(Planted, DISABLED_InTurn) {
 class PlantedValues : public ::testing::TestWithParam<int> {};
 
 TEST_P(PlantedValues, DISABLED_Expectation) {
-  // Goal: provide a parametrised test, whose name has slashes. Method: case 7, one of three values.
+  // Goal: provide a parametrised test, whose name has slashes. Method: fail in case 7 for one of
+  // three values.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     EXPECT_FALSE(n == 7 && GetParam() == 3);
@@ -152,7 +155,7 @@ std::string whole_path() {
 }
 
 Ended ended(const std::string& command) {
-  // Run tests with DISABLED_, and limit them if this program itself is a long or full run.
+  // Run DISABLED_ tests, and don't pass on that this program itself is a long or full run.
   std::FILE* const pipe =
       popen(fmt::format(
                 "unset SLEIGHT_SOAK SLEIGHT_ALL; export GTEST_ALSO_RUN_DISABLED_TESTS=1; ({}) 2>&1",
@@ -200,7 +203,8 @@ TEST(Property, AFailurePrintsTheCommandThatRepeatsItsCase) {
 }
 
 TEST(Property, ACaseOfALongRunIsRepeatedAsALongRuns) {
-  // Goal: a case that short runs lack is repeated too. Method: a case of a long run.
+  // Goal: the command repeats a case that only long runs have. Method: fail in a case of a long
+  // run.
   const Ended longer = ended_test("SLEIGHT_SOAK=1", "Planted.DISABLED_LongRun");
   EXPECT_THAT(longer.cases(), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
   EXPECT_EQ(longer.command(),
@@ -211,7 +215,8 @@ TEST(Property, ACaseOfALongRunIsRepeatedAsALongRuns) {
 }
 
 TEST(Property, ACaseThatNeedsOthersIsRepeatedAfterThem) {
-  // Goal: a case that continues from others fails again. Method: a test of cases in turn.
+  // Goal: a case that depends on earlier cases fails again. Method: run a test whose cases run in
+  // turn.
   const Ended first = ended_test("", "Planted.DISABLED_InTurn");
   EXPECT_THAT(first.cases(), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
   const Ended again = ended(from_here(first.command()));
@@ -221,15 +226,16 @@ TEST(Property, ACaseThatNeedsOthersIsRepeatedAfterThem) {
 }
 
 TEST(Property, AFailureOutsideCasesNamesItsTest) {
-  // Goal: a failure outside cases is repeated by its test. Method: a failure after a loop of cases.
+  // Goal: the command for a failure outside cases repeats the whole test. Method: fail after a loop
+  // of cases.
   const Ended of = ended_test("", "Planted.DISABLED_OutsideCases");
   EXPECT_EQ(of.command(), fmt::format("{} --gtest_filter=Planted.DISABLED_OutsideCases",
                                       path_in_project(whole_path())));
 }
 
 TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
-  // Goal: SLEIGHT_CASE runs that case, without expectations about all cases. Method: two loops,
-  // with a number in both and a number in one.
+  // Goal: SLEIGHT_CASE selects one case and skips expectations about all cases. Method: run two
+  // loops, with a number that both have and with a number that one has.
   const std::string test = "Planted.DISABLED_NoFailure";
   EXPECT_THAT(ended_test("SLEIGHT_SOAK=1", test).cases(),
               ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 101, 102, 103, 1000));
@@ -239,8 +245,9 @@ TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
 }
 
 TEST(Property, SanitizersRunTheFirstQuarter) {
-  // Goal: with sanitizers a loop has a quarter of its cases. SLEIGHT_CASE can still select any
-  // case, and long runs have all. Method: a loop of a hundred; all other builds.
+  // Goal: with sanitizers, a loop runs a quarter of its cases. SLEIGHT_CASE can still select any
+  // case, and long runs have all. Method: use a loop of a hundred cases; builds without sanitizers
+  // run all.
   const std::string test = "Planted.DISABLED_ManyCases";
   const std::vector<std::uint64_t> whole = ended_test("SLEIGHT_SOAK=1", test).cases();
   ASSERT_EQ(whole.size(), 101U);
@@ -257,7 +264,8 @@ TEST(Property, SanitizersRunTheFirstQuarter) {
 }
 
 TEST(Property, ACaseThatNoTestHasIsAnError) {
-  // Goal: a wrong number can't pass for a fixed case. Method: numbers of no case, and no numbers.
+  // Goal: a wrong number can't pass for a fixed case. Method: set SLEIGHT_CASE to numbers that no
+  // case has, and to texts that are not numbers.
   for (const char* const wrong : {"9", "", "x", "7x", "-1", "18446744073709551616"}) {
     const Ended of =
         ended_test(fmt::format("SLEIGHT_CASE={}", wrong), "Planted.DISABLED_NoFailure");
@@ -281,7 +289,8 @@ TEST(Property, AFailureCanBeAskedFor) {
 }
 
 TEST(Property, ProgramsAreNamedAsInTheProject) {
-  // Goal: commands are relative to the project's folder. Method: paths with and without build.
+  // Goal: commands are relative to the project's folder. Method: use paths with and without a build
+  // folder.
   EXPECT_EQ(path_in_project("/a/build/b/build/release/tests/t"), "build/release/tests/t");
   EXPECT_EQ(path_in_project("/opt/t"), "/opt/t");
 }
