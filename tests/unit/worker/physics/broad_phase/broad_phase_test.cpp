@@ -78,7 +78,8 @@ class Session {
     return "move all";
   }
 
-  /// The reference is box.h without periods, and periodic.h (tested separately) with periods.
+  /// The reference is overlap() of box.h without periods, and of periodic.h (tested separately)
+  /// with periods.
   bool overlap_by_definition(const Box& a, const Box& b) const {
     if (scene_.period_m == std::array<double, 3>{}) return overlap(a, b);
     return overlap(a, b, periods_);
@@ -143,7 +144,7 @@ TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInFewBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInManyBodies) {
-  // Goal: queries that use cells are right too. Method: run the same scripts with 200 bodies.
+  // Goal: queries are also right if they use cells. Method: run the same scripts with 200 bodies.
   for (std::size_t i = 0; i < scenes().size(); ++i) {
     Session<TypeParam> session(scenes()[i], 200, 100 + i);
     EXPECT_EQ(session.run(static_cast<int>(property::of_tier(200, 800))), std::nullopt)
@@ -161,7 +162,7 @@ TYPED_TEST(BroadPhaseSuite, HoldsNoBodies) {
 
 TYPED_TEST(BroadPhaseSuite, RefusesWhatIsNotABox) {
   // Goal: an inverted box or a NaN coordinate, which would silently miss overlaps, stops the
-  // process. So does a body in the wrong state. Method: death tests.
+  // process. A call for a body in the wrong state also stops the process. Method: death tests.
   TypeParam structure({.bodies = 2});
   NoOverlapSink sink;
   const Box box{{0, 0, 0}, {1, 1, 1}};

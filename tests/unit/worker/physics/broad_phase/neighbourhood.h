@@ -1,4 +1,4 @@
-// Lists of neighbours like those of the simulator, which also check every report.
+// Neighbour lists like the simulator's. These lists also check every reported overlap.
 #pragma once
 
 #include <fmt/format.h>

@@ -25,7 +25,8 @@ Point in_cube(Dice& dice, double half) {
   return {dice.between(-half, half), dice.between(-half, half), dice.between(-half, half)};
 }
 
-/// Moves a box by a small step and changes its size slightly. Rarely returns a new box elsewhere.
+/// Moves a box by a small step and changes its size slightly. One time in twelve, returns a new box
+/// elsewhere.
 template <Box (*Fresh)(Dice&)>
 Box step(Dice& dice, const Box& box) {
   if (dice.once_in(12)) return Fresh(dice);
@@ -52,7 +53,8 @@ Box gas(Dice& dice) {
   return cube(in_cube(dice, 2), dice.between(0.7, 1.3));
 }
 
-/// A box long in the direction of motion. Sizes are on both sides of the borders between levels.
+/// A box that is long in its direction of motion. Sizes are on both sides of the borders between
+/// levels.
 Box stretched(Dice& dice) {
   const double edge = dice.between(0.7, 1.1);
   Point half = {edge / 2, edge / 2, edge / 2};

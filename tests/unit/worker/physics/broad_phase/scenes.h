@@ -1,4 +1,5 @@
-// Many sorts of boxes for random scripts, which tests compare with the plain definition.
+// Many sorts of boxes. Tests move them by random scripts and compare their overlaps with the
+// definition.
 #pragma once
 
 #include <string>
@@ -32,8 +33,9 @@ struct Scene {
   Box (*moved)(Dice&, const Box&) = nullptr;
 };
 
-/// Gas, stretched boxes, corners, a pile, six decades of sizes, touching boxes, points, infinite
-/// boxes and distant boxes, and scenes with periods on one, two and three axes.
+/// Scenes without periods: gas, stretched boxes, corners, a pile, six decades of sizes, touching
+/// boxes, points, infinite boxes and distant boxes. Other scenes have periods on one, two or three
+/// axes.
 const std::vector<Scene>& scenes();
 
 }  // namespace sleight::physics

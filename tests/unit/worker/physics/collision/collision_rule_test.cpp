@@ -16,7 +16,8 @@ namespace sleight::physics::collision_rule_test {
 using testing::vector_between;
 
 TEST(CollisionRule, TouchIncludesItsLimitAndApproachDoesNot) {
-  // Goal: each limit is on the documented side. Method: test the limits and neighbouring floats.
+  // Goal: values exactly at a limit get the documented verdict. Method: test the limits and
+  // neighbouring floats.
   const double slow_mps = -k_approach_mps;
   const double fast_mps = std::nextafter(slow_mps, -1);
   EXPECT_TRUE(collides(k_touch_m, fast_mps));
@@ -43,7 +44,7 @@ TEST(CollisionRule, BordersBelongToOneFeature) {
   EXPECT_TRUE(is_inside(std::span<const RegionSide>{}, {0, 0, 0}));
 }
 
-/// Distance between a place and a feature. Uses other formulas than the rule.
+/// Distance between a place and a feature. Uses different formulas from the rule's.
 double distance_m(const SphereFeature& feature, const Vec3& place_m) {
   const Vec3 from_m = place_m - feature.point_m;
   if (feature.kind == FeatureKind::face) return math::dot(from_m, feature.direction);
@@ -77,7 +78,7 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
       return distance_m(feature, centre.position_m + s * centre.velocity_mps);
     };
     EXPECT_NEAR(gap.rate_mps, (after(k_step_s) - after(-k_step_s)) / (2 * k_step_s), 1e-7);
-    // A search starts from the same numbers, bit for bit.
+    // The state that a search starts from has the same gap and rate, bit for bit.
     const GapState state = gap_state(feature, centre, radius_m);
     EXPECT_EQ(state.now.gap_m, gap.gap_m);
     EXPECT_EQ(state.now.rate_mps, gap.rate_mps);
@@ -86,8 +87,9 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
 
 TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
   // Goal: searches reach the rule's verdict for spheres on features and for pairs of spheres.
-  // Searches derive the verdict from how long each condition fails. Method: compare verdicts on
-  // random features with a region, for spheres slightly inside, outside or exactly at each limit.
+  // Searches derive the verdict from the time for which each condition fails. Method: compare
+  // verdicts on random features with a region, for spheres slightly inside, outside or exactly at
+  // each limit.
   std::array<std::uint64_t, 2> verdicts{};
   for (const std::uint64_t n : property::cases(100'000)) {
     random::Stream stream({.seed = 31, .purpose = random::Purpose::scene}, n);
@@ -119,7 +121,7 @@ TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
   EXPECT_GT(verdicts[1], 5'000U);
 }
 
-/// Searches by the rule for the first tick at which two spheres collide, without gravity.
+/// Finds the first tick at which two spheres collide by the rule, without gravity.
 Tick first_by_rule(const Vec3& between_m, const Vec3& relative_mps, double radii_m) {
   for (Tick tick{}; tick != k_never;) {
     const MovingPoint relative{.position_m = between_m + seconds(tick - Tick{}) * relative_mps,
@@ -135,9 +137,10 @@ Tick first_by_rule(const Vec3& between_m, const Vec3& relative_mps, double radii
 
 TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
   // Goal: the closed form for two free spheres finds the rule's first collision tick, or none.
-  // Method: compare with the search on random flights, some of which graze the touch, hardly
-  // approach or touch at the start. Rounding may shift the tick by one. Rounding may change the
-  // verdict if a grazing flight touches for at most two ticks or is within rounding of the limit.
+  // Method: compare with the search on random flights. In some of them, spheres only graze each
+  // other, hardly approach, or touch at the start. Rounding may shift the tick by one. Rounding may
+  // change the verdict if a grazing flight touches for at most two ticks or is within rounding of
+  // the limit.
   std::uint64_t hits = 0;
   std::uint64_t same = 0;
   std::uint64_t misses = 0;
@@ -164,7 +167,7 @@ TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
       misses += by_form == k_never ? 1 : 0;
       hits += by_form == k_never ? 0 : 1;
       same += by_form != k_never && by_form == by_rule ? 1 : 0;
-      // The gap's rounding, at the speed of the touch, is a fraction of a tick.
+      // At the spheres' relative speed, the gap's rounding error is less than one tick.
       if (by_form != k_never) {
         EXPECT_LE(std::abs(by_form - by_rule), 1) << n;
       }

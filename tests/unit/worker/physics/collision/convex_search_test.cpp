@@ -107,7 +107,7 @@ class Approach {
     if (other_ == Other::plane) return contact_of(plane_, first_at(tick));
     return contact_of(second_at(tick), first_at(tick));
   }
-  /// Returns whether the two touch with a vertex and no face (convex_search.h, invariant 3).
+  /// Returns whether the bodies touch at a vertex but at no face (convex_search.h, invariant 3).
   bool touches_with_a_vertex(Tick tick) const {
     if (other_ == Other::plane) return false;
     const MovingPiece a = second_at(tick);
@@ -166,8 +166,8 @@ class Approach {
   HalfSpace plane_;
 };
 
-/// A body that is nearly flat on another body and within the touch. The upper body rocks slowly and
-/// may slide; the lower body may be at rest.
+/// A body that is nearly flat on another body and within touch distance. The upper body rocks
+/// slowly and may slide; the lower body may be at rest.
 class Rocking {
  public:
   static constexpr TickCount k_span = TickCount{1} << 22U;  // 4 ms
@@ -312,7 +312,8 @@ TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
   // Goal: invariant 3 holds for touching pieces when rounding and small accelerations decide which
   // vertex is lowest. Method: rock and slide random bodies that are nearly flat on each other, and
   // compute contacts from scratch at the last skipped ticks and at some others. The invariant
-  // promises nothing once the normal turns with another face; then hardly any collision is missed.
+  // promises nothing once the normal turns with another face, but even then hardly any collision is
+  // missed.
   std::uint64_t looks = 0;
   std::uint64_t collisions = 0;
   std::uint64_t missed = 0;
@@ -364,10 +365,10 @@ TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
 }
 
 TEST(ConvexSearch, VerticesThatFallAlmostAlikeAreLookedAt) {
-  // Goal: if vertices are equally low and fall almost alike, the fastest vertex decides. The first
-  // vertex, which the bounds use, is too slow to collide. Method: put a cube within the touch, flat
-  // on a cube at rest and on a plane. The cube falls slightly too slowly to collide and turns just
-  // fast enough, either way, to make up for that.
+  // Goal: if several vertices are equally low and fall at almost the same speed, the fastest vertex
+  // decides. The first vertex, which the bounds use, is too slow to collide. Method: put a cube
+  // within touch distance, flat on a cube at rest and on a plane. The cube falls slightly too
+  // slowly to collide, but its rotation, in either direction, makes one vertex just fast enough.
   Flyer below{testing::die_of(0.02), {}};
   Flyer above = below;
   const ConvexView below_view = below.part().view();

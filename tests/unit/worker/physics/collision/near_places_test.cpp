@@ -42,7 +42,7 @@ double moved_m(const Pose& then, const Pose& now) {
 
 TEST(NearPlaces, HoldWhatTheySay) {
   // Goal: while a body has a place, no point of the body moves further than the room since the
-  // place began. Method: bodies with all kinds of inertia change between slow motions at random
+  // place began. Method: let bodies with all kinds of inertia change between slow motions at random
   // ticks. Test corners at random ticks of each motion; some get close to the bound.
   double nearest_to_bound = 0;
   std::uint64_t kept = 0;

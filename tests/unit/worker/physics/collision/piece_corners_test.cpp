@@ -33,13 +33,15 @@ std::vector<Vec3> crossings(double yaw_rad, const Vec3& aside_m) {
 }
 
 TEST(PieceCorners, EdgesCrossWhereFacesLieAskew) {
-  // Goal: edge crossings give the corners of the common area that neither piece has. Method: use
-  // cubes whose edges cross eight times, twice or only at ends, and a cube slightly too high.
+  // Goal: edge crossings are the corners of the common area that are no corners of either piece.
+  // Method: use cubes whose edges cross eight times, twice or only at ends, and a cube slightly too
+  // high.
   const double r = 0.5;
   const std::vector<Vec3> eight = crossings(std::numbers::pi / 4, Vec3::Zero());
   EXPECT_EQ(eight.size(), 8U);
   for (const Vec3& at_m : eight) {
-    // On the lower cube's rim, where the upper cube's edges |x| + |y| = sqrt(2) r cross it.
+    // The crossings are on the lower cube's rim, where the upper cube's edges |x| + |y| = sqrt(2) r
+    // cross it.
     EXPECT_NEAR(at_m.cwiseAbs().head<2>().maxCoeff(), r, 1e-12);
     EXPECT_NEAR(at_m.cwiseAbs().head<2>().sum(), std::numbers::sqrt2 * r, 1e-12);
     EXPECT_NEAR(at_m.z(), 1, 1e-12);

@@ -137,9 +137,9 @@ struct Verdicts {
 };
 
 TEST(KeepsClear, IsNeverSaidOfWhatCollides) {
-  // Goal: if keeps_clear is true, no tick of the span is a collision, and it is true for most
-  // flights without one. Method: run flights near random features of random meshes; some graze a
-  // limit. Test the search's ticks, random ticks and ticks close to the grazing.
+  // Goal: if keeps_clear is true, no tick of the span is a collision. keeps_clear is true for most
+  // flights without a collision. Method: run flights near random features of random meshes; some
+  // graze a limit. Test the search's ticks, random ticks and ticks close to the closest approach.
   std::array<Verdicts, 4> verdicts;
   for (const std::uint64_t n : property::cases(mesh_count())) {
     random::Stream stream({.seed = 17, .purpose = random::Purpose::scene}, n);

@@ -219,9 +219,10 @@ std::shared_ptr<const testing::TableControls> profile(std::function<double(int)>
 }
 
 TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
-  // Goal: a box with its lowest corner in a hollow may first touch a gentle hill beside it, even if
-  // the box rises from that corner faster than the hill bulges. Method: boxes fall with one corner
-  // above a hollow several times sharper than the hill, tilted about as much as the bound requires.
+  // Goal: bounds hold for a box whose lowest corner is in a hollow but which first touches a gentle
+  // hill beside the hollow. The bounds hold even if the box rises from that corner faster than the
+  // hill bulges. Method: drop boxes with one corner above a hollow that is several times sharper
+  // than the hill. Tilt the boxes about as much as the bound requires.
   Tally tally;
   for (const std::uint64_t n : property::cases(1500)) {
     if (HasFailure()) break;
@@ -327,7 +328,7 @@ TEST(SurfaceSearch, StillBoxesAreNotWalkedBy) {
 TEST(SurfaceSearch, OfEqualGapsTheFirstOneCounts) {
   // Goal: equal gaps keep the lattice's order (surface_search.h, invariant 1), though the search
   // stores near points in another order. Method: turn a die flat above a flat table, so that its
-  // sides come down differently. Then let it touch and come down evenly.
+  // sides approach at different speeds. Then let the die touch and come down evenly.
   for (const Vec3& turning : {Vec3(5, 0, 0), Vec3(-5, 0, 0), Vec3(0, 5, 0), Vec3(0, -5, 0)}) {
     Flyer flyer{testing::die_of(0.016), {}};
     flyer.flight.begin = Tick{1'000'000};
@@ -415,7 +416,7 @@ TEST(SurfaceSearch, BoxesHaveLattices) {
 TEST(SurfaceSearch, PointsNearAreTheOutermostOnes) {
   // Goal: support points of a resting box are complete. Method: put boxes close to random surfaces.
   // Each support must be a point of the box, within reach, with the surface's normal. In each of
-  // eight directions, no point within reach may be further out.
+  // eight directions, no point within reach is further out than the supports.
   std::size_t found_in_all = 0;
   for (const std::uint64_t n : property::cases(300)) {
     Dice dice(k_seed + 3, n);

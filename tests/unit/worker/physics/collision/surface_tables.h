@@ -63,7 +63,8 @@ inline std::shared_ptr<const TableControls> table_of(TableControls::Function fun
       std::make_shared<const TableControls::Function>(std::move(function)));
 }
 
-/// Shape of a random table. Pits have sharp hollows and gentle bumps, hills the reverse.
+/// Shape of a random table. Pits have sharp hollows and gentle bumps; hills have gentle hollows and
+/// sharp bumps.
 enum class Relief : std::uint8_t { rough, pits, hills, waves, flat };
 inline constexpr int k_reliefs = 5;
 

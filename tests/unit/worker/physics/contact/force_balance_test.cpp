@@ -86,7 +86,7 @@ Structure overhanging(int count, double step) {
 TEST(ForceBalance, FourBlocksStandAtAFifthAndFallAtThreeTenths) {
   // Goal: a stack can fall though each block stands on the next. The centre of n blocks is (n + 1)
   // / 2 steps beyond the block below, so the limit for four blocks is a quarter. Method: test both
-  // sides of that limit, also close to it, and the limit of a stack of twenty.
+  // sides of that limit, far from it and close to it, and the limit of a stack of twenty.
   EXPECT_TRUE(overhanging(4, 0.2).holds());
   EXPECT_FALSE(overhanging(4, 0.3).holds());
   EXPECT_TRUE(overhanging(4, 0.245).holds());
@@ -143,9 +143,9 @@ Structure arch(int count, double thickness, double friction) {
 
 TEST(ForceBalance, AnArchStandsDownToItsLeastThickness) {
   // Goal: a semicircle of 15 stones with friction 0.7 stands at a thickness of 0.13 radii and falls
-  // at 0.09. If joints may be anywhere, the limit is 0.1075 (J. Heyman, International Journal of
-  // Solids and Structures 5, 1969, as corrected by M. Milankovitch). Method: test both sides, and
-  // find the thickness at which the verdict changes by bisection.
+  // at 0.09. If joints may be anywhere, the limit is 0.1075 (Heyman, International Journal of
+  // Solids and Structures 5, 1969, as corrected by Milankovitch). Method: test both sides, and find
+  // the thickness at which the verdict changes by bisection.
   EXPECT_TRUE(arch(15, 0.13, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.09, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.13, 0.1).holds());
@@ -211,7 +211,8 @@ double left_by_descent(const Structure& structure) {
 
 TEST(ForceBalance, AgreesWithASlowSearch) {
   // Goal: the verdict is right for any contacts of up to three bodies. Method: compare random
-  // contacts with a plain descent, which is conclusive if it leaves almost nothing or much.
+  // contacts with a plain descent. The descent's verdict counts only if the remaining imbalance is
+  // almost zero or large.
   int held = 0;
   int fell = 0;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 2'000 : 40)) {

@@ -23,8 +23,8 @@ using math::norm;
 // The header's bound of 2^-50 of the coordinates, times the roundings of a few operations.
 constexpr double k_accuracy = 1e-14;
 
-// A normal between two points has an error of rounding divided by gap, and so has the separation
-// along it. A face's normal is exact to rounding.
+// The normal between two points has an error of rounding / gap. The separation along this normal
+// has the same error. A face's normal is exact to rounding.
 double certificate_tolerance(const Closest& result, double coordinates) {
   const bool face =
       result.feature_a.kind == FeatureKind::face || result.feature_b.kind == FeatureKind::face;
@@ -95,7 +95,7 @@ TEST(ClosestCold, names_the_features) {
     return math::matrix_of(math::quaternion_of_rotation_vector(w));
   };
   const double quarter = 0.78539816339744831;
-  // A corner straight above the top face: z down along the cube's diagonal.
+  // A corner straight above the top face: the upper cube's diagonal is vertical.
   const Vec3 x = math::normalized(Vec3(1, -1, 0)), z = math::normalized(Vec3(1, 1, 1));
   Mat3 on_corner;
   on_corner.row(0) = x;

@@ -1,7 +1,7 @@
-// Goal: overlapping pieces have the right depth, and a useful contact normal if the overlap is as
-// small as rounding or one time step makes it. Method: push pieces into each other by 1e-9 to 1e-6
+// Goal: overlapping pieces have the right depth. If the overlap comes only from rounding or from
+// one time step, the contact normal is useful. Method: push pieces into each other by 1e-9 to 1e-6
 // of their size from a known contact, and test deep overlaps. A shift by the depth along the normal
-// must part the pieces, and no sampled direction may need less.
+// must separate the pieces, and no sampled direction needs a shorter shift.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,15 +32,17 @@ TEST(Overlap, shallow_ones_keep_the_normal_of_the_contact) {
     at.b.position_m -= (before.gap_m + depth) * before.normal;
     const Closest inside = closest_cold(a, at.a, b, at.b);
     const double rounding = 1e-14 * (coordinates_m(a, at.a, b, at.b) + 2 * size);
-    // A shift by `depth` along the old normal parts the pieces, so the least depth is no greater.
+    // A shift by `depth` along the old normal separates the pieces, so the least depth is no
+    // greater.
     ASSERT_GE(inside.gap_m, -depth - rounding) << i;
     ASSERT_NEAR(norm(inside.normal), 1, 1e-14);
     if (inside.overlapping()) {
       ASSERT_NEAR(inside.gap_m, separation_along(inside.normal, a, at.a, b, at.b), rounding) << i;
     }
     ASSERT_LE(norm(inside.point_b_m - inside.point_a_m - inside.gap_m * inside.normal), rounding);
-    // Faces and crossed edges determine a normal, and overlap along it. Corners have no normal of
-    // their own, and two sharp corners pass each other.
+    // A contact at a face or at crossed edges determines a normal, along which the pieces overlap.
+    // A contact without a face or crossed edges determines no normal, and two sharp corners pass
+    // each other.
     const bool own_normal =
         before.feature_a.kind == FeatureKind::face || before.feature_b.kind == FeatureKind::face ||
         (before.feature_a.kind == FeatureKind::edge && before.feature_b.kind == FeatureKind::edge);
@@ -77,14 +79,15 @@ TEST(Overlap, no_direction_needs_a_shorter_way_out) {
         direction = math::normalized(result.normal + log_between(stream, 1e-6, 1) * direction);
       ASSERT_LE(separation_along(direction, a, pose_a, b, pose_b), result.gap_m + 1e-9) << i;
     }
-    // The depth along the normal is just enough to part the pieces.
+    // The depth along the normal is just enough to separate the pieces.
     pose_b.position_m += (1e-9 - result.gap_m) * result.normal;
     result = closest_cold(a, pose_a, b, pose_b);
     ASSERT_NEAR(result.gap_m, 1e-9, 1e-13) << i;
   }
 }
 
-// A cube touches another exactly, in every way. The gap is 0 to rounding; the normal parts both.
+// A cube touches another cube exactly, with all kinds of features. The gap is 0 to rounding, and
+// the normal separates the cubes.
 TEST(Overlap, touching_pieces_have_a_usable_normal) {
   const ConvexPolyhedron solid = cube(1).value();
   for (const std::uint64_t i : property::cases(2000)) {

@@ -95,7 +95,7 @@ TEST(RoundDistance, IsTheGreatestSeparation) {
   // Goal: gaps are right to k_round_gap_error, as are normals and the points on both surfaces.
   // Method: compare random pairs of round pieces, and of round pieces and polyhedra, with a slow
   // search over all axes. Gaps range from 0.1 m to a nanometre, overlaps reach some micrometres.
-  // The search may find no wider separation.
+  // The search must not find a wider separation.
   const std::uint64_t count = property::long_run() ? 1'000'000 : property::of_tier(40, 500);
   double worst_m = 0;
   for (const std::uint64_t n : property::cases(count)) {
@@ -136,8 +136,9 @@ TEST(RoundDistance, IsTheGreatestSeparation) {
 }
 
 TEST(RoundDistance, OfAPointAndAPlaneAreClosedForms) {
-  // Goal: gaps of pieces of revolution to points and half-spaces are right. Method: compare a ball,
-  // as a piece, with the closed form for its centre, and a plane with the piece's reach.
+  // Goal: gaps of pieces of revolution to points and half-spaces are right. Method: compare gaps to
+  // points with the reach along the normal and with a slow search over all axes. Compare gaps to
+  // half-spaces with the reach along their normals.
   const PointPiece origin(Vec3::Zero());
   const ConvexView point = origin.view();
   for (std::uint64_t n = 0; n < 1000; ++n) {

@@ -57,7 +57,7 @@ long double point_segment(const Long3& p, const Long3& a, const Long3& b) {
   return norml(p - (a + clampl(dotl(p - a, along) / dotl(along, along)) * along));
 }
 
-// Infinite if the foot is outside the triangle, because an edge is closer then.
+// Returns infinity if the foot is outside the triangle, because an edge is closer then.
 long double point_triangle(const Long3& p, const Long3& a, const Long3& b, const Long3& c) {
   const Long3 normal = crossl(b - a, c - a);
   const long double inside_ab = dotl(crossl(b - a, p - a), normal);

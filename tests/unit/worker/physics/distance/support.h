@@ -25,7 +25,7 @@ Mat3 random_rotation(random::Stream& stream);
 /// One of the 24 exact rotations of a cube.
 Mat3 quarter_turns(random::Stream& stream);
 
-/// A polyhedron or a triangle. Its views stay valid while it exists.
+/// A polyhedron or a triangle. The views of a Piece are valid as long as the Piece exists.
 struct Piece {
   ConvexPolyhedron polyhedron;
   TrianglePiece triangle;
@@ -34,7 +34,8 @@ struct Piece {
   ConvexView view() const { return is_triangle ? triangle.view() : polyhedron.view(); }
 };
 
-/// Hulls of 4 to 60 points, icospheres, cubes, cubes with perturbed corners, prisms, triangles.
+/// Returns a hull of 4 to 60 points, an icosphere, a cube, a cube with perturbed corners, a prism
+/// or a triangle.
 std::unique_ptr<Piece> random_piece(random::Stream& stream, double size_m);
 
 struct Placement {
@@ -51,7 +52,7 @@ Placement random_placement(random::Stream& stream, const ConvexView& a, const Co
 PlacedPose at_gap(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                   const PlacedPose& pose_b, double gap_m);
 
-/// Magnitude of the coordinates seen from A, which a pair's rounding errors are proportional to.
+/// Magnitude of the coordinates seen from A. A pair's rounding errors are proportional to it.
 double coordinates_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 

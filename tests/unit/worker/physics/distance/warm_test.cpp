@@ -189,9 +189,9 @@ Placement near_placement(random::Stream& stream, const ConvexView& a, const Conv
   return at;
 }
 
-// Goal: closest_cold returns the same bits for any hint, though only_one lets it skip the search.
+// Goal: closest_cold returns the same bits for any hint, though `only_one` lets it skip the search.
 // Method: place pieces 3e-10 to 1e-5 m apart, some with nearly parallel faces and edges. Try hints
-// from closest_warm, from closest_cold, and wrong hints. SLEIGHT_SOAK runs 15 times as many.
+// from closest_warm, from closest_cold, and wrong hints. SLEIGHT_SOAK runs 15 times as many cases.
 TEST(ClosestCold, gives_the_same_bits_with_any_hint) {
   const auto cases =
       static_cast<int>(property::long_run() ? 3'000'000 : property::of_tier(40'000, 200'000));
@@ -210,7 +210,7 @@ TEST(ClosestCold, gives_the_same_bits_with_any_hint) {
       Placement at = near_placement(stream, a, b);
       at.b = at_gap(a, at.a, b, at.b, 1e-4);
       SeparationCache cache;
-      // Come closer and closer, or move slightly to the side.
+      // Move B closer and closer, or slightly to the side.
       double gap_m = 1e-5;
       for (int closer = 0; closer < 6; ++closer) {
         at.b = at_gap(a, at.a, b, at.b, gap_m);

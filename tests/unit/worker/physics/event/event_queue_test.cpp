@@ -28,7 +28,8 @@ constexpr EventKey at(TickCount tick, std::uint32_t lower = 0) {
 }
 
 TYPED_TEST(EventQueues, agree_with_the_reference_on_random_operations) {
-  // 70 * 3 * 8000 and 3 * 5000: 1.7 million operations. deploy/test runs a quarter.
+  // The test runs 70 * 3 * 8000 + 3 * 5000 = 1.7 million operations, a quarter of that in
+  // deploy/test.
   const auto operations = static_cast<std::uint32_t>(property::of_tier(2'000, 8'000));
   for (std::uint32_t slots = 1; slots <= 70; ++slots) {
     for (const Ticks ticks : {Ticks::few, Ticks::spread, Ticks::extreme}) {
@@ -52,7 +53,8 @@ TYPED_TEST(EventQueues, agree_with_the_reference_in_a_simulation) {
 }
 
 TYPED_TEST(EventQueues, hold_nothing_at_first_and_after_a_reset) {
-  // Goal: reset empties the queue, also with a new size. Method: fill, reset, read every slot.
+  // Goal: reset empties the queue, even if it changes the size. Method: fill, reset, read every
+  // slot.
   TypeParam queue;
   EXPECT_TRUE(queue.empty());
   queue.reset(0);
@@ -194,7 +196,7 @@ bool passes() {
 }
 
 TEST(QueueChecks, notice_each_mistake) {
-  // Goal: the suite can fail. Method: run it on the plain queue without and with a mistake.
+  // Goal: the suite can fail. Method: run the suite on the plain queue without and with a mistake.
   EXPECT_TRUE(passes<SlowQueue>());
   EXPECT_FALSE(passes<WrongQueue<Mistake::by_insertion>>());
   EXPECT_FALSE(passes<WrongQueue<Mistake::tick_alone>>());
@@ -204,7 +206,7 @@ TEST(QueueChecks, notice_each_mistake) {
 }
 
 TEST(QueueChecks, notice_ties_in_a_simulation) {
-  // Goal: this check can fail too. Method: use waits of few ticks, so that ties occur.
+  // Goal: check_simulation() can fail too. Method: use waits of few ticks, so that ties occur.
   Dice dice(0);
   EXPECT_NE(check_simulation<WrongQueue<Mistake::tick_alone>>(64, 2, 1'500, dice), "");
 }

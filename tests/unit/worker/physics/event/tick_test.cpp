@@ -41,7 +41,7 @@ TEST(Ticks, saturate) {
     EXPECT_EQ(ticks_before(-span_s), -k_tick_max.value);
     EXPECT_EQ(ticks_after(-span_s), -k_tick_max.value);
   }
-  // Half a tick shorter than the longest span.
+  // The span is half a tick shorter than the longest span.
   EXPECT_EQ(ticks_before(std::nextafter(longest_s, 0)), k_tick_max.value - 1);
   EXPECT_EQ(ticks_after(std::nextafter(longest_s, 0)), k_tick_max.value);
 }

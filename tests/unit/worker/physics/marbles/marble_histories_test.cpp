@@ -209,7 +209,8 @@ TEST(MarbleHistories, ReplayingMakesNoDifference) {
 
 TEST(MarbleHistories, MovedGeometryMakesNoDifference) {
   // Goal: replay also changes no bit if static geometry changes. Method: change balls' starts, and
-  // move vertices of the mesh by 0.1 or 2 mm. Vertices moved earlier then return to their places.
+  // move vertices of the mesh by 0.1 or 2 mm. Each time vertices move, those moved before return to
+  // their places.
   run_all_scenes(Moves::balls_and_vertices, scene_count() / 2);
 }
 
@@ -226,8 +227,9 @@ Scene two_balls(double apart_m) {
 }
 
 TEST(MarbleHistories, AWrongHistoryMakesADifference) {
-  // Goal: a replayed ball is not simulated, so the tests above can fail. Method: give a ball that
-  // starts elsewhere its old history. A ball that it should now hit flies on.
+  // Goal: a replayed ball is not simulated, so the tests above can fail. Method: replay an old
+  // history for a ball that now starts elsewhere, in another ball's path. The other ball flies on
+  // without a hit.
   const double radius_m = std::get<Sphere>(two_balls(1).bodies[0].shape).radius_m;
   const Scene before = two_balls(10 * radius_m);
   Scene after = before;
@@ -261,9 +263,10 @@ TEST(MarbleHistories, AWrongHistoryMakesADifference) {
 }
 
 TEST(MarbleHistories, ABallIsLeftAloneNowIfItWouldBeNow) {
-  // Goal: if the confinement changes, a history holds only until the ball is left alone. If the
-  // confinement is the same, the whole history holds. Method: leave a ball alone in a box once it
-  // is slow. Replay it with the same box, with a wider box, and without a box.
+  // Goal: if the confinement changes, a history is valid only until the tick at which the ball was
+  // left alone. If the confinement is the same, the whole history is valid. Method: leave a ball
+  // alone in a box once it is slow. Replay it with the same box, with a wider box, and without a
+  // box.
   Scene scene = two_balls(1);
   scene.bodies.resize(1);
   const StaticGeometry statics(scene);
@@ -372,8 +375,9 @@ TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
 }
 
 TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
-  // Goal: a ball no longer expects a partner that goes live because of another ball. Method: start
-  // a ball between two balls that almost touch it and that were elsewhere before.
+  // Goal: a ball drops its predicted meeting with a replayed partner if another ball makes that
+  // partner live. Method: start a ball between two balls that almost touch it and that were
+  // elsewhere before.
   Scene before = weightless(3);
   before.bodies[2].start_tick = Tick{} + ticks_after(0.1);
   Scene after = before;
@@ -402,8 +406,8 @@ TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
 }
 
 TEST(MarbleHistories, ACheckpointDoesntSayWhatFollowedAtItsTick) {
-  // Goal: a second, unknown meeting at a checkpoint's tick counts as a gap. Method: build a history
-  // with two meetings at one tick and the checkpoint after the first.
+  // Goal: a meeting at a checkpoint's tick that the checkpoint doesn't include counts as a gap.
+  // Method: build a history with two meetings at one tick and a checkpoint after the first meeting.
   MarbleHistory history;
   history.meetings = {{.tick = Tick{5}, .partner = 1}, {.tick = Tick{5}, .partner = 2}};
   MarbleHistory::Checkpoint checkpoint;

@@ -13,7 +13,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Balls of every other seed start at once. In one scene of three, the floor's friction varies.
+/// With even seeds, all balls start at once. In one scene of three, the floor's friction varies.
 scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed) {
   scenes::Setting setting = testing::equal_marbles(balls, seed, seed % 2 == 0 ? 0 : 40'000'000);
   if (seed % 3 == 0) {
@@ -95,7 +95,7 @@ TEST(Marbles, OverlapsAreErrors) {
 TEST(Marbles, StartsInTouchAreErrors) {
   // Goal: Marbles refuses a ball that starts in touch with a face, an edge or a vertex, as the
   // simulator does, and accepts one slightly further away. Method: place a ball at random features
-  // of random scenes, with gaps below and above the touch.
+  // of random scenes, with gaps below and above the touch distance.
   std::uint64_t refused = 0;
   std::uint64_t started_well = 0;
   for (const std::uint64_t seed : property::cases(20)) {

@@ -31,7 +31,8 @@ inline int different_balls(const Simulation& simulation, const Marbles& marbles)
   return different;
 }
 
-/// Runs both to a tick and compares them. `goes_on` reports whether neither failed.
+/// Runs both engines to a tick and compares their balls. Sets `goes_on` to whether neither engine
+/// failed.
 inline ::testing::AssertionResult alike_at(Simulation& simulation, Marbles& marbles, Tick tick,
                                            bool& goes_on) {
   const auto expected = simulation.run_until(tick);

@@ -84,8 +84,9 @@ bool same(const TouchBox& a, const TouchBox& b) {
 
 TEST(TouchBox, HasTheBitsOfThePlainComputation) {
   // Goal: computing all axes at once gives the same boxes as one axis at a time. Method: compare
-  // features of stars, hollows and sheets, with edges of every kind and sides that leave an edge's
-  // wedge unclear. Count how often a slightly larger reach changes the box.
+  // features of stars, hollows and sheets, with edges of every kind. Some edges have two equal
+  // sides, which leave the edge's wedge undetermined. Count how often a slightly larger reach
+  // changes the box.
   std::array<int, 3> kinds{};
   int told_apart = 0;
   for (const std::uint64_t n : property::cases(60)) {
@@ -120,9 +121,10 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
 }
 
 TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
-  // Goal: after a move, refreshed features have the touch boxes of the current geometry, and lists
-  // still contain them. Method: move one vertex of a star slightly, or far beyond its slack, and
-  // compare with the plain computation. Look up each feature at the middle of its touch box.
+  // Goal: after a move, refreshed features have the touch boxes of the current geometry, and the
+  // lists of nearby features still contain them. Method: move one vertex of a star slightly, or far
+  // beyond its slack, and compare with the plain computation. Look up each feature at the middle of
+  // its touch box.
   int beyond = 0;
   for (const std::uint64_t n : property::cases(10)) {
     random::Stream stream({.seed = 44, .purpose = random::Purpose::scene}, n);

@@ -1,5 +1,6 @@
-// Goal: the centre of mass follows the parabola to the documented rounding, as a pure function of
-// the ticks since begin. Method: compare with long double over all sizes, and compare bits.
+// Goal: the centre of mass follows the parabola to the documented rounding, and its place depends
+// only on the ticks since the flight's first tick. Method: compare with long double over all sizes.
+// Compare bits at the first tick and after a shift in time.
 #include "worker/physics/motion/free_flight.h"
 
 #include <gtest/gtest.h>

@@ -109,7 +109,7 @@ TEST(GeneralRotation, is_told_from_equations_with_a_missing_or_wrong_term) {
   }
 }
 
-// Jacobi's solution for I1 < I2 < I3 and L^2 > 2 E I2, from w2 = 0 and w1, w3 > 0 (L. Landau, E.
+// Jacobi's solution for I1 < I2 < I3 and L^2 > 2 E I2, from w2 = 0 and w1, w3 > 0 (Landau and
 // Lifshitz, "Mechanics", section 37).
 struct JacobiSolution {
   long double rate;
@@ -146,7 +146,7 @@ TEST(GeneralRotation, follows_jacobis_elliptic_functions) {
     Inertia inertia = random_inertia(stream, InertiaSymmetry::general);
     Vec3& m = inertia.principal_kgm2;
     std::sort(m.data(), m.data() + 3);
-    // From steady spin about the third axis to within 1/1000 of the separatrix.
+    // Cases range from steady spin about the third axis to within 1/1000 of the separatrix.
     const double separatrix = std::sqrt(m.x() * (m.y() - m.x()) / (m.z() * (m.z() - m.y())));
     FreeFlight flight = random_flight(stream, 1);
     const Vec3 start(1, 0, separatrix * (1 + std::fabs(of_any_size(stream, -3, 1))));

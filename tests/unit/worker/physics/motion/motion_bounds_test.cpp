@@ -60,7 +60,7 @@ FreeFlight flight_of_any_size(random::Stream& stream) {
     const double kind = stream.uniform();
     if (kind < 0.2) flight.acceleration_mps2[axis] = 0;
     if (kind < 0.1) flight.velocity_mps[axis] = 0;
-    // Aim so that the apex is within some seconds.
+    // Choose the velocity so that the apex is within three seconds.
     if (kind > 0.6)
       flight.velocity_mps[axis] = -flight.acceleration_mps2[axis] * between(stream, 0, 3);
     if (kind > 0.95) flight.position_m[axis] = 0;
@@ -137,8 +137,9 @@ Tick apex_of(const FreeFlight& flight) {
 }
 
 TEST(PathBox, holds_the_rounding_of_heights_that_cancel) {
-  // Heights near the apex have rounding noise of the start's size. So they leave a box of two
-  // floats around the computed apex, which is path_box's result for a flight without a past.
+  // Evaluated heights near the apex have rounding noise of the start's size, so some of them are
+  // outside the narrow box of two floats that path_box() returns for a flight that starts at the
+  // apex.
   int noise_needed = 0;
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream = stream_of(57, i);
@@ -216,7 +217,7 @@ TEST(PathBox, is_at_most_two_floats_and_the_rounding_too_large) {
   }
 }
 
-// Reference: the least positive root, in long double, at which a coordinate reaches a wall.
+// Reference: the least positive time, in long double, at which a coordinate reaches a wall.
 long double first_meeting(long double distance, long double v, long double a) {
   // Solves distance = v s + a s^2/2 from either side.
   constexpr long double k_none = std::numeric_limits<long double>::infinity();

@@ -1,6 +1,6 @@
 // Goal: bounds on rotation hold for evaluated values, rounding included, and are tight if the
-// header says so. Method: test dense and random ticks of random bodies, with Euler's equations in
-// place of differences. A slightly lower bound must fail.
+// header says so. Method: test dense and random ticks of random bodies, with Euler's equations
+// instead of finite differences. A slightly lower bound must fail.
 #include "worker/physics/motion/rotation_bounds.h"
 
 #include <gtest/gtest.h>
@@ -78,7 +78,7 @@ TEST(RotationBounds, evaluated_points_move_no_faster_than_bounded_from_one_tick_
       const Vec3 point = radius_m * (1 - 1e-12) * math::normalized(vector_between(stream, -1, 1));
       const RotationBounds bounds = rotation_bounds(flight, inertia);
       RotationTrack track(flight, inertia);
-      // General bodies restart at each question about an earlier tick, so keep the times early.
+      // For a general body, each query of an earlier tick restarts the track, so use early ticks.
       const double longest_s = symmetry == InertiaSymmetry::general
                                    ? std::min(50.0, 30 / bounds.angular_speed_radps)
                                    : 50;

@@ -28,7 +28,8 @@ Answer warm(RotationTrack& track, Tick t) {
   return {bits_of(track.orientation_at(t)), bits_of(track.angular_velocity_at(t))};
 }
 
-// Ticks in any order: far apart, slightly earlier than the last (as in searches), step edges.
+// Ticks in any order: far apart, slightly earlier than the previous tick (as in searches), and at
+// the edges of steps.
 std::vector<Tick> questions(random::Stream& stream, const FreeFlight& flight,
                             const Inertia& inertia) {
   const double span_s = 60 / math::norm(flight.angular_velocity_radps);
@@ -61,7 +62,7 @@ TEST(RotationTrack, answers_do_not_depend_on_the_order_of_questions) {
       std::sort(ticks.begin(), ticks.end());
       for (const Tick t : ticks)
         ASSERT_EQ(warm(in_order, t), warm(any_order, t)) << i;
-      // Ask backwards, and with a track that followed another body before.
+      // Query the ticks in descending order, with a track that followed another body before.
       RotationTrack reused(random_flight(stream, 50), random_inertia(stream, symmetry));
       reused.restart(flight, inertia);
       for (auto t = ticks.rbegin(); t != ticks.rend(); ++t)
@@ -91,7 +92,7 @@ TEST(RotationHorizon, lies_past_any_sensible_flight_and_is_known_beforehand) {
   EXPECT_LT(rotation_horizon(flight, inertia), k_tick_max);
   flight.angular_velocity_radps = Vec3(1e-3, 0, 0);
   EXPECT_EQ(rotation_horizon(flight, inertia), k_tick_max);
-  // The rotation is too fast for any step, so only the begin is valid.
+  // The rotation is too fast for any step, so only the first tick is valid.
   flight.angular_velocity_radps = Vec3(1e9, 0, 0);
   EXPECT_EQ(rotation_horizon(flight, inertia), flight.begin);
   EXPECT_EQ(bits_of(orientation_at(flight, inertia, flight.begin)), bits_of(flight.orientation));

@@ -176,8 +176,8 @@ TEST(Segment, IsExactAboutAStandingAxis) {
 }
 
 TEST(Segment, BeginsWithTheSameBits) {
-  // Goal: at its begin, a segment returns its stored values bit for bit, in every mode. Method:
-  // test random segments with orientations of norm 1 only to rounding.
+  // Goal: at its first tick, a segment returns its stored values bit for bit, in every mode.
+  // Method: test random segments with orientations of norm 1 only to rounding.
   const Inertia inertia{
       .mass_kg = 1, .principal_kgm2 = Vec3::Constant(0.4), .symmetry = InertiaSymmetry::spherical};
   for (const std::uint64_t i : property::cases(4000)) {

@@ -130,8 +130,8 @@ void judge(const Trial& trial, const ContactMotion& motion, const Twist& before,
   const bool valley = trial.contacts.size() == 2;
   const double sine = valley ? norm(cross(trial.contacts[0].normal, trial.contacts[1].normal)) : 1;
 
-  // Power is linear in time, so test its sign at both ends. The last term allows for rounding:
-  // 1e-15 g along a normal makes the loads do work.
+  // Power is linear in time, so test its sign at both ends. The last term allows for rounding: an
+  // acceleration of 1e-15 g along a normal makes the loads do work.
   const Vec3 force = motion.acceleration_mps2 - trial.gravity_mps2;
   const Vec3 turning = body.radius_m * motion.angular_acceleration_radps2;
   for (const double s : {0.0, std::isinf(motion.lasts_s) ? 1 : motion.lasts_s}) {

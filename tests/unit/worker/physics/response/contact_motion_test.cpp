@@ -22,8 +22,9 @@ using namespace response_reference;
 // ---- known answers ------------------------------------------------------------------------------
 
 TEST(ContactMotion, BallThrownWithoutSpin) {
-  // Goal: a sliding ball rolls at 5/7 of its speed after 2v/(7 mu g), for any friction; with other
-  // moments, at 1/(1+k) after k/(1+k) v/(mu g). Method: compare with the textbook (F. Reif).
+  // Goal: a sliding ball rolls at 5/7 of its speed after the time 2v/(7 mu g), for any friction.
+  // With other moments, it rolls at 1/(1+k) of its speed after k/(1+k) v/(mu g). Method: compare
+  // with Reif's textbook.
   for (const double k : {0.4, 2.0 / 3, 0.1}) {
     const double mu = 0.13, v = 2.3;
     const Trial trial{.body = {.radius_m = 0.03, .gyration = k},
@@ -137,7 +138,7 @@ TEST(ContactMotion, RollingResistanceStopsIt) {
 }
 
 TEST(ContactMotion, SpinAboutTheNormalIsBraked) {
-  // Goal: a ball spinning in place turns for k r w / (c g), or forever without resistance, also
+  // Goal: a ball spinning in place turns for k r w / (c g), or forever without resistance, even
   // while it slides. Method: compare with the closed form.
   const double c = 0.01, r = 0.02, w = 40;
   for (const double v : {0.0, 1.0}) {
@@ -181,7 +182,8 @@ TEST(ContactMotion, RollsDownAGroove) {
 
 TEST(ContactMotion, CornerBrakesSpin) {
   // Goal: in a corner of three planes at the same angle b to the vertical, a spin about the
-  // vertical decreases to 0 at the rate mu g tan b / (k r). Method: loads are g / (3 cos b).
+  // vertical decreases to 0 at the rate mu g tan b / (k r). Method: compute the rate from loads of
+  // g / (3 cos b).
   const double mu = 0.2, r = 0.015, w = 90;
   for (const double b : {0.5, 1.1}) {
     Trial trial{.body = {.radius_m = r}, .twist = {Vec3::Zero(), Vec3(0, 0, w)}};
@@ -419,7 +421,7 @@ TEST(ContactMotionAgainstSteps, RollingResistanceInValleys) {
 }
 
 TEST(ContactMotionAgainstSteps, SpinInCorners) {
-  // Goal: spin in a corner lasts as long as it should. Method: compare with small steps for a
+  // Goal: spin in a corner lasts for the right time. Method: compare with small steps for a
   // symmetric corner and spin about its axis. In skew corners the code is simplified: the power of
   // friction under the loads at rest brakes the spin, so end times may differ by a factor of 2.
   const std::uint64_t seed = 46;

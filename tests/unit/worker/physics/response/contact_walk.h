@@ -58,7 +58,7 @@ class Walk {
  public:
   explicit Walk(const Trial& trial) : trial_(trial), twist_(trial.twist) { begin(); }
 
-  /// REQUIRES: `time_s` is not before the last requested time.
+  /// REQUIRES: `time_s` is at least the `time_s` of the last call.
   void go_to(double time_s) {
     while (holds() && begin_s_ + lasts_s_ <= time_s)
       next();

@@ -129,14 +129,15 @@ Real hunted_gain(const Law& law, const Territory& territory, int tries, int clim
 }
 
 TEST(EnergyHunt, FindsGainInPlainNewton) {
-  // Goal: the search can succeed: the commonly used law gains energy (T. Kane, "A dynamics puzzle",
-  // Stanford Mechanics Alumni Club Newsletter, 1984). Method: a short search.
+  // Goal: the search can succeed: the commonly used law gains energy (Kane, "A dynamics puzzle",
+  // Stanford Mechanics Alumni Club Newsletter, 1984). Method: run a short search.
   EXPECT_GT(hunted_gain(plain_newton_impact, {}, 4000, 4000, 21), 0.1L);
 }
 
 TEST(EnergyHunt, FindsNoGainInOurs) {
-  // Goal: the law of rigid_impact.h gains no energy. Method: a long search (SLEIGHT_SOAK:
-  // 12,000,000 impacts) in three territories: common, with a speed floor, and almost elastic.
+  // Goal: the law of rigid_impact.h gains no energy. Method: run a long search (SLEIGHT_SOAK:
+  // 12,000,000 impacts) among common impacts, impacts with a speed floor, and almost elastic
+  // impacts.
   const int times = std::getenv("SLEIGHT_SOAK") != nullptr ? 15 : 1;
   EXPECT_LE(hunted_gain(guarded, {}, times * 150'000, times * 150'000, 21), 1e-13L);
   EXPECT_LE(hunted_gain(guarded, {.floor_mps_max = 10}, times * 150'000, times * 150'000, 22),
@@ -145,9 +146,9 @@ TEST(EnergyHunt, FindsNoGainInOurs) {
 }
 
 TEST(EnergyHunt, FindsTheLossOfATerm) {
-  // Goal: each term of the law is necessary. Method: search the slow law, complete and with one
-  // fault: without the coupling of Q to the normal, without either bound of the raised speed, or
-  // with friction against a slip that has turned. Only faulty laws gain much.
+  // Goal: each term of the law is necessary. Method: search the slow law, first complete and then
+  // with one fault at a time: without the coupling of Q to the normal, without either bound of the
+  // raised speed, or with friction against a slip that has turned. Only faulty laws gain much.
   const auto faulty = [](Fault fault) {
     return [fault](const Case& made) { return slow_impact(made, fault); };
   };

@@ -30,8 +30,8 @@ RigidImpactInput dropped_rod(double slope_rad, const ContactLaw& law) {
 }
 
 TEST(KnownAnswers, RodDroppedOnItsEnd) {
-  // Goal: the end of a rod has the right effective mass. Method: the impulse without friction is (1
-  // + e) m v / (1 + 3 cos^2), from 1/m + (l/2 cos)^2 / (m l^2 / 12).
+  // Goal: the end of a rod has the right effective mass. Method: compare with the impulse without
+  // friction, (1 + e) m v / (1 + 3 cos^2), which follows from 1/m + (l/2 cos)^2 / (m l^2 / 12).
   for (const double slope_rad : {0.0, 0.3, 0.785, 1.2, 0.5 * math::k_pi}) {
     for (const double e : {0.0, 0.6, 1.0}) {
       const ImpactOutput out = rigid_impact(dropped_rod(slope_rad, {.restitution = e}));
@@ -92,8 +92,8 @@ TEST(KnownAnswers, SlidingBallGripsTheFloor) {
 
 TEST(KnownAnswers, Billiards) {
   // Goal: equal balls have known outcomes. Method: head-on, they exchange velocities. After a cut
-  // shot they part at a right angle, the object ball along the line of centres. Friction throws the
-  // object ball by atan(mu) towards the cue ball's slip and makes it spin.
+  // shot, the balls separate at a right angle, and the object ball moves along the line of centres.
+  // Friction throws the object ball by atan(mu) towards the cue ball's slip and makes it spin.
   SphereImpactInput input{.mass_a = solid_sphere_mass(0.17, 0.03),
                           .mass_b = solid_sphere_mass(0.17, 0.03),
                           .normal = Vec3::UnitX()};

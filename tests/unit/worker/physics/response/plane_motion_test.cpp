@@ -244,8 +244,8 @@ struct LyingCone {
 };
 
 TEST(PlaneMotion, AConeRollsInItsCircle) {
-  // Goal: a body on a line contact, with an axis that rises by the angle a, moves around the point
-  // where the axis meets the plane, at w tan a, up to the speed at which the inner support lifts.
+  // Goal: a body on a line contact, whose axis rises by the angle a, circles around the point where
+  // the axis meets the plane, at the rate w tan a. Above a certain speed the inner support lifts.
   // Method: compare with the circle's closed form and with torques about the centre.
   const double rise = 0.127;
   const double depth_m = 0.06;
@@ -284,8 +284,8 @@ TEST(PlaneMotion, AConeRollsInItsCircle) {
 }
 
 TEST(PlaneMotion, ACylinderSlidesThenRolls) {
-  // Goal: slip decreases by mu g (1 + 1/k) until the body rolls; on a slope it rolls with g sin /
-  // (1 + k). Method: compare with closed forms.
+  // Goal: slip decreases at the rate mu g (1 + 1/k) until the body rolls. On a slope, the body
+  // rolls with the acceleration g sin / (1 + k). Method: compare with closed forms.
   const double radius_m = 0.04;
   const LyingCone lying{0, radius_m, {{{-0.05, 0, -radius_m}, 0.3}, {{0.05, 0, -radius_m}, 0.3}}};
   const Mat3 inertia = inertia_in_world({0.002, 0.002, 0.5 * radius_m * radius_m},
@@ -303,7 +303,8 @@ TEST(PlaneMotion, ACylinderSlidesThenRolls) {
   EXPECT_NEAR(rolls.acceleration_mps2.y(), k_g_mps2 * std::sin(0.1) / 1.5, 1e-12);
   EXPECT_NEAR(rolls.angular_acceleration_radps2.x() * radius_m, -rolls.acceleration_mps2.y(),
               1e-12);
-  // Along the axis, friction holds the body up to its limit, as long as the line supports it.
+  // Friction holds the body along the axis, up to the friction's limit, as long as the line
+  // supports the body.
   const Vec3 along = k_g_mps2 * Vec3(std::sin(0.2), 0, -std::cos(0.2));
   EXPECT_TRUE(plane_motion(lying.body(inertia, 0), {}, along).carried);
   const Vec3 steep = k_g_mps2 * Vec3(std::sin(0.4), 0, -std::cos(0.4));

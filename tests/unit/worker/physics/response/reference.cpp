@@ -218,7 +218,8 @@ Real relative_gain(const Case& made, const ImpactOutput& out) {
 
 namespace {
 
-/// Separation speed for an approach at u: raised to the floor while gain_at(w) <= 0 or granted.
+/// Separation speed for an approach at u. The speed is raised to the floor if `is_granted`, or else
+/// as far as gain_at(w) <= 0 allows.
 template <class Gain>
 Real separation_speed(const ContactLaw& law, Real u, bool is_granted, const Gain& gain_at) {
   const Real slow = law.restitution * u;

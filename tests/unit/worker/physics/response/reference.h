@@ -86,8 +86,9 @@ Real contact_speed_scale(const Case& made, const Twist& a, const Twist& b);
 Real relative_gain(const Case& made, const ImpactOutput& out);
 
 /// The law of restitution.h by its definition. Friction acts against the slip if the slip doesn't
-/// reverse; otherwise the law is Chatterjee and Ruina's. P_I and P_II come from solving with K,
-/// kappa and raised separation speeds from bisection. Can include deliberate faults.
+/// reverse; otherwise the law is Chatterjee and Ruina's. P_I and P_II are solutions of linear
+/// equations with K. Bisection finds kappa and raised separation speeds. Can include deliberate
+/// faults.
 enum class Fault : std::uint8_t {
   none,
   uncoupled,   ///< leaves out the normal component of Q
@@ -97,8 +98,9 @@ enum class Fault : std::uint8_t {
 };
 ImpactOutput slow_impact(const Case& made, Fault fault = Fault::none);
 
-/// Newton's restitution with Coulomb friction, as commonly used; it can gain energy. Sticks if the
-/// impulse that stops the slip is in the cone. Else friction acts against the initial slip.
+/// Newton's restitution with Coulomb friction, as commonly used; it can gain energy. The contact
+/// sticks if the impulse that stops the slip is in the cone. Otherwise friction acts against the
+/// initial slip.
 ImpactOutput plain_newton_impact(const Case& made);
 
 }  // namespace sleight::physics::response_reference

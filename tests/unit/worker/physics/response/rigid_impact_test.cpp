@@ -211,8 +211,9 @@ TEST(RigidImpact, SaysWhenItHasNoAnswer) {
 }
 
 TEST(RigidImpact, HopsArePaidFromOtherMotion) {
-  // Goal: rigid_hop keeps the energy and parts bodies at the requested speed, or as fast as half of
-  // the other motion's energy allows. Faster bodies stay unchanged. Method: test random bodies.
+  // Goal: rigid_hop keeps the energy and separates bodies at the requested speed, or as fast as
+  // half of the other motion's energy allows. Faster bodies stay unchanged. Method: test random
+  // bodies.
   Dice dice(11);
   int paid = 0;
   int poor = 0;

@@ -1,18 +1,18 @@
-// Slow reference of contact_motion.h: a ball on fixed planes in small time steps.
+// Slow reference for contact_motion.h: simulates a ball on fixed planes in small time steps.
 //
-// Idea. Each step adds gravity's impulse. It then finds impulses of load, friction and resistance
-// that obey their laws at the step's end (implicit Euler, as in J. J. Moreau, "Unilateral contact
-// and dry friction in finite freedom dynamics", 1988). The velocity along each normal is zero.
-// Friction within mu times the load stops the slip or opposes it; moments of resistance work alike.
-// Projected Gauss-Seidel finds the impulses: each in turn is set to what its own law requires given
-// the others. This code has no notion of sliding, rolling, valleys or turning directions. The error
-// is of first order in the step.
+// Idea. Each step adds gravity's impulse and then finds impulses of load, friction and resistance
+// that obey their laws at the step's end (implicit Euler, as in Moreau, "Unilateral contact and dry
+// friction in finite freedom dynamics", 1988). The velocity along each normal is zero. Friction of
+// at most mu times the load stops the slip or opposes it. Moments of resistance act on the spin in
+// the same way. Projected Gauss-Seidel finds the impulses: it sets each impulse in turn to the
+// value that its law requires, given the others. This code has no notion of sliding, rolling,
+// valleys or turning directions. The error is of first order in the step.
 //
 // Rolling resistance is a moment of at most (1 + k) c r times the load at a contact, against the
-// spin, while the ball rolls. It acts from the step after the first one without slip at its end.
-// The moment against spin about the normal of a single plane is at most c r times the load. Each
-// step begins without impulses, so that loads and friction across a valley don't clamp the ball for
-// no reason. Thread safety: values.
+// spin, while the ball rolls. Rolling resistance acts from the step after the first step that ends
+// without slip. The moment against spin about the normal of a single plane is at most c r times the
+// load. Each step begins without impulses, so that loads and friction across a valley don't clamp
+// the ball for no reason. Thread safety: values.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ class SteppedBall {
   const Twist& twist() const { return twist_; }
   const Vec3& way_m() const { return way_m_; }
   bool rolls() const { return rolls_; }
-  /// Returns whether the ball left a plane, which would have had to pull it. Not modelled.
+  /// Returns whether a plane would have had to pull the ball to keep it. Pulling is not modelled.
   bool pulled() const { return pulled_; }
 
  private:

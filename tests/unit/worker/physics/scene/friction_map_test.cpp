@@ -34,7 +34,7 @@ Vec3 on_path(const MapPath& path, double s) {
 }
 
 TEST(FrictionMap, TellsTheLastRectangle) {
-  // Goal: friction is right at any point, also on borders. Method: compare with the definition.
+  // Goal: friction is right at any point, including borders. Method: compare with the definition.
   for (std::uint64_t n = 0; n < 50; ++n) {
     random::Stream stream = stream_of(n);
     const auto rectangles = random_rectangles(stream, static_cast<int>(n * 3), 1);

@@ -26,7 +26,8 @@ struct Raw {
   std::vector<TriangleCorners> triangles;
 };
 
-/// n x n squares at heights up to `high_m`. A third of the vertices is at 0; diagonals vary.
+/// n x n squares at heights up to `high_m`. A third of the vertices are at height 0, and the
+/// squares' diagonals vary.
 inline Raw sheet(std::uint32_t n, double edge_m, double high_m, random::Stream& stream) {
   Raw raw;
   for (std::uint32_t y = 0; y <= n; ++y) {

@@ -360,9 +360,10 @@ double surface_m(const TriangleMesh& mesh, const Vec3& middle_m, const Vec3& way
 }
 
 TEST(Solids, AreWhereTheMeshIs) {
-  // Goal: solids are found exactly, also far outside the mesh. If the mesh is inside out,
-  // everything but the hollow is solid. Method: stars have a known surface in each direction from
-  // the middle. Test points slightly inside and outside of the surface, in the box and far away.
+  // Goal: solids are found exactly, even far outside the mesh. If the mesh is inside out,
+  // everything but the hollow is solid. Method: use stars, whose surface is known in each direction
+  // from the middle. Test points slightly inside and outside of the surface, in the box and far
+  // away.
   for (const std::uint64_t n : property::cases(20)) {
     random::Stream stream({.seed = 33, .purpose = random::Purpose::scene}, n);
     Raw raw = testing::star(stream, 0.4);

@@ -1,6 +1,6 @@
-// Goal: a sphere meets static geometry exactly where it touches it. Method: compare features of
-// meshes and polyhedra with the distance to every triangle, for random centres and centres above
-// corners, edges and diagonals. Compare the features near a box with all features.
+// Goal: a sphere meets static geometry exactly where it touches the surface. Method: compare
+// features of meshes and polyhedra with the distance to every triangle, for random centres and
+// centres above corners, edges and diagonals. Compare the features near a box with all features.
 // (penetration_test.cpp tests that nothing falls through in whole simulations.)
 #include "worker/physics/scene/static_geometry.h"
 
@@ -40,7 +40,8 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return math::norm(p - (a + part * along));
 }
 
-/// By definition: distance to the plane if the foot is inside the triangle, else to a side.
+/// Distance by definition: to the triangle's plane if the foot is inside the triangle, else to a
+/// side.
 double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = math::cross(b - a, c - a);
   const auto left = [&](const Vec3& from, const Vec3& to) {
@@ -93,7 +94,8 @@ Closest closest_feature(const StaticGeometry& geometry, const Vec3& p) {
   return closest;
 }
 
-/// Also expects to find the closest feature from the box around a sphere that touches it.
+/// Expects that the closest feature is right, and that features_near() finds it from the box around
+/// a sphere that touches it.
 void expect_closest(const StaticGeometry& geometry, const TriangleMesh& mesh, const Vec3& p) {
   const double expected_m = distance_to_mesh(mesh, p);
   const Closest closest = closest_feature(geometry, p);
@@ -102,7 +104,7 @@ void expect_closest(const StaticGeometry& geometry, const TriangleMesh& mesh, co
   Box box;
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
-    // Rounded outwards, so that the box contains the sphere.
+    // The box is rounded outwards, so that it contains the sphere.
     constexpr float k_far = std::numeric_limits<float>::infinity();
     box.low_m[axis] = std::nextafter(static_cast<float>(p[i] - expected_m), -k_far);
     box.high_m[axis] = std::nextafter(static_cast<float>(p[i] + expected_m), k_far);
@@ -301,7 +303,8 @@ TEST(StaticGeometry, ErrorsNameTheMesh) {
 }
 
 TEST(StaticGeometry, AThinPlateIsMetOnItsOwnSides) {
-  // A ball above a thin plate, and a ball thrown up from below. Neither may meet the other side.
+  // One ball falls on a thin plate, and another is thrown up from below. Neither ball may collide
+  // with the far side.
   const auto hull = [](double low_m, double high_m) {
     std::vector<Vec3> points_m;
     for (const double x : {-0.1, 0.1}) {

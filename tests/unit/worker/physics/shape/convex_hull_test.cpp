@@ -147,7 +147,8 @@ TEST(ConvexHull, of_random_points_holds_them_and_needs_its_vertices) {
     if (on_sphere) {
       ASSERT_EQ(p.vertices_m().size(), count);
     }
-    // The vertices are given points in the given order. Removing a vertex makes the hull smaller.
+    // The hull's vertices are input points in input order. Removing a vertex makes the hull
+    // smaller.
     auto at = points.begin();
     for (const Vec3& v : p.vertices_m()) {
       at = std::find(at, points.end(), v);

@@ -167,14 +167,15 @@ TEST(InBodyFrame, refuses_what_is_declared_wrongly) {
   EXPECT_EQ(kind(in_body_frame(brick, 1, InertiaSymmetry::axial)), Kind::not_axial);
   EXPECT_EQ(kind(in_body_frame(brick, 0, InertiaSymmetry::general)), Kind::dimension_not_positive);
   EXPECT_EQ(kind(in_body_frame({}, 1, InertiaSymmetry::general)), Kind::no_parts);
-  // Moments differ by just more, and just less, than the tolerance, because the sides do.
+  // The sides differ, so that moments differ by slightly more than the tolerance, and by slightly
+  // less.
   const auto nearly = [](double by) { return Parts{box(Vec3(1, 1, 1 + by)).value()}; };
   EXPECT_FALSE(in_body_frame(nearly(3e-9), 1, InertiaSymmetry::spherical).ok());
   EXPECT_TRUE(in_body_frame(nearly(3e-10), 1, InertiaSymmetry::spherical).ok());
 }
 
 TEST(SolidSphere, has_its_textbook_inertia) {
-  // I = 2/5 m r^2 with m = 4/3 pi r^3 times 3. A fine icosphere approaches both from below.
+  // I = 2/5 m r^2 with m = 4/3 pi r^3 times 3. A fine icosphere has slightly less mass and moment.
   const Inertia sphere = solid_ball_inertia(100.530964914873, 2);
   EXPECT_NEAR(sphere.principal_kgm2.x(), 160.849543863797, 1e-11);
   const MassProperties fine = mass_properties(Parts{icosphere(2, 3).value()}, 3);

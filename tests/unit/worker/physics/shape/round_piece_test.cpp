@@ -77,9 +77,10 @@ TEST(RoundPiece, ReachesAsFarAsItsPoints) {
 }
 
 TEST(RoundPiece, HasTheProfileOfItsHull) {
-  // Goal: radius_at_m and the normals of straight parts are right. Method: compare random pieces of
-  // revolution with the least radius that supports in many directions allow at a height. Along each
-  // flat's normal, two discs have the same reach or a ring is flat.
+  // Goal: radius_at_m and the normals of straight parts are right. Method: for random pieces of
+  // revolution, compare the radius at a height with the least radius that the reach in any of many
+  // directions allows. Along a straight part's normal, two rings have the greatest reach, unless
+  // the part is an end.
   for (std::uint64_t n = 0; n < 200; ++n) {
     Dice dice(n);
     const RoundDescription description = random_description(dice, false);
@@ -195,7 +196,7 @@ TEST(RoundSolids, HaveTheMassesOfTheTextbooks) {
     EXPECT_NEAR(solid.inertia.mass_kg, m_tube + m_ball, 1e-10);
     EXPECT_NEAR(solid.inertia.principal_kgm2.z(), 0.5 * m_tube * r * r + 0.4 * m_ball * r * r,
                 1e-13);
-    // Two half balls, with centres 3/8 r beyond the tube's ends.
+    // Each cap is half a ball, with its centre of mass 3/8 r beyond the tube's end.
     const double across =
         m_tube * (r * r / 4 + l * l / 12) + m_ball * (0.4 * r * r + l * l / 4 + 0.375 * l * r);
     EXPECT_NEAR(solid.inertia.principal_kgm2.x(), across, 1e-12);
@@ -226,7 +227,7 @@ TEST(RoundSolids, HaveTheMassesOfTheTextbooks) {
     EXPECT_EQ(ball.inertia.symmetry, InertiaSymmetry::spherical);
   }
   {
-    // Steiner's formula. Moments approach those of the box.
+    // Steiner's formula. Moments approach the box's moments.
     const RoundSolid solid = rounded_box({0.1, 0.06, 0.04}, 0.01, rho).value();
     const double a = 0.08;
     const double b = 0.04;

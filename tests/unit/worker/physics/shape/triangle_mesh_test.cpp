@@ -161,7 +161,7 @@ MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
   // Goal: vector registers change no number, for any number of triangles. Method: compare sheets
-  // and balls with random corners, also far from the origin, with the plain computation: faces and
+  // and balls with random corners, some far from the origin, with the plain computation: faces and
   // edges, when built and after moves.
   random::Stream stream({.seed = 23, .purpose = random::Purpose::prior}, 0);
   const auto random_place = [&](double size) -> Vec3 {

@@ -1,4 +1,4 @@
-// Tests bodies that start at rest (pins, a stack, an arch): which are refused, and what wakes them.
+// Tests which bodies may start at rest (pins, a stack, an arch), and what wakes them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -119,7 +119,8 @@ BodyDescription turned_cube_at(const std::string& name, const Vec3& centre_m, do
 TEST(AtRest, TwentyCubesStandForAMinute) {
   // Goal: a stack of askew cubes with crossing edges starts at rest and stays. Dropped from
   // slightly above, it comes to rest and stays. Method: count events and test rest up to the end.
-  // Cubes that turn alike touch with a corner of each and two crossings. Others turn differently.
+  // In one stack, all cubes have the same yaw and touch at a corner of each and two edge crossings.
+  // In the other stack, yaws differ.
   for (const bool alike : {true, false}) {
     Scene stack = floor_scene(0.1, 0.5);
     random::Stream stream = scenes::stream_of_scene(1, alike ? 0 : 1);
@@ -156,8 +157,9 @@ std::string refusal_of(const Scene& scene) {
 }
 
 TEST(AtRest, WhatIsNotInBalanceIsNamed) {
-  // Goal: an error names the body and what is missing, and blames the scene. Method: test a thin
-  // arch, leaning, floating and overlapping blocks, and bodies that may not start at rest.
+  // Goal: an error names the body and what is missing, and is not reported as a failure of the
+  // simulation. Method: test a thin arch, leaning, floating and overlapping blocks, and bodies that
+  // may not start at rest.
   const Scene thin = arch(15, 0.09, 0.7);
   EXPECT_NE(refusal_of(thin).find("stone"), std::string::npos) << refusal_of(thin);
   EXPECT_NE(refusal_of(thin).find("topple or fall"), std::string::npos) << refusal_of(thin);
@@ -222,9 +224,9 @@ TEST(AtRest, ABallWakesThePinsThatItHits) {
 }
 
 TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
-  // Goal: parallel edges on each other never cross, however they are turned and rounded. Method: in
-  // 8,000 directions, stack two cubes that turn alike. The upper one's centre is 1 mm beyond the
-  // lower one's edge, or 1 mm inside. A crossing caused by rounding would hold some of them.
+  // Goal: parallel edges of stacked cubes never cross, for any yaw and rounding. Method: for 8,000
+  // yaws, stack two cubes of equal yaw. The upper cube's centre is 1 mm beyond the lower cube's
+  // edge, or 1 mm inside. An edge crossing caused by rounding would support some upper cubes.
   random::Stream stream = scenes::stream_of_scene(2, 0);
   for (std::uint64_t i = 0; i < property::of_tier(500, 8000); ++i) {
     const double yaw_rad = scenes::between(stream, 0, 2 * pi);
@@ -241,7 +243,8 @@ TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
 
 TEST(AtRest, ReplaysAreTheSame) {
   // Goal: histories work for scenes that start at rest. Method: compare runs with and without a
-  // history: other balls into the same pins, pins with one elsewhere, and other balls into a wall.
+  // history, for another ball into the same pins, for pins of which one is elsewhere, and for
+  // another ball into a wall.
   const auto differ_in_the_ball = [](const Scene& one, const Vec3& aside_m) {
     Scene other = one;
     other.bodies.back().start.pose.position_m += aside_m;

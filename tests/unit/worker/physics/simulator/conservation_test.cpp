@@ -60,7 +60,7 @@ TEST(Conservation, PolyhedraKeepTheirEnergy) {
 
 TEST(Conservation, APeriodicGasKeepsItsMomentum) {
   // Goal: a collision gives both bodies opposite momenta. Method: compare the total momentum before
-  // and after. The unit is the sum of the momenta's magnitudes.
+  // and after. Differences are relative to the sum of the momenta's magnitudes.
   const scenes::Setting setting = scenes::hard_sphere_gas(256, 0.3, 4);
   Simulation simulation = begun(setting.scene);
   const auto momentum = [&]() -> Vec3 {
@@ -113,7 +113,7 @@ EnergyChanges energy_changes_of(const RecordedRun& run) {
   return changes;
 }
 
-/// Heights are measured from below: at height 0 the energy is only kinetic and can be tiny.
+/// Heights are measured from below, because the energy at height 0 is only kinetic and can be tiny.
 Scene without_controls(Scene scene) {
   scene.controls.clear();
   return scene;
@@ -144,7 +144,8 @@ TEST(Conservation, EventsGainNoEnergy) {
 }
 
 TEST(Conservation, AGainIsSeen) {
-  // Goal: the comparison above can fail. Method: a control that pushes a body is such a gain.
+  // Goal: the comparison above can fail. Method: use a control that pushes a body, which adds
+  // energy.
   Scene scene = scenes::rain(5, 3).scene;
   scene.controls.assign(
       1, {.tick = Tick{} + ticks_after(0.3), .body = {0}, .velocity_change_mps = {0, 0, 10}});

@@ -1,4 +1,4 @@
-// A test's random choices, from a stream of its own.
+// Random choices for a test, drawn from a separate stream.
 #pragma once
 
 #include <cmath>

@@ -14,7 +14,7 @@ namespace {
 
 using testing::TestScene;
 
-/// Number of scenes. The long run (SLEIGHT_SOAK=1) has the number that the project promises.
+/// Number of scenes. The long run (SLEIGHT_SOAK=1) tests as many scenes as the project promises.
 std::uint64_t scene_count() {
   return property::long_run() ? 10'000 : property::of_tier(33, 300);
 }
@@ -62,8 +62,9 @@ std::array<Way, 5> ways() {
 }
 
 TEST(Equality, EveryWayGivesTheSameRecording) {
-  // Goal: algorithm, broad phase and queue change no bit. Method: compare random scenes of every
-  // kind with the reference, which predicts all pairs and has no bounding volumes.
+  // Goal: the choice of algorithm, broad phase and queue changes no bit of the results. Method:
+  // compare random scenes of every kind with the reference, which predicts all pairs and has no
+  // bounding volumes.
   std::uint64_t collisions = 0;
   const SimulationOptions reference =
       way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::tournament);

@@ -35,8 +35,8 @@ std::vector<Recording::Entry> bounces(const RecordedRun& run, std::uint32_t body
 
 TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
   // Goal: the first 20 bounces with restitution 0.8 have the right times and heights. Method:
-  // compare with the closed form. A ball touches k_touch_m above the floor. Each bounce is detected
-  // up to a tick late, which delays each later bounce by up to 2/e more ticks.
+  // compare with the closed form. A ball collides at a height of k_touch_m above the floor. Each
+  // bounce is detected up to a tick late, which delays each later bounce by up to 2/e more ticks.
   constexpr double k_restitution = 0.8;
   constexpr double k_radius_m = 0.02;
   constexpr double k_height_m = 1;
@@ -159,11 +159,11 @@ Pressure pressure_of(std::uint32_t bodies, double packing, double block_s, int b
 
 TEST(KnownPhysics, HardSpheresHaveTheirPressure) {
   // Goal: an equilibrium gas has the right collision rates and momenta. Method: compare the virial
-  // of collisions with N. Carnahan and K. Starling, "Equation of state for nonattracting rigid
-  // spheres", J. Chem. Phys. 51 (1969): Z = (1 + phi + phi^2 - phi^3)/(1 - phi)^3. The tolerance is
-  // four standard errors of block means plus 3e-3 Z. The latter covers two systematic deviations:
-  // the formula's (up to 2e-3 at packing 0.4, according to simulations), and that of 500 spheres
-  // from infinitely many, of the order Z/N = 2e-3.
+  // of collisions with Carnahan and Starling, "Equation of state for nonattracting rigid spheres",
+  // Journal of Chemical Physics 51 (1969): Z = (1 + phi + phi^2 - phi^3)/(1 - phi)^3. The tolerance
+  // is four standard errors of block means plus 3e-3 Z. The term 3e-3 Z covers two systematic
+  // deviations: that of the formula (up to 2e-3 at packing 0.4, according to simulations), and that
+  // of 500 spheres from infinitely many, which is of the order Z/N = 2e-3.
   for (const double phi : {0.1, 0.3, 0.4}) {
     const double known =
         (1 + phi + phi * phi - phi * phi * phi) / ((1 - phi) * (1 - phi) * (1 - phi));

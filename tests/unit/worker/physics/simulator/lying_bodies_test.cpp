@@ -43,7 +43,7 @@ const Segment& last_segment(const RecordedRun& run) {
 
 TEST(LyingBodies, AnyThrowIsCaughtSoon) {
   // Goal: a tumbling body bounces until it lies flat, then slides in pieces. Method: drop tilted
-  // cubes with speed. The cubes' last motion is no bounce, and they rest.
+  // cubes with speed. The cubes' last motion must not be a bounce, and the cubes must rest.
   for (int i = 0; i < 20; ++i) {
     Scene scene = floor_scene(0.1, {.restitution = 0.4, .friction = 0.3});
     scene.bodies.push_back(box_at(
@@ -59,7 +59,8 @@ TEST(LyingBodies, AnyThrowIsCaughtSoon) {
 }
 
 TEST(LyingBodies, AWallEndsAStay) {
-  // Goal: hitting a wall ends a body's stay on the floor. Method: let a cube slide.
+  // Goal: a collision with a wall ends a body's lasting contact with the floor. Method: let a cube
+  // slide.
   Scene scene = floor_scene(0.1, {.restitution = 0.5, .friction = 0.1});
   scene.planes.push_back({.name = "wall", .outside = {.normal = {-1, 0, 0}, .offset_m = -0.5}});
   scene.bodies.push_back(box_at({0.1, 0.1, 0.1}, 0, {.velocity_mps = {2, 0, 0}}));
@@ -158,7 +159,8 @@ TEST(LyingBodies, APinRollsInItsCircle) {
   EXPECT_NEAR(math::norm(late.velocity_mps) / speed_mps, 1, 1e-6);
   const Vec3 axis = math::rotated(late.orientation, Vec3::UnitZ());
   EXPECT_NEAR(std::asin(std::fabs(axis.z())) * 180 / pi, 7.3, 0.1);
-  // The axis meets the plane at the circle's middle. Compute its distance from the centre's foot.
+  // The axis meets the plane at the circle's middle. The circle's radius is the distance from there
+  // to the point below the body's centre.
   const double rise = std::asin(std::fabs(axis.z()));
   const double radius_m = late.position_m.z() / std::tan(rise);
   const double angle = speed_mps / radius_m * seconds(late.begin - early.begin);

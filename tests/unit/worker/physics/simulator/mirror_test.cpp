@@ -155,7 +155,7 @@ TEST(Mirror, ScenesAgreeUntilTheFifthCollision) {
   const std::uint64_t scenes = property::long_run() ? 600 : 90;
   for (const std::uint64_t n : property::cases(scenes)) {
     testing::TestScene scene = testing::test_scene(n);
-    // Periods and meshes have no images here.
+    // This test can't mirror periods and meshes, so it replaces such scenes.
     const bool has_image = scene.setting.scene.meshes.empty() &&
                            scene.setting.scene.period_m == std::array<double, 3>{};
     if (!has_image) scene = {"mixed", {testing::mixed_scene(n / 6 + 1), 0.3}};

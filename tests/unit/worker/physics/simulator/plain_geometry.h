@@ -79,9 +79,9 @@ inline double clearance_along(const Vec3& axis, const PlainSolid& a, const Plain
   return lowest - highest;
 }
 
-/// Signed clearance of two solids. A negative value is minus their depth, the shortest shift that
-/// parts them. A positive value is at most their distance. Tries every axis of the theorem: face
-/// normals and cross products of edges.
+/// Signed clearance of two solids. A negative value is minus the depth, the length of the shortest
+/// shift that separates the solids. A positive value is at most the solids' distance. Tries every
+/// axis of the separating axis theorem: face normals and cross products of edges.
 inline double clearance(const PlainSolid& a, const PlainSolid& b) {
   double best = -std::numeric_limits<double>::infinity();
   const auto offer = [&](const Vec3& axis) {

@@ -56,8 +56,8 @@ End end_of(const Scene& scene, SimulationOptions options, int pieces) {
 
 TEST(PlainSpheres, AreTheSameRecordedOrNot) {
   // Goal: a segment written late has the same bits as a recorded segment. Method: run spheres
-  // between walls with three algorithms, with and without a recording and a history, in one portion
-  // and in several with looks in between.
+  // between walls with three algorithms, with and without a recording and a history, in one
+  // portion, and in several portions with the energy read in between.
   for (const std::uint64_t seed : property::cases(property::long_run() ? 200 : 6)) {
     const Scene scene = spheres_in_a_box(seed + 1);
     SimulationOptions all_pairs;

@@ -83,7 +83,8 @@ inline void change_statics(Scene& scene, const Subject& subject, Dice& dice) {
     auto hull = convex_hull(points_m);
     if (hull) convex.polyhedron = std::make_shared<const ConvexPolyhedron>(std::move(hull).value());
   } else if (!scene.planes.empty()) {
-    // Mostly moves planes away from the bodies, which would overlap them at the start otherwise.
+    // Mostly moves the plane away from the bodies. A plane moved towards them would overlap some at
+    // the start.
     StaticPlane& plane = scene.planes[dice.below(scene.planes.size())];
     if (dice.one_in(2)) {
       random::Stream stream({.seed = dice.below(1000), .purpose = random::Purpose::prior}, 0);

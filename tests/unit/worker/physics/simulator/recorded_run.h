@@ -22,7 +22,7 @@ struct RecordedRun {
   std::string error;
 };
 
-/// A floor for bodies of a size, level or descending towards x.
+/// A floor for bodies of size `size_m`. The floor is level or descends towards x.
 inline Scene floor_scene(double size_m, const SurfaceLaw& law, double slope_rad = 0) {
   constexpr double k_gravity_mps2 = 9.81;
   Scene scene;

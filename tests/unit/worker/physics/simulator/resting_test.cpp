@@ -27,7 +27,7 @@ bool all_rest(const RecordedRun& run) {
   return true;
 }
 
-/// Time at which the last body's last segment began.
+/// Latest time at which any body began its last segment.
 double last_change_s(const RecordedRun& run) {
   Tick last{};
   for (std::uint32_t body = 0; body < run.scene.bodies.size(); ++body)
@@ -60,7 +60,7 @@ BodyDescription ball_at(const Vec3& place_m) {
           .start = {.pose = {.position_m = place_m, .orientation = Quat::Identity()}, .twist = {}}};
 }
 
-/// Expects that all bodies rest after `within_s`, and that nothing changes in another `within_s`.
+/// Expects that all bodies rest after `within_s`, and that nothing changes for another `within_s`.
 void expect_rest(const Scene& scene, double within_s, const std::string& name) {
   auto started = Simulation::start(scene, {});
   ASSERT_TRUE(started.ok()) << name;
@@ -102,7 +102,8 @@ TEST(Resting, BodiesComeToRestInFinitelyManyEvents) {
 }
 
 TEST(Resting, AHeapOfAHundredGrainsComesToRest) {
-  // Goal: the heap that the project names comes to rest. The ordinary run has a smaller heap.
+  // Goal: a heap of 100 grains, which the project promises, comes to rest. The ordinary run has a
+  // smaller heap.
   const std::uint32_t grains = property::long_run() ? 100 : 40;
   expect_rest(scenes::grain_heap(grains, 1).scene, 5, "heap of " + std::to_string(grains));
 }
@@ -389,7 +390,7 @@ TEST(CanCarry, AFace) {
   EXPECT_TRUE(face(0.009, -0.009, 4));
   EXPECT_FALSE(face(0.013, 0, 4));
   EXPECT_TRUE(face(-0.003, 0.003, 3));
-  // Beyond the long side of the triangle.
+  // The centre is beyond the long side of the triangle.
   EXPECT_FALSE(face(0.003, -0.003, 3));
 }
 

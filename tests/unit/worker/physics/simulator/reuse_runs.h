@@ -87,7 +87,7 @@ inline std::string first_difference(const Recording& a, const Recording& b) {
   return found;
 }
 
-/// Balls side by side on a floor, which soon rest.
+/// Balls side by side on a floor. They soon come to rest.
 inline Scene balls_apart(std::uint32_t count) {
   Scene scene;
   scene.gravity_mps2 = {0, 0, -9.81};

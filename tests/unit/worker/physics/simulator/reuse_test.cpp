@@ -1,4 +1,4 @@
-// Tests that replay changes no result, with the history of a scene that differs in something.
+// Tests that replaying the history of a slightly different scene changes no result.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -101,9 +101,9 @@ void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
 
 TEST(Reuse, ReplayingMakesNoDifference) {
   // Goal: a simulation with a history equals a simulation from scratch, bit for bit. Method: in
-  // random scenes of every kind, make successive proposals: starts elsewhere, faster, later, never
-  // or again, moved static geometry, kicks, other laws. Accept some. Simulate each from scratch
-  // and, in all ways, with the history of the last accepted one.
+  // random scenes of every kind, make successive proposals and accept some. Proposals change
+  // starts, move static geometry, kick bodies, or change laws. Simulate each proposal from scratch,
+  // and with random options and the history of the last accepted proposal.
   std::map<std::string, Tally> by_kind;
   const std::uint64_t count = chain_count();
   for (const std::uint64_t n : property::cases(count)) {
@@ -138,7 +138,7 @@ TEST(Reuse, AWrongHistoryMakesADifference) {
 
 TEST(Reuse, OnlyWhatDiffersIsSimulated) {
   // Goal: a history saves work. Method: change the start of one of several separate balls. The
-  // others are replayed to the last event. For the same scene, nothing is simulated.
+  // other balls are replayed to the last event. A replay of the same scene simulates nothing.
   const Scene before = balls_apart(8);
   const RunResult earlier = run(before, 2);
   Scene after = before;
@@ -153,8 +153,9 @@ TEST(Reuse, OnlyWhatDiffersIsSimulated) {
 }
 
 TEST(Reuse, AFailureComesAsItWould) {
-  // Goal: replayed collisions count too. Method: a ball bounces ever lower in a scene without a
-  // rule that ends this. Its histories end before the simulation gives up.
+  // Goal: replayed collisions count too. Method: let a ball bounce ever lower in a scene without a
+  // rule for slow contacts, until the simulation gives up. Replay histories that end slightly
+  // earlier.
   Scene scene = balls_apart(1);
   scene.slow = {};
   Simulation whole = Simulation::start(scene, {}).value();
@@ -192,8 +193,8 @@ TEST(Reuse, WhatIsTheSameIsShared) {
 
 TEST(Reuse, MemoryIsBounded) {
   // Goal: a simulation whose history would exceed its limit continues without a history. Method:
-  // set a small limit for simulated and replayed events. There is no history, and the recording is
-  // complete, or empty if not requested.
+  // set a small limit for simulated and replayed events. The run must return no history, and a
+  // complete recording if one was requested.
   const Scene scene = balls_apart(20);
   SimulationOptions options;
   options.keep_history = true;
@@ -241,8 +242,9 @@ Tick cut_in(const History& history, Dice& dice) {
 }
 
 TEST(Reuse, ItGoesOnBeyondTheHistory) {
-  // Goal: at every event, a history contains all state to continue from there. Method: cut
-  // histories of all kinds of scenes at an event or anywhere. All bodies go live at the cut.
+  // Goal: at every event, a history contains all state that a simulation needs to continue from
+  // there. Method: cut histories of all kinds of scenes at an event or anywhere. All bodies go live
+  // at the cut.
   const std::uint64_t scenes = property::long_run() ? 2000 : property::of_tier(9, 32);
   for (const std::uint64_t n : property::cases(scenes)) {
     Subject subject = testing::subject_of(n);

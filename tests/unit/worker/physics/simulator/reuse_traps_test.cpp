@@ -1,4 +1,5 @@
-// Tests where reuse could go wrong: kicks, places, starts, sleepers and decisions about rest.
+// Tests cases in which reuse could go wrong: kicks, places, starts, sleeping bodies and decisions
+// about rest.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -40,8 +41,9 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
 }
 
 TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
-  // Goal: kicks at one tick come in the scene's order, which may differ from the bodies' order.
-  // Method: kick the highest body first, which starts differently, or never in both scenes.
+  // Goal: kicks at one tick happen in the scene's order, which may differ from the bodies' order.
+  // Method: kick the body with the highest id first. That body starts differently in the second
+  // scene, or never starts in either scene.
   Scene before = balls_apart(6);
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   for (const std::uint32_t body : {5U, 2U, 4U, 1U}) {
@@ -85,8 +87,8 @@ Scene beside_a_block(bool balls) {
 }
 
 TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
-  // Goal: a body goes live if it met something that is gone, or meets something new. Method: put a
-  // block under a body, or far away, in either order, for balls and cubes.
+  // Goal: a replayed body goes live if it met something that has been removed, or meets something
+  // new. Method: put a block under a body, or far away, in either order, for balls and cubes.
   for (const bool balls : {true, false}) {
     const Scene away = beside_a_block(balls);
     for (std::uint32_t i = 0; i < away.bodies.size(); ++i) {
@@ -105,9 +107,9 @@ TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
 }
 
 TEST(ReuseTraps, StartsSeeWhatDiffers) {
-  // Goal: starts aren't replayed if their place has changed. Method: a body that starts late inside
-  // a new block is an error. A body that drew its place again because of a block takes its first
-  // place without the block, and the reverse.
+  // Goal: a start isn't replayed if its surroundings have changed. Method: start a body late inside
+  // a new block, which is an error. Let a body draw its place again because of a block, then remove
+  // the block, and the reverse.
   Scene away = beside_a_block(true);
   BodyDescription& late = away.bodies[1];
   late.start_tick = Tick{} + ticks_after(0.7);
@@ -247,10 +249,10 @@ Tick first_rest(const Recording& recording, BodyId body) {
 }
 
 TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
-  // Goal: invariants 2 to 4 of replay.h hold if two bodies met shortly before one of them changes:
-  // the other decides about rest, or rests on that body. Method: in one of two scenes, kick either
-  // of two stacked cubes shortly before or after the upper one's rest. The cube that isn't kicked
-  // must not stay replayed. Later, a hit on the lower cube wakes the upper one.
+  // Goal: invariants 2 to 4 of replay.h hold if one of two bodies changes shortly after they met,
+  // while the other body decides about rest or rests on it. Method: in one of two scenes, kick
+  // either of two stacked cubes shortly before or after the upper cube comes to rest. The cube that
+  // isn't kicked must not stay replayed. Later, a hit on the lower cube wakes the upper cube.
   int compared = 0;
   const std::uint64_t seeds = property::long_run() ? 40 : 2;
   for (const std::uint64_t seed : property::seeds(seeds)) {
@@ -262,7 +264,8 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
       const Tick rest = first_rest(settled.recording(), {1});
       if (rest == k_never) continue;
       const RunResult without = run(plain, end_s);
-      // A slow kick only makes the body wait for its rest again. The history ends right after it.
+      // After a slow kick, the body only waits again until it may rest. The history ends right at
+      // the kick.
       for (const double before_ms : {0.5, 1.5, 2.5, 3.5}) {
         Scene nudged = plain;
         const Tick tick = rest - ticks_after(1e-3 * before_ms);
@@ -294,9 +297,9 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
 }
 
 TEST(ReuseTraps, AKickIsForWhoIsThereNow) {
-  // Goal: a kick of the history happens even if it can't be replayed, because a body that it woke
-  // is no longer at rest. Method: kick a cube on which another rests. In the other scene, a ball
-  // has just hit the overhanging part of the upper cube from below.
+  // Goal: a kick in the history also happens if it can't be replayed because a body that the kick
+  // woke is no longer at rest. Method: kick a cube on which another cube rests. In the other scene,
+  // a ball has just hit the overhanging part of the upper cube from below.
   Scene after = scenes::cube_stack(2, 1).scene;
   after.bodies[0].start.pose.position_m = {0, 0, 0.0105};
   after.bodies[1].start.pose.position_m = {0.0085, 0, 0.031};

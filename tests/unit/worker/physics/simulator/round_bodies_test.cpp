@@ -25,7 +25,7 @@ using testing::RecordedRun;
 
 constexpr double k_g_mps2 = 9.81;
 /// A rolling body follows a circle along chords of 1/32 radian. In the middle of a chord, this
-/// share of its kinetic energy is missing.
+/// share of the body's kinetic energy is missing.
 constexpr double k_chord_share = 1.0 / (64 * 64);
 
 BodyDescription body_of(const RoundSolid& solid, const StartState& start) {
@@ -45,8 +45,9 @@ Vec3 place_after(const RecordedRun& run, double span_s) {
 }
 
 TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
-  // Goal: a tilted pin falls back on its foot up to the tilt at which its centre of mass is above
-  // the rim's circle, and falls over beyond, to 0.1 degree. Method: test tilts on both sides.
+  // Goal: a tilted pin falls back on its foot if its tilt is less than the one at which the centre
+  // of mass is above the rim's circle, to 0.1 degree. At a greater tilt, the pin falls over.
+  // Method: test tilts on both sides.
   const RoundSolid pin = bowling_pin(1.55).value();
   // The rim is the ring with the lowest centre.
   double circle_m = 0;
@@ -120,10 +121,9 @@ TEST(RoundBodies, KeepEnergyWithoutLoss) {
 
 TEST(RoundBodies, NeverGainEnergy) {
   // Goal: with friction and loss, energy never increases, slow contacts included. Method: compare
-  // kinetic plus potential energy at each look with its least value so far. A body that rolls as a
-  // cone moves on chords over a 32nd of a radian. So the kinetic energy at a look within a chord
-  // may be too low by a fraction of up to the square of half that angle, and right again at a later
-  // look.
+  // kinetic plus potential energy at regular times with its least value so far. A body that rolls
+  // as a cone moves on chords over a 32nd of a radian. Within a chord, the kinetic energy may be
+  // too low by a fraction of up to the square of half that angle.
   for (const std::uint64_t seed :
        property::cases(property::long_run() ? 100 : property::of_tier(2, 6))) {
     const Scene scene = scenes::round_solids(10, seed + 1).scene;
@@ -153,8 +153,9 @@ TEST(RoundBodies, NeverGainEnergy) {
 }
 
 TEST(RoundBodies, DontOverlapByMoreThanTwoMicrometres) {
-  // Goal: round bodies overlap by at most two micrometres. Method: at random ticks, each pair, and
-  // each body and plane, is separated along some axis, by a plain computation of reach.
+  // Goal: round bodies overlap by at most two micrometres. Method: at random ticks, compute each
+  // pair's separation along closest_round()'s normal, and each body's separation from each plane,
+  // by plain_reach_m().
   double deepest_m = 0;
   int near = 0;
   for (const std::uint64_t seed :

@@ -34,7 +34,7 @@ const Compound* compound_of(const BodyDescription& body) {
   return shape != nullptr ? shape->get() : nullptr;
 }
 
-/// Separation along the axis of the distance, by a plain computation of reach.
+/// Separation along closest_round()'s normal, computed by plain_reach_m().
 double separation_m(const ConvexView& own, const PlacedPose& place, const MovingPiece& other,
                     Vec3* along = nullptr) {
   const Vec3 axis = closest_round(own, place, *other.view, other.pose).normal;
@@ -45,8 +45,8 @@ double separation_m(const ConvexView& own, const PlacedPose& place, const Moving
 
 TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
   // Goal: no round body is more than two micrometres deep in a triangle or a block, and none falls
-  // through. Method: at random ticks, compute the separation along the distance's axis by plain
-  // reach. A triangle has no inside, so only triangles that face the body's centre count.
+  // through. Method: compute separation_m() of each body and each static piece at random ticks. A
+  // triangle has no inside, so only triangles that face the body's centre count.
   double deepest_m = 0;
   int near_triangles = 0;
   int near_block = 0;

@@ -191,7 +191,8 @@ TEST(SceneErrors, StartsThatTouchAreRefused) {
 }
 
 TEST(SceneErrors, ABodyInsideAStaticOneIsRefused) {
-  // Goal: bodies also overlap without touching surfaces. Method: put small bodies into a block.
+  // Goal: bodies can overlap even if their surfaces don't touch. Method: put small bodies into a
+  // block.
   for (const bool sphere : {true, false}) {
     Scene scene = good_scene();
     scene.convexes.push_back({.name = "block",
@@ -227,7 +228,7 @@ Scene late_start(bool moving, Tick tick) {
 
 TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
   // Goal: late starts are checked against the bodies' places at that time. Method: use a resting
-  // and a moving obstacle. The same start is valid before the body comes and after it leaves.
+  // and a moving obstacle. The same start is valid before the obstacle arrives and after it leaves.
   const Tick tick = Tick{} + ticks_after(0.5);
   for (const bool moving : {false, true}) {
     auto started = Simulation::start(late_start(moving, tick), {});
@@ -245,7 +246,7 @@ TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
                 tests::HasFacts("body 1 can't start|at 0.5 s|overlaps body 'ball'|1e-07 m"));
     EXPECT_FALSE(simulation.started({1}));
     EXPECT_EQ(simulation.now(), tick);
-    // The simulation stays where it failed.
+    // The simulation stays at the tick at which it failed.
     const auto again = simulation.run_until(tick + 2000);
     ASSERT_TRUE(again);
     EXPECT_EQ(again->message, error->message);
@@ -257,8 +258,8 @@ TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
 }
 
 TEST(SceneErrors, StartsAreDrawnAgain) {
-  // Goal: an overlapping start is drawn again until it is free, as a function of the attempt only.
-  // Method: make the n-th attempt the first free one.
+  // Goal: an overlapping start is drawn again until it overlaps nothing. A draw depends only on the
+  // attempt's number. Method: make the n-th attempt the first without overlap.
   for (const std::uint32_t free : {1U, 2U, 17U, 1000U}) {
     Scene scene = good_scene();
     std::vector<std::uint32_t> asked;
@@ -285,7 +286,8 @@ TEST(SceneErrors, StartsAreDrawnAgain) {
 }
 
 TEST(SceneErrors, AThousandDrawsAreEnough) {
-  // Goal: too many attempts give an error. Method: make no attempt free, at the start and later.
+  // Goal: too many attempts give an error. Method: make every attempt overlap, at the scene's start
+  // and for a late start.
   for (const double when_s : {0.0, 0.01}) {
     Scene scene = good_scene();
     scene.gravity_mps2 = Vec3::Zero();

@@ -77,7 +77,7 @@ inline TestScene test_scene(std::uint64_t n) {
   }
 }
 
-/// As test_scene, but one scene in eleven has round bodies or bricks that start at rest.
+/// Like test_scene(), but one scene in eleven has round bodies or bricks that start at rest.
 inline TestScene any_scene(std::uint64_t n) {
   if (n % 11 != 10) return test_scene(n);
   const std::uint64_t seed = n / 11 + 1;

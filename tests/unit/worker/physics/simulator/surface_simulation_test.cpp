@@ -80,7 +80,7 @@ double bump_near(const StaticSurface& surface, const Vec3& place_m) {
 }
 
 TEST(SurfaceSimulation, DiceStayOnTheTable) {
-  // Goal: a bump pierces a die by at most the height that fits between its points
+  // Goal: a bump pierces a die by at most the height that fits between the die's lattice points
   // (surface_controls.h). Method: throw one die or several. At collisions, some ticks around them
   // and random ticks, test points six times as dense as the lattice.
   const std::vector<Vec3> points_m = dense_points(k_side_m);
@@ -276,8 +276,8 @@ void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dic
 
 TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
   // Goal: after any change of control points and starts, a simulation with the previous history
-  // equals one without, bit for bit, and simulates less. Method: run chains of proposals, some
-  // accepted, in all ways and in portions.
+  // equals one without, bit for bit, and simulates less. Method: run chains of proposals and accept
+  // some. Simulate with random options and in portions.
   constexpr int k_steps = 20;
   std::uint64_t replayed = 0;
   std::uint64_t simulated = 0;

@@ -3,9 +3,9 @@
 // presupposes neither powers of a place in a cell nor the support of a basis function: it sums
 // eight times eight points, and most of their basis functions are zero.
 //
-// Formulas: L. Piegl and W. Tiller, "The NURBS Book" (2nd edition, 1997), equations 2.5 and 2.7,
-// with a knot at every integer; there the basis function that is greatest at the knot i is
-// N_{i-2,3}.
+// Formulas: Piegl and Tiller, "The NURBS Book" (2nd edition, 1997), equations 2.5 and 2.7, with a
+// knot at every integer. In the book's notation, the basis function that is greatest at the knot i
+// is N_{i-2,3}.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// Goal: heights, slopes and fields are the spline's at any place, independent of earlier questions,
-// and only requested patches are built. Method: compare infinitely many random control points with
-// a sum over basis functions in long double (reference_surface.h), and count requested control
+// Goal: heights, slopes and fields equal the spline's at any place and don't depend on earlier
+// queries. Only requested patches are built. Method: compare infinitely many random control points
+// with a sum over basis functions in long double (reference_surface.h), and count requested control
 // points. surface_bounds_test.cpp tests bounds.
 #include "worker/physics/surface/spline_surface.h"
 
@@ -185,7 +185,7 @@ struct Answer {
 };
 
 Answer answer_of(SplineSurface& spline, const Question& q) {
-  // For x < 0, ask for the place before the bounds.
+  // For x < 0, query the place before the bounds.
   Answer answer;
   if (q.x_m < 0) answer.place = spline.at(q.x_m, q.y_m);
   answer.bounds = spline.bounds_in(q.x_m, q.x_m + q.width_m, q.y_m - q.width_m, q.y_m);

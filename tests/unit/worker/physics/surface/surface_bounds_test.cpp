@@ -92,9 +92,9 @@ std::shared_ptr<const SurfaceControls> waves(double height_m) {
 }
 
 TEST(SurfaceBounds, HoldInEveryRectangle) {
-  // Goal: no place of a rectangle exceeds its bounds. Over smooth ground and rectangles of about a
-  // patch, values reach the bounds up to a share explained by control points between places.
-  // Method: test random rectangles from a point to some hundred patches.
+  // Goal: no place of a rectangle exceeds its bounds. Over smooth ground, values in rectangles of
+  // about a patch almost reach the bounds; the remaining gap is due to nearby control points
+  // outside the rectangle. Method: test random rectangles from a point to some hundred patches.
   for (const bool rough : {true, false}) {
     for (const double spacing_m : {1e-3, 0.0037, 0.125, 1.0}) {
       Dice dice(21, rough ? 0 : 1);
@@ -112,8 +112,9 @@ TEST(SurfaceBounds, HoldInEveryRectangle) {
             << ", " << found.hollow_per_m << ' ' << bounds.hollow_per_m << ", " << found.bump_per_m
             << ' ' << bounds.bump_per_m;
         if (rough) continue;
-        // Points two cells away from a single place count too. Slopes reach 0.6 amplitudes per cell
-        // and curvatures 0.24, and change by about a third over two cells.
+        // Bounds include control points up to two cells away from a place. Slopes reach 0.6
+        // amplitudes per cell, and curvatures reach 0.24. Both change by about a third over two
+        // cells.
         EXPECT_LT(bounds.top_m - found.top_m, 1.1 * height_m);
         EXPECT_LT(bounds.slope - found.slope, 0.3 * height_m / spacing_m);
         EXPECT_LT(bounds.hollow_per_m - found.hollow_per_m,
@@ -125,8 +126,8 @@ TEST(SurfaceBounds, HoldInEveryRectangle) {
 }
 
 TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
-  // Goal: each of the four bounds can fail the test above. Method: use bounds that are too low by
-  // half, and another rectangle's bounds.
+  // Goal: each of the four bounds fails the test above if it is too low. Method: use bounds that
+  // are too low by half, and another rectangle's bounds.
   const StaticSurface surface = surface_of(waves(0.001), 0.01);
   SplineSurface spline(surface);
   Dice dice(22, 0);
@@ -192,8 +193,8 @@ TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
 TEST(SurfaceBounds, HoldWithHeightsThatDrownDifferences) {
   // Goal: bounds include rounding where nothing else matters. Method: use heights near 1 that
   // differ by their last bits, on flat, tilted and rough ground. There, computed slopes are
-  // rounding errors and heights equal their points. Also use deep points in the row and column with
-  // least weight at a patch's far corner.
+  // rounding errors and heights equal their points. Also use much lower points in the row and
+  // column that have the least weight at a patch's far corner.
   Dice dice(26, 0);
   for (int n = 0; n < 20'000; ++n) {
     const std::uint64_t seed = dice.below(1U << 30U);

@@ -1,5 +1,5 @@
 // Goal: the event loop allocates nothing once its lists have grown. Method: count calls of operator
-// new; the count stays constant after a quarter of a run. This test is a program of its own because
+// new; the count stays constant after a quarter of a run. This test is a separate program because
 // operator new belongs to a whole program.
 #include <gtest/gtest.h>
 
