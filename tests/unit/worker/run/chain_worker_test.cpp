@@ -131,7 +131,7 @@ TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
 }
 
 TEST(ChainWorker, IsPure) {
-  // Goal: equal units give equal results, also in several threads at once, and leave no trace.
+  // Goal: equal units give equal results, even in several threads at once and after other units.
   // Method: four threads run units of different chains, each twice, in different orders.
   const BallWorker worker = ball_worker();
   std::vector<plan::UnitResult> reference;
@@ -201,7 +201,7 @@ TEST(ChainWorker, CountsByKind) {
 }
 
 TEST(ChainWorkerDeathTest, MisuseIsABug) {
-  // Goal: a unit of no scans stops the process.
+  // Goal: a unit without scans stops the process.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const BallWorker worker = ball_worker();
   EXPECT_DEATH((void)worker.run(unit(0, 0, 0), {}), "check failed");

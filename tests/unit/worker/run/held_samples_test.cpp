@@ -67,7 +67,8 @@ struct Counted : W {
 static_assert(World<Counted<Ball2d>> && World<Counted<Spelling>>);
 static_assert(sampling::HasSurrogate<Counted<Spelling>>);
 
-/// A unit with random inverse temperatures, one for all scans or one each. May have an excursion.
+/// A unit with random inverse temperatures: one for all scans, or one for each scan. May have an
+/// excursion.
 plan::Unit random_unit(const plan::ReplicaKey& replica, std::uint64_t first,
                        random::Stream& stream) {
   const auto below = [&](std::uint64_t count) {
@@ -98,8 +99,8 @@ struct Replica {
   bool held = false;
 };
 
-/// Runs six replicas by turns in random units. One worker runs from held samples if it can. Another
-/// worker holds nothing and runs from bytes.
+/// Runs six replicas in turns, in random units. One worker runs from held samples if it can.
+/// Another worker holds nothing and runs from bytes.
 template <class MakeWorld>
 void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions options) {
   const auto held_count = std::make_shared<std::atomic<std::uint64_t>>(0);
@@ -133,7 +134,7 @@ void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions op
     ASSERT_EQ(result->unit, given.unit);
     ASSERT_EQ(result->scans, given.scans);
     ASSERT_EQ(result->state_after, given.state_after);
-    // A held sample spares only the simulation of the state before.
+    // A held sample saves only the simulation of the state before the unit.
     EXPECT_EQ(given.simulations - result->simulations, !next.starts && replica.held ? 1U : 0U);
     replica.held = true;
     // Lose a result now and then, so that the held sample belongs to another scan.
@@ -190,7 +191,7 @@ TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
 }
 
 TEST(HeldSamplesDeathTest, MisuseIsABug) {
-  // Goal: a unit that starts has no sample before it, and a unit without scans is a bug.
+  // Goal: it is a bug to run from a held sample if the unit starts or has no scans.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const ChainWorker<Ball2d> worker(Ball2d({}), {});
   EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 0, 1)), "check failed");

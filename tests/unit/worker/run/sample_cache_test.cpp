@@ -25,7 +25,7 @@ plan::ReplicaKey key(std::uint32_t chain, std::uint32_t replica = 0) {
   return {base::ChainId{chain}, base::ReplicaId{replica}};
 }
 
-/// Bytes that a cache counts for a sample besides its own.
+/// Bytes that a cache counts for a sample in addition to the sample's own bytes.
 template <class Sample>
 std::size_t bytes_besides() {
   SampleCache<Sample> cache(k_plenty);
@@ -112,7 +112,7 @@ std::uint64_t first_difference(plan::CacheUse& use) {
     if (below(2) == 0) {
       auto sample = std::make_shared<int>(static_cast<int>(step));
       all.emplace_back(sample);
-      // Sometimes use almost the whole room.
+      // Some samples need almost all of the cache's room.
       const std::size_t bytes = below(20) == 0 ? bytes_max - besides - 2 + below(4) : below(200);
       plain.put(replica, scan, sample, bytes);
       cache.put(replica, scan, std::move(sample), bytes);
@@ -174,7 +174,7 @@ struct FondCache : RightCache {
 };
 
 TEST(SampleCache, PropertyFindsWrongCaches) {
-  // Goal: the property above can fail. Method: use caches with one small mistake each.
+  // Goal: the test above can fail. Method: use caches with one small mistake each.
   plan::CacheUse use;
   EXPECT_LT(first_difference<LooseCache>(use), k_steps);
   EXPECT_LT(first_difference<LightCache>(use), k_steps);
@@ -205,8 +205,9 @@ TEST(SampleCache, IsSharedByThreads) {
 }
 
 TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
-  // Goal: only `starts` means that there is no state before, at any scan; the draw and its lineage
-  // then belong to that scan. A first scan 0 that doesn't start continues.
+  // Goal: a unit starts from a new draw exactly if `starts` is set, whatever its first scan. The
+  // draw and its lineage then belong to that first scan. Without `starts`, a unit continues even
+  // from scan 0.
   const worlds::ball_2d::Ball2d ball({});
   const ChainWorker<worlds::ball_2d::Ball2d> worker(ball, {});
   const plan::Unit unit{.replica = key(2, 5),
@@ -235,8 +236,8 @@ TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
 }
 
 TEST(ChainWorker, KeepsStatesFromTheFirstDrawOn) {
-  // Goal: thinning starts at the first draw, here at scan 25 of 60. Before that, only satisfied
-  // states at inverse temperature 1 are kept, and hot states by hot_thin.
+  // Goal: thinning starts at the first draw, here at scan 25 of 60. Before that scan, only
+  // satisfied states at inverse temperature 1 are stored, and hot states as hot_thin selects.
   const worlds::ball_2d::Ball2d ball({});
   const ChainWorker<worlds::ball_2d::Ball2d> worker(ball,
                                                     {.thin = 4, .first_draw = 25, .hot_thin = 6});
