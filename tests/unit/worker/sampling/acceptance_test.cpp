@@ -8,7 +8,8 @@
 namespace sleight::sampling {
 namespace {
 
-/// Returns whether a ratio accepts for every number in (0, 1), or for none.
+/// Returns whether a candidate with this ratio is accepted for every random number in (0, 1), or
+/// for none.
 bool always(double log_ratio) {
   return std::log(1 - 0x1p-53) < log_ratio;
 }
@@ -49,8 +50,8 @@ TEST(LogAcceptanceRatio, NeverEntersZeroDensity) {
 }
 
 TEST(LogAcceptanceRatio, LeavesZeroDensityByThePrior) {
-  // Goal: from a start that breaks a hard constraint, only the prior decides. Method: candidates
-  // with and without constraint density have the ratio of the priors.
+  // Goal: from a start that breaks a hard constraint, only the prior decides. Method: check that
+  // the ratio is that of the priors for candidates with and without constraint density.
   for (const double candidate_constraint : {-k_infinity, -3.0, 0.0}) {
     EXPECT_EQ(log_acceptance_ratio(-1, -k_infinity, -4, candidate_constraint, 1, 0.5), -2.5);
     EXPECT_TRUE(always(log_acceptance_ratio(-4, -k_infinity, -1, candidate_constraint, 1, 0)));

@@ -65,7 +65,7 @@ std::uint64_t end_of_round(const Case& given, std::uint32_t round) {
 }
 
 /// End of the first round whose last scan has no state that descends from a search's find. Nothing
-/// if there is none within the scans.
+/// if no such round ends within `scans`.
 std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<SlowLadder>& all,
                                          std::uint64_t scans) {
   if (!given.options.ladder.starts_by_search) return given.options.ladder.anneal_scans;
@@ -86,7 +86,7 @@ std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<Sl
   return std::nullopt;
 }
 
-/// Number of lineages that satisfied at inverse temperature 1 within these scans.
+/// Number of lineages with a satisfied scan at inverse temperature 1 from `first` to before `end`.
 std::uint64_t solutions_between(const SlowLadder& ladder, std::uint64_t first, std::uint64_t end) {
   std::set<std::uint64_t> lineages;
   for (const auto& [place, result] : ladder.results) {
@@ -266,7 +266,7 @@ SecondScan second_scan(std::uint32_t levels, std::uint32_t scans_max,
                        const plan::UnitWorker& worker) {
   ParallelTempering plan(small_ladder(levels));
   std::map<plan::ReplicaKey, base::Bytes> states;
-  // Hand out all units before any result, so that none has its second scan yet.
+  // Request all units before consuming any result, so that each unit is a replica's first scan.
   std::vector<plan::UnitResult> firsts;
   while (const auto unit = plan.next_unit(1))
     firsts.push_back(worker.run(*unit, {}));
@@ -298,9 +298,10 @@ class SlowWorker final : public plan::UnitWorker {
 };
 
 TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
-  // Goal: each member runs at least one scan, and all together run as many as the limit unless
-  // something else ends them. Time is divided among scans, and simulations are counted. Method: run
-  // a ladder of six with every limit up to 70, and smaller ladders by hand.
+  // Goal: each member runs at least one scan, and all members together run as many scans as the
+  // limit allows, unless something else ends the block. Time is divided among scans, and
+  // simulations are counted. Method: run a ladder of six with every limit up to 70, and compare
+  // smaller ladders with results by hand.
   constexpr std::uint32_t k_levels = 6;
   const ScanByScan numbers({.seed = 5, .roughness = {5}});
   base::ManualClock clock;

@@ -171,7 +171,7 @@ struct Decided {
 TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
   // Goal: units, results, stop, draws and report don't depend on how units and blocks are cut or in
   // which order they complete, and the stop obeys the rules. Method: compare serial runs with
-  // random sessions by units and by blocks. Count the stop and the draws again from a longer run.
+  // random sessions by units and by blocks. Recompute the stop and the draws from a longer run.
   std::set<std::pair<std::uint64_t, bool>> stops;  // by method: whether solutions ended it
   std::vector<BlockShapes> shapes(k_methods);
   for (const std::uint64_t index : property::cases(cases())) {
@@ -256,9 +256,10 @@ TEST(EveryMethod, GoesOnFromAnyStoredResults) {
 
 TEST(EveryMethod, DecidesTheSameInAnySteps) {
   // Goal: the solutions and rounds that a plan reports between two frontiers are a function of the
-  // results up to the frontiers. All reports together equal a quiet run's report. Each solution is
-  // a satisfied scan at inverse temperature 1, and all counted solutions are reported. Method: ask
-  // random sessions, including stopped and resumed ones, at random moments.
+  // results up to the frontiers. All reports together equal the report of a run that reports only
+  // at its end. Each solution is a satisfied scan at inverse temperature 1, and all counted
+  // solutions are reported. Method: query random sessions, including stopped and resumed ones, at
+  // random moments.
   std::set<Method> methods;
   for (const std::uint64_t index : property::cases(cases())) {
     Dice dice(k_seed, 5 * k_cases + index);
@@ -335,8 +336,8 @@ TEST(EveryMethod, CutAtAnyScanIsTheRunOfThatManyScans) {
 
 TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
   // Goal: a plan that reports its total reports it at the start, including annealing, and the total
-  // stays constant and equals the consumed scans at the end. Method: ask at every step, for chains
-  // and for ladders of four fixed levels.
+  // stays constant and equals the consumed scans at the end. Method: query the total at every step,
+  // for chains and for ladders of four fixed levels.
   for (const Method method : {Method::plain, Method::parallel}) {
     Dice dice(k_seed, 5 * k_cases);
     Case given = random_case(dice, 0);
@@ -360,7 +361,7 @@ TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
 
 TEST(BurntInChains, BurnInIsParallelTempering) {
   // Goal: a burn-in equals the same number of rounds of parallel tempering. Method: run both with
-  // the same options. Places and tables of ladders must be equal.
+  // the same options, and compare all scans and the tables of ladders.
   for (const std::uint64_t index : property::cases(20)) {
     Dice dice(k_seed, 6 * k_cases + index);
     Case given = random_case(dice, 2 + index % 3);
@@ -388,8 +389,8 @@ TEST(BurntInChains, BurnInIsParallelTempering) {
 }
 
 TEST(Annealing, GoesFromThePriorInEqualSteps) {
-  // Goal: scan s of n anneals a replica at s / n of its inverse temperature; plain chains anneal
-  // towards 1. Method: compare every place of a run.
+  // Goal: in scan s of n, annealing uses s / n of a replica's final inverse temperature, which is 1
+  // for plain chains. Method: compare every scan of a run.
   for (const std::uint64_t index : property::cases(30)) {
     Dice dice(k_seed, 7 * k_cases + index);
     Case given = random_case(dice, index);

@@ -143,7 +143,8 @@ TEST(FreeIslands, EndsWhereTheIslandsSay) {
     long_pilots += expected.pilot > 32 ? 1 : 0;
     FreeIslands plan({.seed = index, .log_error = log_error});
     if (dice.once_in(3)) {
-      // Add, for each lane, what a session with another end stored, also beyond this end.
+      // For each lane, consume results that a session with another end stored, some of them beyond
+      // this run's end.
       for (std::uint32_t lane = 0; lane < plan::k_island_lanes; ++lane) {
         const auto scans = static_cast<std::uint32_t>(dice.below(3));
         if (scans == 0) continue;
@@ -166,8 +167,9 @@ TEST(FreeIslands, EndsWhereTheIslandsSay) {
 }
 
 TEST(FreeIslands, ACutEndsThereAndTellsTheOddsOnlyWhole) {
-  // Goal: the request in an archive repeats it: a run limited to another run's final or
-  // intermediate number of islands reports the same. Method: limit at the end, and before it.
+  // Goal: the request in an archive repeats its run: a run limited to another run's final or
+  // intermediate number of islands reports the same. Method: limit runs to the final number of
+  // islands, and to a random number up to that.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(13, index);
     const World world = random_world(index, dice);

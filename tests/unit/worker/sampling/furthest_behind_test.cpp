@@ -13,7 +13,7 @@ namespace sleight::sampling::furthest_behind_test {
 
 constexpr std::uint64_t k_seed = 20261121;
 
-/// Chains that can each give a number of units until they move.
+/// Chains, each of which can give a limited number of units until it moves.
 struct Chains {
   std::vector<std::uint64_t> scans;
   std::vector<std::uint64_t> gifts;  ///< remaining gifts
@@ -38,9 +38,10 @@ struct Chains {
 };
 
 TEST(FurthestBehind, IsWhoASearchFinds) {
-  // Goal: first() finds the chain with the fewest scans that can give, the lowest number among
-  // equals, or none. least() and going() are right too. Method: compare with a search in 200 random
-  // histories of one to nine chains that move, give and run dry under a growing horizon.
+  // Goal: among the chains that can give a unit, first() finds the one with the fewest scans, and
+  // the lowest number if several are equal. If no chain can give a unit, first() finds none.
+  // least() and going() are also right. Method: compare with a search in 200 random histories of
+  // one to nine chains that move, give and run dry under a growing horizon.
   int given = 0;
   int dry = 0;
   for (const std::uint64_t history : property::cases(200)) {
@@ -107,7 +108,7 @@ TEST(FurthestBehind, AsksNobodyTwiceInVain) {
 }
 
 TEST(FurthestBehind, RefusesWhatCannotBe) {
-  // Goal: zero chains, and a chain that goes back, stop the program. Method: death tests.
+  // Goal: zero chains, and a chain whose scans decrease, stop the program. Method: death tests.
   EXPECT_DEATH(FurthestBehind(0), "check failed");
   FurthestBehind order(2);
   order.moved(1, 5);

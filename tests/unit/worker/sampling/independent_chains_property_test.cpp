@@ -98,7 +98,7 @@ std::uint64_t end_of(const Case& given) {
   }
 }
 
-/// Drives a plan with units of random sizes that complete in random order, and checks each.
+/// Drives a plan with units of random sizes that complete in random order, and checks each unit.
 class Session {
  public:
   Session(const Case& given, Dice& dice)
@@ -132,7 +132,8 @@ class Session {
       ASSERT_FALSE(running_.empty()) << "nothing runs, nothing is handed out, not finished";
       return;
     }
-    // The unit is within bounds and continues its chain, and no idle chain is further behind.
+    // Check that the unit is within bounds and continues its chain, and that no idle chain is
+    // further behind.
     const std::uint32_t chain = unit->replica.chain.value;
     ASSERT_LT(chain, consumed_.size());
     ASSERT_EQ(unit->first_scan.value, consumed_[chain]);
@@ -222,7 +223,8 @@ TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
 
 TEST(IndependentChainsProperty, StopsThereWhateverMoreIsStored) {
   // Goal: stored results of a session with a later stop don't move the stop (invariant 3 of Plan).
-  // Method: replay random lengths of each chain in batches, also beyond the end, then resume.
+  // Method: replay random lengths of each chain in batches, some of them beyond the end, then
+  // resume.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_cases + index);
     const Case given = random_case(dice);

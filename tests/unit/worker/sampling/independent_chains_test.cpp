@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t k_largest = std::numeric_limits<std::uint64_t>::max();
 
-/// A stop rule by scans, rounds and independent solutions, as far as given.
+/// A stop rule with the given limits on scans, rounds and independent solutions.
 StopRule stop_at(std::optional<std::uint64_t> scans, std::optional<std::uint32_t> rounds = {},
                  std::optional<std::uint64_t> solutions = {}) {
   return {.scans = scans, .rounds = rounds, .independent_solutions = solutions};

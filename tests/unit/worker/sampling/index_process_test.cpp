@@ -10,9 +10,10 @@ namespace sleight::sampling {
 namespace {
 
 TEST(IndexProcess, KeepsWhatTheNumberOfScansSays) {
-  // Goal: the record never exceeds the bound. After as many scans, it has at least half as many
-  // entries as the bound, evenly spaced, for any first scan, with the right levels. Method: compare
-  // with all scans after each of 10,000. One of two replicas is hotter every third scan.
+  // Goal: the record never exceeds the bound. After enough scans, the record has at least half as
+  // many entries as the bound. Entries are evenly spaced and have the right levels, for any first
+  // scan. Method: compare with all scans so far after each of 10,000 scans. One of two replicas is
+  // hotter every third scan.
   for (const std::uint64_t first : {0U, 1U, 777U}) {
     IndexProcess process;
     std::uint64_t stride = 1;

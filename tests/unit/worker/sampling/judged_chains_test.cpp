@@ -18,7 +18,7 @@
 namespace sleight::sampling::judged_chains_test {
 
 /// Chains whose two values start at 0 and forget their start. "helped" rises to a mean; "log_p" is
-/// normal about 0. Scans are pure functions of (seed, chain, tour's begin, scan).
+/// normal about 0. Scans are pure functions of (seed, chain, first scan of the tour, scan).
 struct World {
   std::uint64_t seed = 1;
   double forgets =
@@ -67,8 +67,9 @@ End end_of(const JudgedChains& plan) {
   return end;
 }
 
-/// Hands units to `workers` workers, who return in any order, until the plan is done or
-/// `results_max` results have come back. A unit's start is its chain's current tour's begin.
+/// Hands units to `workers` workers, whose results arrive in any order, until the plan is done or
+/// `results_max` results have arrived. A unit starts exactly if its first scan is the first scan of
+/// its tour.
 void work(JudgedChains& plan, const World& world, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -95,8 +96,9 @@ void work(JudgedChains& plan, const World& world, std::size_t workers, random::S
 
 TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
   // Goal: tours, draws and solutions are functions of the results, independent of workers, order
-  // and interruption. A cut run has what the whole run had up to the cut. Method: compare random
-  // runs, cut runs and replayed runs with a run by one worker.
+  // and interruption. A run that is cut short has the same tours, draws and solutions as the whole
+  // run up to the cut. Method: compare random runs, cut runs and replayed runs with a run by one
+  // worker.
   for (const std::uint64_t i : property::cases(60)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const World world{.seed = i,
@@ -185,7 +187,7 @@ TEST(JudgedChains, CountASatisfyingScanOfEachChainOfEachTour) {
 
 TEST(JudgedChains, ChainsThatNeverLeaveTheirStartNeverBurnIn) {
   // Goal: a kernel that never produces a helped ball fails the judge, even if all chains agree.
-  // Method: run such chains for many rounds. The chains pass if the value doesn't start at one end.
+  // Method: run such chains for many rounds. The same chains pass if starts_at_one_end is false.
   const World stuck{.forgets = 0};
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
   JudgedChains plan(options(4000, {}));

@@ -44,8 +44,8 @@ RoundReport round_of(const LadderOptions& options, bool swaps) {
 
 TEST(LadderRound, LearnsSizesLevelByLevel) {
   // Goal: a size is multiplied by exp(3 (acceptance - 0.3)). The hottest level uses its neighbour's
-  // factor. Kinds without a size or with few proposals stay. A round begins empty at the last one's
-  // end and is twice as long. Method: compare by hand.
+  // factor. Kinds without a size or with few proposals are unchanged. A round begins empty at the
+  // previous round's end and is twice as long. Method: compare with numbers computed by hand.
   const RoundReport round = round_of(options_of(false), true);
   EXPECT_EQ(round.first_scan, 7U);
   const RoundReport next = next_round(options_of(false), round);

@@ -118,7 +118,8 @@ TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
 }
 
 TEST(Respaced, IsAtRestWhenAllRejectionsAreEqual) {
-  // Goal: the best ladder stays, to rounding. Method: use equal rates on uneven levels.
+  // Goal: a ladder that is already the best doesn't change, to rounding. Method: use equal rates on
+  // uneven levels.
   for (const double rate : {0.0, 1e-6, 0.3, 0.5, 1.0}) {
     const std::vector<double> ladder{0, 1e-9, 0.01, 0.5, 0.501, 1};
     const std::vector<double> same = respaced(ladder, std::vector<double>(5, rate), 6);

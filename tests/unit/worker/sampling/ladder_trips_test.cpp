@@ -70,11 +70,13 @@ plan::ScanRecord never_swaps(double beta, std::uint64_t /*scan*/) {
 
 TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
   // Goal: all counts are right for a ladder that is easy to follow by hand. Method: replicas swap
-  // only at even scans, so replica 0 is at levels 0 1 1 0 0 1 1 0 0, replica 1 at 1 0 0 1 1 0 0
-  // 1 1.
-  //   restarts     scan 1 (0), 3 (1), 5 (0), 7 (1)
-  //   round trips  scan 3 (0), 5 (1), 7 (0); replica 1's start at the cool end doesn't count
-  //   solutions    scan 0 (1's start), 1, 3, 5, 7; a lineage counts once, though it stays for two
+  // only at even scans, so replica 0 is at levels 0 1 1 0 0 1 1 0 0, and replica 1 is at levels 1 0
+  // 0 1 1 0 0 1 1.
+  //   - Replica 0 restarts at scans 1 and 5, replica 1 at scans 3 and 7.
+  //   - Replica 0 ends a round trip at scans 3 and 7, replica 1 at scan 5.
+  //     Replica 1's start at the cool end doesn't count.
+  //   - Solutions are at scans 0 (replica 1's start), 1, 3, 5 and 7.
+  //     A lineage counts once, though it stays at the cool end for two scans.
   Played played(fixed({0, 1}), 9, always_swaps);
   EXPECT_EQ(played.betas(0), (std::vector<double>{0, 1, 1, 0, 0, 1, 1, 0, 0}));
   EXPECT_EQ(played.betas(1), (std::vector<double>{1, 0, 0, 1, 1, 0, 0, 1, 1}));
@@ -121,9 +123,10 @@ TEST(LadderTrips, GoOnOverTheEndsOfRounds) {
 
 TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
   // Goal: if levels are added, existing replicas stay the coolest, in order, and new replicas start
-  // from the prior in the round's first scan. If levels are removed, the hottest replicas leave for
-  // good. Method: two levels that never swap (barrier 1: three levels), three that never swap
-  // (barrier 2: five), then five that always swap (barrier 0: two).
+  // from the prior in the round's first scan. If levels are removed, the hottest replicas leave and
+  // never return. Method: start with two levels that never swap. Their barrier of 1 gives three
+  // levels. The three levels never swap either, and their barrier of 2 gives five levels. The five
+  // levels always swap, and their barrier of 0 gives two levels.
   LadderOptions options = fixed({0, 1}, 4);
   options.levels_chosen = true;
   Played played(options, 40, [](double beta, std::uint64_t scan) {
@@ -136,7 +139,8 @@ TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
   ASSERT_EQ(rounds[2].counts.size(), 5U);
   ASSERT_EQ(rounds[3].counts.size(), 2U);
   EXPECT_EQ(played.run().replicas(), 5U);
-  // Replica 1 is the coolest, then 0, and 2 is the hottest of three. Then 3 and 4 are above.
+  // With three levels, replica 1 is the coolest and replica 2 the hottest. Replicas 3 and 4 join at
+  // hotter levels.
   EXPECT_EQ(played.betas(1)[11], 1);
   EXPECT_EQ(played.betas(0)[4], rounds[1].statistics.ladder()[1]);
   EXPECT_EQ(played.betas(2)[0], 0);

@@ -45,8 +45,8 @@ std::vector<plan::ScanRecord> results(const Starts& starts, const plan::Unit& un
   return records;
 }
 
-/// Hands units to `workers` workers, who return in any order, until nothing is left or a number of
-/// results have come. Units still in flight are lost then.
+/// Hands units to `workers` workers, whose results arrive in any order, until no units are left or
+/// `results_max` results have arrived. At that point, units still in flight are lost.
 void work(SearchLanes& lanes, const Starts& starts, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -98,7 +98,7 @@ TEST(SearchLanes, FindTheSameWhoeverSearches) {
     EXPECT_FALSE(lanes.finds().gave_up);
     EXPECT_EQ(lanes.finds().found, wanted);
     EXPECT_GE(lanes.starts(), starts.until(wanted));
-    // Ask for the finds in any steps; each has its start.
+    // Request the finds in two portions, and check each find's start.
     EXPECT_EQ(lanes.starts_done(), starts.until(wanted));
     const std::uint64_t half = lanes.starts_done() / 2;
     std::vector<plan::Find> told = lanes.finds_between(0, half);
@@ -113,8 +113,8 @@ TEST(SearchLanes, FindTheSameWhoeverSearches) {
 }
 
 TEST(SearchLanes, HardlySearchesTooMuch) {
-  // Goal: if every start succeeds, no start is wasted: never more are in flight than finds are
-  // missing. Method: let one worker request all units.
+  // Goal: if every start succeeds, no start is wasted: the number of starts in flight never exceeds
+  // the number of missing finds. Method: let one worker request all units.
   SearchLanes lanes(1, 5);
   std::vector<plan::Unit> out;
   while (const auto unit = lanes.next_unit(100))
@@ -152,7 +152,8 @@ TEST(SearchLanes, GivesUpWhenNothingIsFound) {
 
 TEST(SearchLanes, SaysWhatTheyAreStuckAt) {
   // Goal: a search that gives up names the stage at which the best of its last starts failed, or no
-  // stage if all failed alike. Method: fail with more and fewer stages, with a find in between.
+  // stage if all of them failed at the same stage. Method: fail with more and fewer stages, with a
+  // find in between.
   const auto stuck_at = [](std::uint32_t furthest_before_find, std::uint32_t furthest_after) {
     SearchLanes lanes(1, 5, {"ball 1", "ball 2", "ball 3"});
     for (std::uint64_t scan = 0; !lanes.finished(); ++scan) {

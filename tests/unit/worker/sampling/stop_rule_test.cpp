@@ -66,7 +66,7 @@ TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {
 }
 
 TEST(StopJudgeDeathTest, WantsARuleAndARound) {
-  // Goal: misuse is a bug. Method: use no rule, and rounds of no scans.
+  // Goal: misuse is a bug. Method: use no rule, and rounds without scans.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(StopJudge({.scans = {}, .rounds = {}, .independent_solutions = {}}, 10),
                "check failed");

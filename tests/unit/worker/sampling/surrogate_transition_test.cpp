@@ -23,7 +23,8 @@ constexpr Row k_prior{0.1, 0.25, 0.2, 0.15, 0.2, 0.1};
 /// State 3 breaks the constraint.
 constexpr Row k_log_constraint{-0.2, -1.5, 0, -k_infinity, -0.7, -1};
 constexpr Row k_guess{-1.2, 0, -0.9, -0.5, -0.1, -2};
-/// Two parts of each state, a bit each, which only the simulation gets right.
+/// Two parts of each state, one bit each. Only the simulation determines them; the surrogate
+/// doesn't.
 constexpr std::array<std::uint32_t, k_states> k_parts{0b01, 0b00, 0b11, 0b10, 0b11, 0b01};
 
 /// A step to a neighbour in a ring, more often clockwise.
@@ -176,7 +177,8 @@ TEST(SurrogateTransition, NeedsTheAnchorsProbabilities) {
 }
 
 TEST(SurrogateTransition, WeighsWhatTheGuessesLeave) {
-  // Goal: the ratio's formula is right for all terms and zero densities. Method: compare by hand.
+  // Goal: the ratio's formula is right for all terms and zero densities. Method: compare with
+  // ratios computed by hand.
   EXPECT_DOUBLE_EQ(log_surrogate_ratio({.inverse_temperature = 0.5,
                                         .current = 1,
                                         .current_guess = 2,

@@ -28,7 +28,8 @@ void expect_alike(const OwnedChains& draws) {
   const std::vector<double> found = mean_autocovariances(draws.view());
   const std::vector<double> expected = by_definition(draws.view());
   ASSERT_EQ(found.size(), draws.draws);
-  // Both methods round: about 1e-16 for each of log2(4 draws) levels, or for the draws' sum.
+  // Rounding errors are about 1e-16 for each of the transform's log2(4 draws) levels, or for the
+  // sum over draws.
   for (std::size_t t = 0; t < found.size(); ++t)
     ASSERT_NEAR(found[t], expected[t], 1e-14 * expected[0]) << draws.draws << " lag " << t;
 }

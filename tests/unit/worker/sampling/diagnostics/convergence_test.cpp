@@ -59,8 +59,9 @@ TEST(Complaints, are_none_of_what_is_the_same_everywhere) {
 }
 
 TEST(Complaints, are_none_of_mixed_chains_of_two_values) {
-  // Goal: a missing tail is no fault. Method: use equally many 0 and 1 (equal distances from the
-  // median make the tail's R-hat NaN), and 3 in 10 (the 0.95 quantile is the maximum).
+  // Goal: a missing tail isn't reported as a fault. Method: use equally many 0 and 1 (equal
+  // distances from the median make the tail's R-hat NaN), and 3 in 10 (the 0.95 quantile is the
+  // maximum).
   OwnedChains even = made({});
   for (std::size_t i = 0; i < even.values.size(); i += 2) {
     const bool up = even.values[i] > 0;
