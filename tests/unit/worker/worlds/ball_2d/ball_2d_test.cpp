@@ -139,7 +139,8 @@ TEST(Ball2d, ProposalIsAlgorithm22) {
 }
 
 TEST(Ball2d, StatesComeBack) {
-  // Goal: encoding keeps every bit. Method: random states of several sizes, and a negative zero.
+  // Goal: encoding keeps every bit. Method: encode and decode random states of several sizes, and a
+  // negative zero.
   for (const std::uint32_t collisions : {1U, 5U, k_collisions_max}) {
     Parameters parameters;
     parameters.world.collisions = collisions;

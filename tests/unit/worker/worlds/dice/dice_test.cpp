@@ -141,8 +141,9 @@ TEST(Dice, ThatStillMoveSatisfyNothing) {
 }
 
 TEST(Dice, AreSeenAtTheTimesOfGoals) {
-  // Goal: goals see dice in flight, before their start and long after they rest. Method: compare a
-  // die at 0.03 s with its parabola. Test a second die that starts later, at the end and at 5.9 s.
+  // Goal: goals can be measured for dice in flight, before their start and long after they come to
+  // rest. Method: compare a die at 0.03 s with its parabola. Test a second die that starts later,
+  // at the end and at 5.9 s.
   Parameters parameters;
   parameters.world.dice.assign(2, DieStart{});
   parameters.world.dice[1].position_m.y() = 0.1;

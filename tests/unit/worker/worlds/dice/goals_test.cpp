@@ -59,7 +59,7 @@ TEST(DiceGoals, MeasureDistances) {
 }
 
 TEST(DiceGoals, LookAtTheirTimes) {
-  // Goal: a goal with a time sees the die at that time. Method: test three times and two dice.
+  // Goal: a goal with a time is measured at that time. Method: test three times and two dice.
   std::vector<Goal> goals(4, goal_of(Place{}));
   goals[0].at_s = 2;
   goals[1].at_s = 0.5;
@@ -135,8 +135,8 @@ TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
 }
 
 TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
-  // Goal: only goals that no throw can meet are a contradiction. Method: take random dice, and
-  // pairs of goals at random shares of their tolerances from the dice's results.
+  // Goal: goals that a throw can meet are no contradiction. Method: use random dice, and pairs of
+  // random goals whose tolerances are barely wide enough for the dice.
   constexpr double k_side_m = 0.016;
   for (const std::uint64_t draw : property::cases(2000)) {
     random::Stream stream = testing::stream_of(6, draw);

@@ -77,8 +77,9 @@ TEST(DiceProposals, ChangeAllAndDieAreDraws) {
 }
 
 TEST(DiceProposals, ChangeStartChangesOneRandomComponent) {
-  // Goal: one random component changes, never a fixed one, and each has its turn. Step sizes follow
-  // the scale. Method: make many proposals from a state with fixed heights and vertical velocities.
+  // Goal: each proposal changes one random component, never a fixed one, and every component
+  // changes sometimes. Step sizes follow the scale. Method: make many proposals from a state with
+  // fixed heights and vertical velocities.
   const Parameters parameters = only(Kind::change_start, testing::all_random(2));
   const State state = state_of(parameters, 1);
   std::array<int, 10> turns{};
@@ -99,7 +100,7 @@ TEST(DiceProposals, ChangeStartChangesOneRandomComponent) {
       turns[6 + k] += before.spin_radps[axis] != after.spin_radps[axis] ? 1 : 0;
     }
     turns[9] += before.orientation.coeffs() != after.orientation.coeffs() ? 1 : 0;
-    // A thousandth of the scale: the same draw gives a thousandth of the step.
+    // With a thousandth of the scale, the same draw gives a thousandth of the step.
     random::Stream again = testing::stream_of(5, draw);
     const std::array<double, k_kinds> scales{1, 1, 1e-3, 1, 1};
     const auto small = propose(parameters, state, {}, scales, again);
@@ -144,8 +145,9 @@ TEST(DiceProposals, ChangeControlChangesOneFieldOfOnePoint) {
 }
 
 TEST(DiceProposals, ChangeContactFollowsTheShares) {
-  // Goal: points are chosen by their shares, and the apron's share proposes nothing. The ratio
-  // never exceeds its bound, and each step has a way back. Method: three shares add up to 3/4.
+  // Goal: each point is chosen with the probability of its share, and nothing is proposed with the
+  // probability of the apron's share. The ratio never exceeds its bound, and each step can be
+  // reversed. Method: use three points, whose shares add up to 3/4.
   const Parameters parameters = only(Kind::change_contact, testing::all_random());
   const State state = state_of(parameters, 3);
   const ContactShares contacts{{{-3, 0}, 0.125}, {{0, 2}, 0.375}, {{5, 5}, 0.25}};

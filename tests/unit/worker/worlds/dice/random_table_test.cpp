@@ -113,7 +113,7 @@ TEST(RandomTable, HasAnApron) {
 }
 
 TEST(RandomTable, ConstantFieldsAreConstant) {
-  // Goal: fields without uncertainty have their value and no density.
+  // Goal: fields without uncertainty have their fixed value and don't contribute to the density.
   const TableParameters parameters = Parameters{}.world.table;
   const SurfaceControl point = control_of_key(parameters, 5, {0, 0});
   EXPECT_EQ(point.restitution, 0.5);

@@ -130,8 +130,8 @@ TEST(ThrowMap, SurvivesThrowsThatSayNothing) {
 }
 
 TEST(SignedMisses, AreAsLongAsDistances) {
-  // Goal: signed misses of places and velocities have the length of their distances. Regions are
-  // missed from their middles. Faces and times have no misses.
+  // Goal: signed misses of places and velocities have the length of their distances. Misses of
+  // regions are measured from the regions' middles. Faces and times have no misses.
   const std::vector<Goal> goals{place_of(1, 0.1, -0.2),
                                 {.die = 0, .wanted = Region{{0, 0}, {0.2, 0.4}}, .sigma = 0.01},
                                 {.die = 0, .wanted = Velocity{{0.1, 0.2, 0.3}}, .sigma = 0.5},
@@ -171,7 +171,7 @@ TEST(ThrowMap, SpreadsWithinRoundingAreNone) {
 
 TEST(StagedDice, LaterDiceMayMakeRoom) {
   // Goal: a prefix in which dice overlap is rejected if all dice are thrown at once, and only then.
-  // Method: put two of three dice in one place, and throw the third with them or later.
+  // Method: put two of three dice in one place, and throw the third die at the same time or later.
   for (const double start_s : {0.0, 0.2}) {
     Parameters parameters;
     parameters.world.dice.assign(3, DieStart{});
@@ -194,7 +194,8 @@ TEST(StagedDice, LaterDiceMayMakeRoom) {
 
 TEST(StagedDice, PrefixesAreWholeSimulations) {
   // Goal: a complete prefix equals the state's own simulation, bit for bit, and the first die's
-  // prefix equals a simulation of only that die. Method: extend free and given grounds.
+  // prefix equals a simulation of only that die. Method: extend prefixes on random grounds, and on
+  // grounds given by a state.
   const StagedDice world(two_dice());
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 3;
@@ -214,7 +215,7 @@ TEST(StagedDice, PrefixesAreWholeSimulations) {
     EXPECT_EQ(prefix.outcome.end_s, fresh.end_s);
     EXPECT_EQ(world.simulations_of(ground).size(), 6U);
 
-    // Extend to the same state again, from its own throws.
+    // Rebuild the same state from its own throws.
     const auto given = world.ground_given(guide, state, stream);
     auto again = world.no_stages(guide, given);
     for (std::uint32_t stage = 0; stage < 2; ++stage) {
@@ -227,8 +228,8 @@ TEST(StagedDice, PrefixesAreWholeSimulations) {
 }
 
 TEST(StagedDice, GivenTablesKeepTheirOverrides) {
-  // Goal: a state's changed control points belong to its ground. Method: change one. The returned
-  // state contains it and has the outcome of a fresh simulation.
+  // Goal: a state's changed control points belong to its ground. Method: change one control point.
+  // The returned state must contain the change and have the outcome of a fresh simulation.
   const StagedDice world(two_dice());
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 2;

@@ -69,7 +69,8 @@ TEST(DiceReader, StatesComeBackFromTheirBytes) {
 
 TEST(DiceReader, NamesFitValues) {
   // Goal: values and outcomes match the layout's unique names, and rows of recordings are segments
-  // in order. Method: count. A die's first row is its start, the last is at rest on the right face.
+  // in order. Method: count. A die's first row is its start, and its last row is at rest on the
+  // right face.
   Parameters parameters = testing::all_random(2);
   for (const std::uint32_t die : {0U, 1U}) {
     parameters.goals.push_back(

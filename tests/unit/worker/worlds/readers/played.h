@@ -13,7 +13,8 @@
 
 namespace sleight::worlds::testing {
 
-/// Motion of a state that plays out. Expects valid partners of hits and valid starts.
+/// Motion of a state, which must end as the outcome predicted. Expects valid partners of hits and
+/// valid starts.
 inline motion::Animation played(const archive::StateReader& reader, base::BytesView state) {
   const archive::Motion motion = reader.play(state);
   EXPECT_EQ(motion.ends, archive::PlaysOut::yes);

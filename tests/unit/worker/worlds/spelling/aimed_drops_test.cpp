@@ -54,8 +54,9 @@ std::size_t the_changed_ball(const State& a, const State& b) {
 }
 
 TEST(AimedDrops, ChangeOneBallOfTheRightKind) {
-  // Goal: aiming chooses a ball that fills no bin, scattering a ball that fills one, and nothing if
-  // there is none. Candidates are in the prior's region. Method: test random animations.
+  // Goal: aiming moves a ball that fills no bin, and scattering moves a ball that fills one.
+  // Without such a ball, there is no proposal. Candidates are in the prior's region. Method: test
+  // random animations.
   for (const std::uint64_t i : property::cases(2000)) {
     random::Stream stream = stream_of(i);
     const Case made = random_case(stream);
@@ -118,8 +119,8 @@ TEST(AimedDrops, AreEachOthersWayBack) {
 }
 
 TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
-  // Goal: the ratio is the header's formula. Method: one of four balls fills a bin. Aim the second,
-  // which was dropped elsewhere or took no part.
+  // Goal: the ratio is the header's formula. Method: let one of four balls fill a bin. Aim the
+  // second ball, which was dropped elsewhere or was inactive.
   const Prior prior{.vertices = 0, .balls = 4, .vertex_sd_m = 1, .drop_half_m = {0.05, 0.03}};
   Windows windows;
   for (const double x_m : {-0.03, -0.01, 0.01, 0.03})
@@ -137,7 +138,8 @@ TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
     candidate.drops_m[1] = {0.031, 0.001};
     const Filling filling{0, k_fills_none, k_fills_none, k_fills_none};
     const Filling there{0, 3, k_fills_none, k_fills_none};
-    // Forward: one of three loose balls into one of three bins. Back: one of two that fill a bin.
+    // Forward: aim one of three loose balls at one of three bins. Back: scatter one of the two
+    // balls that fill a bin.
     double density_pm2 = 0;
     for (const std::size_t bin : {1, 2, 3})
       density_pm2 += windows.density(std::span(&bin, 1), candidate.drops_m[1]) / 3;

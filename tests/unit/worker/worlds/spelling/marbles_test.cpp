@@ -82,7 +82,7 @@ void expect_alike(const Spelling& world, const State& state, bool to_rest) {
   }
   EXPECT_EQ(outcome.is_animation(), goes_on);
   if (!goes_on) return;
-  // The world looks at the same times and sees the same.
+  // The world judges at the same times, from the same places.
   std::vector<Vec3> staying_m;
   for (const Traps::Ball& ball : balls) {
     if (ball.rests || traps.of(ball.centre_m, ball.twist)) staying_m.push_back(ball.centre_m);
@@ -123,7 +123,7 @@ TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
   expect_all_alike(full_pattern(15, 7), state_count() / 50);
 }
 
-/// A world that a request may ask for, with random sizes, shapes, materials and slow contacts.
+/// A world that a request can describe, with random sizes, shapes, materials and slow contacts.
 Parameters any_world(random::Stream& stream) {
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * stream.uniform();

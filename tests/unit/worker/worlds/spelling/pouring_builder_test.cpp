@@ -48,7 +48,7 @@ TEST(Landings, OfBatchesAddUpInAnyOrder) {
   EXPECT_EQ(all.total(), backwards.total());
   for (std::size_t cell = 0; cell < std::size_t{Landings::k_side} * Landings::k_side; ++cell)
     ASSERT_EQ(all.count(cell), backwards.count(cell));
-  // Of 400 balls, about 30% fill a designated bin.
+  // About 30% of 400 balls fill a designated bin.
   EXPECT_GT(all.total(), 8 * 60U);
   EXPECT_LT(all.total(), 8 * 200U);
 }
@@ -121,7 +121,7 @@ TEST(PouringBuilder, FindsPouringsThatSpell) {
     }
     EXPECT_EQ(first_drops_m.size(), static_cast<std::size_t>(count));
     EXPECT_TRUE(effort.failures.empty());
-    // Choices are easy: hardly more than one simulation per ball.
+    // The search needs hardly more than one simulation per ball.
     EXPECT_LT(effort.simulations, 1.5 * count * world.balls());
   }
 }

@@ -70,8 +70,8 @@ TEST(Proposals, RatiosOfFlipsAreTheFormula) {
 TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
   // Goal: the whole mixture leaves p_w times a constraint invariant. Method: each of three balls is
   // inactive or in one half, which gives 27 cases with weights. A long chain by Algorithm 2.1
-  // visits each by its share (chi-square on every 40th state). The printed ratio, without powers of
-  // 1 - f, fails by far, and Kernel::thesis by more.
+  // visits each case in proportion to its weight (chi-square on every 40th state). The thesis's
+  // printed ratio, which lacks powers of 1 - f, fails by far, and Kernel::thesis fails by more.
   const Prior prior{.vertices = 1, .balls = 3, .vertex_sd_m = 1, .drop_half_m = {0.5, 0.3}};
   ProposalParameters parameters;
   parameters.vertex_probability = 0.5;
@@ -85,7 +85,8 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
     }
     return cell;
   };
-  // The number of balls in the left half decides, and a vertex above 0 doubles the weight.
+  // The log weight is proportional to the number of balls in the left half, and a vertex above 0
+  // doubles it.
   const auto log_constraint = [](const State& state) {
     double sum = 0;
     for (std::size_t ball = 0; ball < 3; ++ball)
@@ -164,10 +165,11 @@ TEST(Proposals, ThesisRatiosAreThosePrinted) {
 }
 
 TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
-  // Goal: Kernel::thesis draws an offset's length from the Gaussian, not its coordinates, with
-  // uniform direction: at the start, in change_all and in change_vertices. Method: the mean square
-  // length is sd^2 (the Gaussian density that scores it has 3 sd^2), with a third for each
-  // coordinate. So the mean exponent of p_w is -1/2 per vertex.
+  // Goal: Kernel::thesis draws an offset's length, instead of its coordinates, from the Gaussian,
+  // and its direction uniformly. Kernel::thesis does so at the start, in change_all and in
+  // change_vertices. Method: check that the mean square length is sd^2 (the Gaussian density that
+  // scores it has 3 sd^2), with a third for each coordinate. So the mean exponent of p_w is -1/2
+  // per vertex.
   const Prior prior{.vertices = 100, .balls = 2, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   constexpr double k_draws = 400;
   const auto mean_square = [&](double sd, const auto& draw) {
@@ -201,7 +203,8 @@ TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
 }
 
 TEST(Proposals, CorrectDrawsAreThePriors) {
-  // Goal: the choice of a kernel changes no bit of the correct one. Method: use the same streams.
+  // Goal: draw_state() with Kernel::correct draws the same bits as the prior. Method: use the same
+  // streams.
   const Prior prior{.vertices = 7, .balls = 3, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   for (const std::uint64_t i : property::cases(20)) {
     random::Stream a = stream_of(61, i);
@@ -246,8 +249,9 @@ TEST(Proposals, KindsHaveTheirShares) {
 }
 
 TEST(Proposals, DrawsBelongToTheDensity) {
-  // Goal: log p_w is normalised and scores the draws. Method: its mean over draws is minus the
-  // entropy by the formula. Offsets have their deviation, and half of the balls are active.
+  // Goal: log p_w is the normalised density of the draws. Method: compare its mean over draws with
+  // minus the entropy by the formula. Compare the offsets' deviation and the share of active balls,
+  // one half.
   const Prior prior{.vertices = 40, .balls = 10, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   double log_density = 0;
   double square = 0;

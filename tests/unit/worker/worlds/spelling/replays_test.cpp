@@ -25,8 +25,8 @@ void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.filling, b.filling);
 }
 
-/// Runs a chain that accepts candidates that fill as many bins, or by chance. Simulates each
-/// candidate from known states and from scratch.
+/// Runs a chain that accepts each candidate that fills at least as many bins, and others by chance.
+/// Simulates each candidate from known states and from scratch.
 void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint64_t seed) {
   const Spelling world(parameters);
   const Spelling fresh(parameters, Replays::no);
@@ -54,9 +54,9 @@ void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint6
 }
 
 TEST(Replays, MakeNoDifference) {
-  // Goal: filled, elsewhere, the end and the decision time equal those of a separate simulation,
-  // for successive proposals of every kind. Method: run chains in the HI box, in crowded boxes of
-  // few bins, and with vertices that move far.
+  // Goal: for successive proposals of every kind, `filled`, `elsewhere`, the end and the decision
+  // time equal those of a separate simulation. Method: run chains in the HI box, in crowded boxes
+  // of few bins, and with vertices that move far.
   const std::uint64_t count = proposal_count();
   run_chain({}, count, k_seed);
   Parameters crowded;

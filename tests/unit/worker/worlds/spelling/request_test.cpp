@@ -212,8 +212,8 @@ TEST(SpellingRequest, ErrorsSayWhatToDo) {
 }
 
 TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
-  // Goal: only its own key selects the biased kernel, and archives store that key. Method: read
-  // with the key, without it, and with a typo.
+  // Goal: only one key selects the biased kernel, and archives store that key. Method: read with
+  // the key, without it, and with a typo.
   Parameters parameters;
   const auto plain = read(parameters, "");
   ASSERT_TRUE(plain.ok());

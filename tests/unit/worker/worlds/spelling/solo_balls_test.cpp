@@ -38,7 +38,8 @@ void expect_equal(const SoloBalls::Outcome& a, const SoloBalls::Outcome& b) {
 }
 
 TEST(SoloBalls, AreWhatEachBallDoesAlone) {
-  // Goal: each ball has the bin that it fills alone. Method: simulate it as the only active ball.
+  // Goal: each ball is assigned the bin that it fills if no other ball is active. Method: simulate
+  // each ball as the only active ball.
   const Spelling world(parameters_with_aims());
   for (const std::uint64_t i : property::cases(30)) {
     random::Stream stream = stream_of(i);
@@ -112,7 +113,8 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
       other.active[ball] = 0;
       other.drops_m[ball] = {0, 0};
       EXPECT_FALSE(surrogate.simulate(other).possible);
-      // Simulate back to the state, from another surrogate's outcome.
+      // Simulate the first state again, from the outcome that another surrogate has for the other
+      // state.
       expect_equal(surrogate.simulate_from(state, other, world.surrogate({}).simulate(other)),
                    outcome);
     }

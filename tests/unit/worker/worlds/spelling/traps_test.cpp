@@ -56,7 +56,8 @@ bool box_holds(const physics::Box& box, const Vec3& centre_m) {
 }
 
 TEST(Traps, AWallThatIsLowerThanThePartitionsLetsBallsOut) {
-  // Goal: the lowest wall around a bin bounds it. Method: test both heights of walls.
+  // Goal: a bin traps a ball only if the ball stays below the lowest wall around the bin. Method:
+  // test a high and a low wall of the box.
   OneBall ball;
   EXPECT_TRUE(ball.place());
   ball.world.box_height_m = 0.006;
@@ -224,7 +225,7 @@ struct Hold {
   }
 };
 
-/// Follows a ball's recorded motion. Returns the number of segments in which it was trapped.
+/// Follows a ball's recorded motion. Returns the number of segments in which the ball was trapped.
 std::uint64_t expect_held(const Traps& traps, const Bins& bins,
                           std::span<const physics::Recording::Entry> entries, physics::Tick end,
                           random::Stream& stream) {
