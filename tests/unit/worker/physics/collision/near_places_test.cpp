@@ -41,9 +41,10 @@ double moved_m(const Pose& then, const Pose& now) {
 }
 
 TEST(NearPlaces, HoldWhatTheySay) {
-  // Goal: while a body has a place, no point of the body moves further than the room since the
-  // place began. Method: let bodies with all kinds of inertia change between slow motions at random
-  // ticks. Test corners at random ticks of each motion; some get close to the bound.
+  // Goal: while a body keeps a numbered place, each of its points stays within the room of its
+  // position when the place got its number. Method: let bodies with all kinds of inertia change
+  // between slow motions at random ticks. Test corners at random ticks of each motion; some get
+  // close to the bound.
   double nearest_to_bound = 0;
   std::uint64_t kept = 0;
   for (const std::uint64_t seed : property::cases(300)) {

@@ -166,9 +166,9 @@ void bounce(Meeting& meeting, Tick tick, Dice& dice) {
 }
 
 TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
-  // Goal: invariants 1 and 2 of surface_search.h hold. Method: random boxes fly, fall, slide, turn
-  // and bounce close to random surfaces. At each look, compare verdict and contact with all points,
-  // a fresh search and contact_of. At some skipped ticks, examine all points.
+  // Goal: invariants 1 and 2 of surface_search.h hold. Method: let random boxes fly, fall, slide,
+  // turn and bounce close to random surfaces. At each look, compare verdict and contact with all
+  // points, a fresh search and contact_of. At some skipped ticks, examine all points.
   Tally tally;
   const std::uint64_t count = property::long_run() ? 10'000 : property::of_tier(140, 700);
   for (const std::uint64_t n : property::cases(count)) {
@@ -257,7 +257,7 @@ TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
 
 TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
   // Goal: bounds hold for the surface that a box will reach, which can be steeper and more curved
-  // than the surface below it now. Method: boxes slide and roll fast at almost no height over a
+  // than the surface below it now. Method: let boxes slide and roll fast at almost no height over a
   // flat table, towards steps and ridges of a narrow grid.
   Tally tally;
   for (const std::uint64_t n : property::cases(160)) {
@@ -300,8 +300,8 @@ TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
 
 TEST(SurfaceSearch, StillBoxesAreNotWalkedBy) {
   // Goal: without rotation and sideways motion, bounds hold forever and no product of zero and
-  // infinity becomes NaN. Method: boxes rise, hang or fall over a flat and a rough table, with and
-  // without gravity. Few looks must suffice.
+  // infinity becomes NaN. Method: let boxes rise, hang or fall over a flat and a rough table, with
+  // and without gravity. Few looks must suffice.
   for (const Relief relief : {Relief::flat, Relief::rough}) {
     for (const double up_mps : {0.0, 1e-3, 0.5, -0.5}) {
       for (const double pull_mps2 : {0.0, -9.81}) {

@@ -52,7 +52,8 @@ Placement random_placement(random::Stream& stream, const ConvexView& a, const Co
 PlacedPose at_gap(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                   const PlacedPose& pose_b, double gap_m);
 
-/// Magnitude of the coordinates seen from A. A pair's rounding errors are proportional to it.
+/// Magnitude of the coordinates seen from A. A pair's rounding errors are proportional to this
+/// magnitude.
 double coordinates_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 

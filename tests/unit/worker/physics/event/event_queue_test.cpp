@@ -1,4 +1,4 @@
-// Goal: all event queues return the same answers as the slow reference. Method: one suite runs
+// Goal: all event queues return the same answers as the slow reference. Method: in one suite, run
 // random operations with few, spread and extreme ticks, a simulation's load, and edge cases by
 // hand. The suite must reject queues with one deliberate mistake each.
 #include "worker/physics/event/event_queue.h"

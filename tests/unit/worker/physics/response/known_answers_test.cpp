@@ -61,8 +61,9 @@ TEST(KnownAnswers, RodThatCatchesItsEnd) {
 
 TEST(KnownAnswers, SlidingBallGripsTheFloor) {
   // Goal: outcomes have the factors 5/7 and 2/7, and the border between slide and stick is exact.
-  // Method: a solid ball that slides at v without spin leaves rolling at 5/7 v. A ball that only
-  // spins leaves with 2/7 of its rim's speed. Both balls need mu (1 + e) u >= 2/7 of the slip.
+  // Method: test two impacts. A solid ball that slides at v without spin leaves rolling at 5/7 v. A
+  // ball that only spins leaves with 2/7 of its rim's speed. Both balls need mu (1 + e) u >= 2/7 of
+  // the slip.
   SphereImpactInput input{.mass_b = solid_sphere_mass(0.17, 0.03),
                           .law = {.restitution = 0.5, .friction = 1}};
   input.b.velocity_mps = Vec3(0.7, 0, -1);
@@ -118,8 +119,8 @@ TEST(KnownAnswers, Billiards) {
 }
 
 TEST(KnownAnswers, BallStopsDeadOnANeedlesEnd) {
-  // Goal: impacts of different bodies are right. Method: a ball of mass m hits the end of a resting
-  // rod of mass 4 m and effective mass (4 m) / 4 = m. The ball stops; the end moves at v.
+  // Goal: impacts of different bodies are right. Method: let a ball of mass m hit the end of a
+  // resting rod of mass 4 m and effective mass (4 m) / 4 = m. The ball stops; the end moves at v.
   RigidImpactInput input{.contact_m = Vec3::Zero(), .normal = Vec3::UnitZ()};
   input.a.mass = rigid_mass({.mass_kg = 0.2, .principal_kgm2 = Vec3::Constant(1e-3)});
   input.a.pose.position_m = Vec3(0, 0, -0.1);

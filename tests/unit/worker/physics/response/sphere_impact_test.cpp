@@ -101,7 +101,7 @@ TEST(SphereImpact, KeepsItsInvariants) {
 }
 
 TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
-  // Goal: the rule for slow impacts holds. Method: a ball hits the floor at 1 mm/s with v_c = 10
+  // Goal: the rule for slow impacts holds. Method: let a ball hit the floor at 1 mm/s with v_c = 10
   // mm/s. A slide at 1 m/s pays for all of v_c. A ball without slip can't pay and leaves at its
   // approach speed. If the slip pays for a part, the ball gets that part at constant energy.
   SphereImpactInput input{.mass_b = solid_sphere_mass(1, 0.01),

@@ -45,7 +45,7 @@ class SteppedBall {
     double pivot_moment = 0;
   };
 
-  /// Largest change of an impulse in a sweep.
+  /// Each sweep returns the largest change of an impulse.
   double sweep_loads();
   double sweep_friction();
   double sweep_resistance();

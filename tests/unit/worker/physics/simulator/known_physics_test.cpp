@@ -92,8 +92,8 @@ TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
 
 TEST(KnownPhysics, SimultaneousBlowsAreResolvedInTheOrderOfPairs) {
   // Goal: at one tick, the pair with lower ids collides first, and later pairs see its result
-  // (event.h). Method: two balls hit the middle ball from both sides at the same tick. Pairs (0,
-  // 1), (1, 2) and (0, 1) collide in this order, and both balls fly back.
+  // (event.h). Method: let two balls hit the middle ball from both sides at the same tick. Pairs
+  // (0, 1), (1, 2) and (0, 1) collide in this order, and both balls fly back.
   Scene scene;
   for (const double x : {-1.0, 0.0, 1.0})
     scene.bodies.push_back(ball({x, 0, 0}, {-x, 0, 0}));

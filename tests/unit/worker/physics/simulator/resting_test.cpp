@@ -395,8 +395,9 @@ TEST(CanCarry, AFace) {
 }
 
 TEST(CanCarry, Wedges) {
-  // Goal: slanting contacts hold by friction or as a pair. Method: a groove needs no friction,
-  // upright walls need friction to squeeze the body, and a ladder on a smooth floor slips.
+  // Goal: slanting contacts hold by friction or as a pair. Method: test a groove, which needs no
+  // friction, upright walls, which need friction to squeeze the body, and a ladder, which slips on
+  // a smooth floor.
   const Vec3 left(-0.01, 0, 0);
   const Vec3 right(0.01, 0, 0);
   EXPECT_TRUE(carries({contact(left, {1, 0, 1}, 0), contact(right, {-1, 0, 1}, 0)}));

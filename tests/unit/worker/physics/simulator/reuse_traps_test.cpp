@@ -148,8 +148,8 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
 }
 
 TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
-  // Goal: waking never spreads to replayed bodies (replay.h, invariant 3). Method: a pyramid of
-  // balls rests in a tray of planes. Then kick a ball, start it late or never, or lower the floor.
+  // Goal: waking never spreads to replayed bodies (replay.h, invariant 3). Method: let a pyramid of
+  // balls rest in a tray of planes. Then kick a ball, start it late or never, or lower the floor.
   Scene before = balls_apart(0);
   // With friction below 0.53 the pyramid spreads for a long time.
   before.contacts =

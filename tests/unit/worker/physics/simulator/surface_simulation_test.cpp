@@ -366,10 +366,10 @@ Scene falls_flat(double x_m, double speed_mps) {
 }
 
 TEST(SurfaceSimulation, FieldsAreThoseOfThePlace) {
-  // Goal: a die bounces and slides according to the table's fields where it lands. Method: the
-  // table absorbs and is slippery on the left, and does neither on the right. Compare the contact
-  // point's normal speed before and after the first collision, and the change of the die's velocity
-  // along the table.
+  // Goal: a die bounces and slides according to the table's fields where it lands. Method: use a
+  // table whose left side is slippery and absorbs impacts, and whose right side does neither.
+  // Compare the contact point's normal speed before and after the first collision, and the change
+  // of the die's velocity along the table.
   for (const double x_m : {-0.2, 0.2}) {
     const RecordedRun run = testing::recorded(falls_flat(x_m, 0.3), 0.2);
     ASSERT_EQ(run.error, "");

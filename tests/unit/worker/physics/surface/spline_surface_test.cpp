@@ -149,8 +149,9 @@ TEST(SplineSurface, TakesPlacesThatRoundIntoTheNextCell) {
 }
 
 TEST(SplineSurface, OfEqualPointsIsConstant) {
-  // Goal: the sum of the basis functions is 1 everywhere. Method: with equal control points, the
-  // surface has their values and slopes of 0, to rounding. Extreme values stay exactly in range.
+  // Goal: the sum of the basis functions is 1 everywhere. Method: use equal control points. To
+  // rounding, the surface must have their values and slopes of 0. Extreme values stay exactly in
+  // range.
   Dice dice(8, 0);
   for (const SurfaceControl all : {SurfaceControl{0.3, 1, 0}, SurfaceControl{-17, 0, 0.7},
                                    SurfaceControl{1.0 / 3, 0.1, 1e-3}, SurfaceControl{}}) {
