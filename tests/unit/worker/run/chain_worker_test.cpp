@@ -132,7 +132,7 @@ TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
 
 TEST(ChainWorker, IsPure) {
   // Goal: equal units give equal results, even in several threads at once and after other units.
-  // Method: four threads run units of different chains, each twice, in different orders.
+  // Method: in four threads, run units of different chains, each twice, in different orders.
   const BallWorker worker = ball_worker();
   std::vector<plan::UnitResult> reference;
   for (std::uint32_t chain = 0; chain < 6; ++chain)
@@ -186,7 +186,7 @@ TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
 }
 
 TEST(ChainWorker, CountsByKind) {
-  // Goal: proposals and acceptances are counted by kind. Method: in this world, kind 1 always
+  // Goal: proposals and acceptances are counted by kind. Method: use a world in which kind 1 always
   // advances the state by two and is always accepted from allowed states.
   const ChainWorker<Counter> worker(Counter{}, {.iterations_per_scan = 50});
   const plan::UnitResult result = worker.run(unit(0, 1, 20), Counter{}.encode(0));
