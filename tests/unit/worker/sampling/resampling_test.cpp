@@ -21,7 +21,7 @@ const std::vector<std::vector<double>> k_shares{
 
 TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
   // Goal: each next particle descends from m with probability W_m, and m has count W_m descendants,
-  // rounded down or up. Method: shares of 20,000 draws agree within 5 standard errors.
+  // rounded down or up. Method: compare shares of 20,000 draws, within 5 standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
     const std::size_t count = shares.size();

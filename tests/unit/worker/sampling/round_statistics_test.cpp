@@ -127,12 +127,12 @@ TEST(RoundStatistics, SaysWhereItCannotSay) {
 }
 
 TEST(RoundStatistics, ErrorsAreRightForIndependentDraws) {
-  // Goal: the jackknife's error matches the estimate's spread. Method: 2000 rounds of 400 scans
-  // with exact independent draws at each level of a Gaussian prior N(0, 1) and constraint exp(-x^2
-  // / 2 (1 / 0.5^2)), satisfied when |x| < 0.4; z-scores of log Z and log P. With 20 parts z has
-  // Student's distribution with 19 degrees of freedom: variance 19/17 and kurtosis 3.4. So over
-  // 2000 rounds the mean is within 5 x 1.06 / sqrt(2000) = 0.12 of 0 (which includes a bias of half
-  // a variance), and the variance within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
+  // Goal: the jackknife's error matches the estimate's spread. Method: simulate 2000 rounds of 400
+  // scans with exact independent draws at each level of a Gaussian prior N(0, 1) and constraint
+  // exp(-x^2 / 2 (1 / 0.5^2)), satisfied when |x| < 0.4. Compute z-scores of log Z and log P. With
+  // 20 parts z has Student's distribution with 19 degrees of freedom: variance 19/17 and kurtosis
+  // 3.4. So over 2000 rounds the mean is within 5 x 1.06 / sqrt(2000) = 0.12 of 0 (which includes a
+  // bias of half a variance), and the variance within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
   constexpr double k_precision = 4;
   const double log_z = -0.5 * std::log(1 + k_precision);
   const double log_satisfied = std::log(std::erf(0.4 / std::sqrt(2.0)));

@@ -30,7 +30,7 @@ TEST(StopJudge, CountsRoundsFromAfterTheScansBefore) {
 
 TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
   // Goal: no scan beyond a round's end is handed out before the round is judged. The first round's
-  // end with enough solutions is the run's end. Method: rounds end at 17, 37 and 77.
+  // end with enough solutions is the run's end. Method: use rounds that end at scans 17, 37 and 77.
   const StopRule rule{.scans = {}, .rounds = {}, .independent_solutions = 3};
   StopJudge judge(rule, 10, 7);
   EXPECT_EQ(judge.horizon(), 17U);
