@@ -214,7 +214,7 @@ TEST(DiceGoals, MarginalsAreDirectSums) {
     EXPECT_NEAR(judgement.log_constraint, static_cast<double>(log_p),
                 1e-12 * (1 + std::fabs(static_cast<double>(log_p))));
     EXPECT_LE(judgement.log_constraint, 0);
-    // With fixed numbers there is one term.
+    // With fixed numbers, the sum has one term.
     double fixed = 0;
     for (const Goal& goal : goals) {
       const double z = distance_of(goal, views, {}, 0) / goal.sigma;

@@ -20,7 +20,8 @@ TEST(Numbering, IsThatOfADie) {
 
 TEST(Numbering, RotationsAreAllTwentyFour) {
   // Goal: the rotations are distinct and proper, and move faces as the table of faces states.
-  // Method: each quaternion maps each face's normal of numbering 0 to that of the numbering.
+  // Method: check that the quaternion of numbering s maps each face's normal in numbering 0 to the
+  // normal in numbering s.
   std::set<std::vector<int>> seen;
   for (std::uint32_t s = 0; s < k_numberings; ++s) {
     const Quat q = rotation_of_numbering(s);

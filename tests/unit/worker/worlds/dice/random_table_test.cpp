@@ -40,8 +40,8 @@ TEST(RandomTable, IsAFunctionOfKeyAndPlace) {
 
 TEST(RandomTable, DrawsItsDistributions) {
   // Goal: heights are normal, restitution and friction uniform, neighbours and fields independent.
-  // Method: chi-square of 40,000 points over twenty equally likely cells each, and of pairs of
-  // neighbours. Each fails by chance once in 10^4 runs.
+  // Method: compute chi-square of 40,000 points over twenty equally likely cells each, and of pairs
+  // of neighbours. Each chi-square test fails by chance once in 10^4 runs.
   const TableParameters parameters = table_of();
   constexpr int k_cells = 20;
   const auto cell = [](double p) {
@@ -79,8 +79,8 @@ TEST(RandomTable, DrawsItsDistributions) {
 }
 
 TEST(RandomTable, CostsNothingWhereNobodyLooks) {
-  // Goal: a table of a hundred million points costs as little as one of ten. Method: create one,
-  // and read its corners and a place on its surface.
+  // Goal: a table of a hundred million points costs as little as one of ten. Method: create a large
+  // table, and read its corners and a place on its surface.
   TableParameters parameters = table_of();
   parameters.columns = 10'000;
   parameters.rows = 10'000;

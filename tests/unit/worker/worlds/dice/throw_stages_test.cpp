@@ -277,7 +277,7 @@ TEST(StagedDice, WeightsOfAPoolAreItsSum) {
 }
 
 TEST(ThrowBuilder, FindsThrowsThatEndAsWanted) {
-  // Goal: a find satisfies in a fresh simulation and is in the prior's region. The same random
+  // Goal: a find is satisfied in a fresh simulation and is in the prior's region. The same random
   // numbers find the same state. Method: two dice, three starts.
   const StagedDice world(two_dice());
   const auto guide = world.learn(k_seed);

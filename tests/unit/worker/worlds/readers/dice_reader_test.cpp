@@ -61,7 +61,7 @@ TEST(DiceReader, StatesComeBackFromTheirBytes) {
   EXPECT_TRUE(refused([](State& s) { s.overrides[0].control.restitution = 0.8; }));
   EXPECT_TRUE(refused(
       [](State& s) { s.overrides[0].control.height_m = std::numeric_limits<double>::infinity(); }));
-  // A count that would need more bytes than available.
+  // The count would need more bytes than are available.
   base::Bytes many = world.encode(state_of(world, 0));
   many[15] = std::byte{0x7f};
   EXPECT_FALSE(world.decode(many));
@@ -150,7 +150,7 @@ TEST(DiceReader, TheTableIsTheSimulators) {
 }
 
 TEST(DiceReader, DiceOfWhichTheSameIsWantedAreTwins) {
-  // Goal: dice with the same goals are interchangeable. Method: two of three dice have equal goals.
+  // Goal: dice with the same goals are interchangeable. Method: give two of three dice equal goals.
   Parameters parameters = testing::all_random(3);
   for (const std::uint32_t die : {0U, 1U, 2U}) {
     const std::uint32_t face = die == 1 ? 5 : 6;
@@ -198,8 +198,8 @@ TEST(DiceReader, LikenessIsADistance) {
 }
 
 TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
-  // Goal: a reader's cached animations belong to their states, for any order and thread. Method:
-  // two threads request more states than the cache holds. Compare with fresh readers.
+  // Goal: a reader's cached animations belong to their states, for any order and thread. Method: in
+  // two threads, request more states than the cache holds. Compare with fresh readers.
   constexpr std::uint64_t k_states = 40;
   const Parameters parameters = testing::all_random();
   const Dice world(parameters);

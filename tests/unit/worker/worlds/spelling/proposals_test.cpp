@@ -68,9 +68,9 @@ TEST(Proposals, RatiosOfFlipsAreTheFormula) {
 }
 
 TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
-  // Goal: the whole mixture leaves p_w times a constraint invariant. Method: each of three balls is
-  // inactive or in one half, which gives 27 cases with weights. A long chain by Algorithm 2.1
-  // visits each case in proportion to its weight (chi-square on every 40th state). The thesis's
+  // Goal: the whole mixture leaves p_w times a constraint invariant. Method: let each of three
+  // balls be inactive or in one half, which gives 27 cases with weights. A long chain by Algorithm
+  // 2.1 visits each case in proportion to its weight (chi-square on every 40th state). The thesis's
   // printed ratio, which lacks powers of 1 - f, fails by far, and Kernel::thesis fails by more.
   const Prior prior{.vertices = 1, .balls = 3, .vertex_sd_m = 1, .drop_half_m = {0.5, 0.3}};
   ProposalParameters parameters;

@@ -163,7 +163,8 @@ TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
 }
 
 TEST(SpellingRequest, WhatIsAcceptedCanBeMade) {
-  // Goal: no valid request stops the program. Method: boxes one bin wide with the largest ball.
+  // Goal: no valid request stops the program. Method: test boxes one bin wide with the largest
+  // ball.
   for (const char* keys : {"bitmap = \"#\\n#\"\nball_diameter_mm = 19.99\nbox_height_mm = 60",
                            "bitmap = \"#.\"\nball_diameter_mm = 19.99"}) {
     Parameters parameters;

@@ -83,8 +83,9 @@ TEST(Traps, ABallAtRestInABinIsTrappedThere) {
 }
 
 TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
-  // Goal: kinetic energy of motion and spin counts, in every direction. Method: a ball 3 mm below
-  // the partitions' height reaches it at v^2 = 2 g 3 mm. The margin is a tenth of a millimetre.
+  // Goal: kinetic energy of motion and spin counts, in every direction. Method: test speeds around
+  // v^2 = 2 g 3 mm, at which a ball 3 mm below the partitions' height just reaches that height. The
+  // margin is a tenth of a millimetre.
   const double height_m = 0.003;
   const double speed_mps = std::sqrt(2 * 9.81 * height_m);
   const double less_mps = std::sqrt(2 * 9.81 * (height_m - 0.00015));
