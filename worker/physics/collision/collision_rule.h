@@ -1,4 +1,4 @@
-// When do two things collide? This header is the simulator's only rule, evaluated at one tick:
+// When do two things collide? This header evaluates the simulator's only rule at one tick:
 //
 //   touch     gap <= k_touch.
 //   approach  rate < -k_approach; rate is the gap's rate of change along the contact normal.
@@ -7,13 +7,14 @@
 // Two things collide at the first tick, from a given tick on, at which all these conditions hold.
 // The functions below compute gap and rate from scratch, from both positions and motions at that
 // tick. A search may skip ticks at which it can show that a condition fails. At all other ticks the
-// search calls these functions, or it compares their results itself to find how long a condition
-// keeps failing (sphere_search.h; a test holds it to this rule). So a verdict doesn't depend on the
-// search, and all searches and engines give the same bits. Changing a constant, or the order of the
-// sums below, changes the model: trajectories change.
+// search calls these functions. One search (sphere_search.h) evaluates the conditions itself, to
+// find how long one keeps failing; a test checks that it agrees with this rule. So a verdict
+// doesn't depend on the search, and all searches and engines give the same bits. Changing a
+// constant, or the order of the sums below, changes trajectories.
 //
 // One case doesn't use these functions: two balls in free flight meet in closed form
-// (approach_of_free_spheres in sphere_search.h). A test holds that closed form to this rule.
+// (approach_of_free_spheres in sphere_search.h). A test checks that the closed form agrees with
+// this rule.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -101,21 +102,22 @@ inline Vec3 across(const SphereFeature& edge, const Vec3& v) {
   return v - math::dot(edge.direction, v) * edge.direction;
 }
 
-/// Returns gap and rate of a sphere whose centre is `from_m` from some point of a face's plane.
+/// Returns a sphere's gap and rate to a face. `from_m`: from any point of the face's plane to the
+/// sphere's centre.
 inline GapAndRate gap_to_face(const SphereFeature& face, const Vec3& from_m,
                               const Vec3& velocity_mps, double radius_m) {
   return {.gap_m = math::dot(face.direction, from_m) - radius_m,
           .rate_mps = math::dot(face.direction, velocity_mps)};
 }
-/// Returns gap_to_round's result, given the length of its `from_m` and the dot product of `from_m`
-/// and the velocity.
+/// Returns gap_to_round()'s result, given the length of `from_m` and its dot product with the
+/// velocity.
 inline GapAndRate gap_at_distance(double distance_m, double from_dot_velocity, double radius_m) {
   return {.gap_m = distance_m - radius_m, .rate_mps = from_dot_velocity / distance_m};
 }
 /// Returns gap and rate of a sphere and a round object: a vertex, an edge or another sphere. For
 /// another sphere, `radius_m` is the sum of both radii. `from_m` leads from the object to the
-/// sphere's centre. The velocity is the centre's, relative to the object. For an edge, pass both
-/// vectors' components perpendicular to it. REQUIRES: `from_m` is not 0.
+/// sphere's centre. `velocity_mps` is the centre's, relative to the object. For an edge, pass only
+/// the components of both vectors perpendicular to the edge. REQUIRES: `from_m` is not 0.
 inline GapAndRate gap_to_round(const Vec3& from_m, const Vec3& velocity_mps, double radius_m) {
   return gap_at_distance(math::norm(from_m), math::dot(from_m, velocity_mps), radius_m);
 }
@@ -146,8 +148,8 @@ inline bool collides(const SphereFeature& feature, std::span<const RegionSide> s
 
 // ---- two convex pieces --------------------------------------------------------------------------
 
-/// A convex piece at a tick. The motion bounds must hold from that tick on. A sphere is a piece
-/// with one vertex and a radius.
+/// A convex piece at a tick. The bounds on its motion must hold from this tick on. A sphere is a
+/// piece with one vertex and a radius.
 struct MovingPiece {
   const ConvexView* view = nullptr;
   double radius_m = 0;  ///< added all around the vertices' hull
@@ -186,12 +188,12 @@ inline bool collides(const PieceContact& contact, double touch_m = k_touch_m) {
 
 /// Computes the contact from scratch, from the two pieces' poses and velocities only.
 PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
-/// Returns contact_of's result, given closest points found from scratch (closest_cold).
+/// Returns contact_of()'s result, given closest points found from scratch (closest_cold).
 PieceContact contact_from(const Closest& closest, const MovingPiece& a, const MovingPiece& b);
 /// Returns the contact of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
-/// Returns two spheres' contact without its rate. `between_m`: the second centre from the first.
+/// Returns two spheres' contact without its rate. `between_m`: from the first centre to the second.
 inline PieceContact contact_of_spheres(const Vec3& place_a_m, const Vec3& between_m,
                                        double radius_a_m, double radius_b_m) {
   const double distance_m = math::norm(between_m);

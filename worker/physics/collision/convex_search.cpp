@@ -17,8 +17,8 @@ namespace {
 using envelope::Envelope;
 using envelope::Line;
 
-/// These search margins affect only speed and how late a late collision is (piece_motion.h).
-/// Maximum corners of the envelope per look; a look may stop at any corner.
+/// These search margins affect only speed, and by how much a collision may be late
+/// (piece_motion.h). Maximum corners of the envelope per look; a look may stop at any corner.
 constexpr int k_corners_max = 12;
 /// A gap computed from earlier looks' results differs from the gap computed from scratch by less
 /// than this: the rounding at coordinates of 100 m.
@@ -33,15 +33,16 @@ Line sum_of(const Line& base, const Line& a, const Line& b) {
 }
 constexpr Line k_no_line{0, 0};
 
-/// Returns when the sum of two envelopes may reach the touch. A plane has no first envelope.
+/// Returns the time at which the sum of two envelopes may reach the touch distance. For a plane,
+/// `first` is null.
 double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& second,
                     double from_s) {
   const auto touch_s = [&](const Line& a, const Line& b, double since_s) {
     const Line line = sum_of(base, a, b);
     return first_touch_s(line.place_m, line.rate_mps, fall, since_s);
   };
-  // The lines that are lowest now bound the result from above. Only lines that pass below them by
-  // then can lower it, and usually none does.
+  // The lines that are lowest now bound the result from above. Only lines that pass below them
+  // before `until_s` can lower it; usually there are none.
   const double until_s =
       touch_s(first != nullptr ? first->first() : k_no_line, second.first(), from_s);
   const bool first_changes = first != nullptr && first->keep_until(until_s);
@@ -67,8 +68,8 @@ double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& se
   return from_s;
 }
 
-/// Returns the time at which the line minus fall h^2 / 2 is as far outside the touch as it is
-/// inside now; infinite if the line doesn't leave the touch.
+/// Returns twice the time, plus a tick, in which the line minus fall h^2 / 2 rises to the touch
+/// distance; infinite if it doesn't rise so far.
 double comes_out_s(const Line& line, double fall) {
   const double deep_m = k_touch_m - line.place_m;
   const double discriminant = line.rate_mps * line.rate_mps - 2 * fall * deep_m;
@@ -77,8 +78,8 @@ double comes_out_s(const Line& line, double fall) {
   return 2 * out_s + k_seconds_per_tick;
 }
 
-/// Returns when a vertex may first become the lowest of its piece. Apart from terms that both lines
-/// share, each line errs by at most bend h^2 / 2 after time h, plus rounding.
+/// Returns the earliest time at which a vertex may become the lowest of its piece. Apart from terms
+/// that both lines share, each line errs by at most bend h^2 / 2 after time h, plus rounding.
 double takes_over_s(const Line& line, const Line& lowest, double bend, double rounding_m) {
   const double above_m = line.place_m - lowest.place_m - rounding_m;
   const double faster_mps = lowest.rate_mps - line.rate_mps;
@@ -88,10 +89,10 @@ double takes_over_s(const Line& line, const Line& lowest, double bend, double ro
   return faster_mps > 0 ? 2 * above_m / (root + faster_mps) : (root - faster_mps) / (2 * bend);
 }
 
-/// Returns how long two touching pieces can't collide, up to `until_s`, along an axis that turns
+/// Returns a time, at most `until_s`, for which two touching pieces can't collide. The axis turns
 /// with the touching features. While the same vertices are lowest, the gap falls as fast as these
-/// vertices do. Once other vertices take over, other features between them may touch along another
-/// normal. The result ends at that time, unless all these vertices move apart.
+/// vertices do. Once other vertices become the lowest, other features may touch along another
+/// normal. So the returned time ends there, unless all these vertices move apart.
 double touching_along(const Line& base, double fall, double bend, double rounding_m,
                       Envelope* first, Envelope& second, double until_s) {
   const Line lowest_a = first != nullptr ? first->first() : k_no_line;
@@ -102,7 +103,8 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   const std::span<const Line> of_a =
       first != nullptr ? first->keep_near_until(until_s, margin_m) : std::span(&k_no_line, 1);
   const std::span<const Line> of_b = second.keep_near_until(until_s, margin_m);
-  // Vertices that move alike may be equally low for long, so the fastest falling one is the bound.
+  // Vertices with similar motion may stay equally low for long, so the bound uses the one that
+  // falls fastest.
   constexpr double k_alike_mps = 0.25 * k_approach_mps;
   double falls_mps = base.rate_mps;
   double takes_over = k_forever_s;
@@ -129,7 +131,7 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   if (alike_from_s < until_s)
     until_s = std::min(until_s, first_collision_s(lowest.place_m, alike_mps, fall, alike_from_s));
   if (!(takes_over < until_s)) return until_s;
-  // The time from which any vertex may fall.
+  // The earliest time at which any vertex may fall.
   const double left_mps = falls_mps + 0.5 * k_approach_mps;
   const double falls_s = left_mps <= 0 ? 0 : fall > 0 ? left_mps / fall : k_forever_s;
   return std::min(until_s, std::max(takes_over, falls_s));
@@ -140,7 +142,7 @@ double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
   return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest_m();
 }
 
-/// An axis's angular velocity, and how much its turning adds to the fall of the separation.
+/// An axis's angular velocity, and how much faster its turning makes the separation fall.
 struct AxisTurn {
   Vec3 angular_velocity_radps = Vec3::Zero();
   double fall_mps2 = 0;
@@ -181,7 +183,8 @@ Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& clo
   const bool with_b = closest.feature_b.kind == FeatureKind::face;
   const Vec3& spin_a = a.angular_velocity_radps;
   const Vec3& spin_b = b.angular_velocity_radps;
-  // Choose the slower turning face, because far vertices would move most.
+  // Choose the face that turns more slowly. If the axis turned with the faster one, far vertices
+  // would move more relative to it.
   if (with_a && with_b)
     return math::dot(spin_a, spin_a) <= math::dot(spin_b, spin_b) ? spin_a : spin_b;
   if (with_b) return spin_b;
@@ -219,7 +222,7 @@ double furthest_from(const MovingPiece& piece, const Vec3& point_m) {
 /// derivative of n.x is n.(x'' - 2 W x x' + W x (W x (x - O))).
 AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& point_m,
                       const Vec3& angular_velocity_radps) {
-  // The frame moves with a fixed piece, or with the mean of both velocities.
+  // The frame moves with A if A is fixed, otherwise at the mean of both velocities.
   const bool a_fixed = !std::isfinite(a.reach_m);
   const Vec3 frame_mps = a_fixed ? a.velocity_mps : Vec3(0.5 * (a.velocity_mps + b.velocity_mps));
   const double far_a_m = furthest_from(a, point_m);
@@ -233,7 +236,7 @@ AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& po
   const double pull_mps2 = math::norm(b.acceleration_mps2 - a.acceleration_mps2);
   double speed_a_mps = speed(a);
   double speed_b_mps = speed(b);
-  // The bound holds while nothing moves by more than a quarter of the distances.
+  // The bound holds while no piece moves by more than a quarter of the smaller distance.
   const double room_m = 0.25 * std::min(far_a_m, far_b_m);
   const double fastest_mps = std::max(speed_a_mps, speed_b_mps) + std::sqrt(pull_mps2 * room_m);
   AxisTurn turn{.angular_velocity_radps = angular_velocity_radps};
@@ -259,14 +262,15 @@ struct Shadows {
   }
 };
 
-/// The separation along an axis without the vertices' part, and bounds on its fall.
+/// The separation of two pieces along an axis, without their vertices' places, and bounds on its
+/// fall.
 struct Separation {
   Line base;
   double fall_mps2;
   double bend_mps2;  ///< the part of fall_mps2 in which vertices differ
   double pull_mps2;  ///< relative acceleration of the centres
 };
-/// Computes the separation. From here on the shadows' axis turns.
+/// Computes the separation. Sets the turn of the shadows' axis.
 Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows& shadows,
                             double touch_m, const AxisTurn& turn) {
   const Vec3& axis = shadows.axis;
@@ -274,7 +278,7 @@ Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows&
   const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
   const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
   const double pull = math::dot(axis, pull_mps2);
-  // A turning axis changes its angle to the acceleration, up to pointing fully against it.
+  // As the axis turns, its angle to the acceleration changes; at worst they are opposite.
   double towards = pull;
   if (!is_zero(turn.angular_velocity_radps)) {
     const double turns = math::norm(turn.angular_velocity_radps) * turn.valid_s;
@@ -293,7 +297,8 @@ Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows&
       .pull_mps2 = pull};
 }
 
-/// Returns how long two separate pieces can't touch, from their separation along an axis.
+/// Returns a time for which two separate pieces can't touch, computed from their separation along
+/// an axis.
 double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
                   const AxisTurn& turn) {
   const Separation separation = separation_along(a, b, shadows, touch_m, turn);
@@ -308,9 +313,10 @@ double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, 
                      : span_s;
 }
 
-/// Returns for how long two touching pieces can't collide. While they touch, the axis turns with
-/// their features, because along a fixed axis the separation falls at another rate than the gap.
-/// After they have separated along a fixed axis, they must come down along it again.
+/// Returns a time for which two touching pieces can't collide. While the pieces touch, the axis
+/// turns with their features, because along a fixed axis the separation falls at another rate than
+/// the gap. Once the pieces have separated along a fixed axis, they must approach along it again
+/// before they can collide.
 double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
                       const AxisTurn& turn) {
   const double vertices_m = k_rounding_ulps * (a.view->r_outer_m + b.view->r_outer_m);
@@ -327,8 +333,8 @@ double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shado
   return comes_down_s(fixed.base, fixed.fall_mps2, &shadows.of_a, shadows.of_b, out_s);
 }
 
-/// Returns the line of the centres. If one piece is fixed, returns the normal of its face with the
-/// greatest height of the other piece's centre above it.
+/// Returns the direction from A's centre to B's. If one piece is fixed, returns instead the normal
+/// of the face above which the other centre is highest.
 Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b) {
   const auto of_faces = [](const MovingPiece& fixed, const MovingPiece& other) -> Vec3 {
     const Vec3 centre_m =
@@ -404,7 +410,8 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
   }
 
-  // Compute how long they can't collide, using fixed axes and axes that turn with the features.
+  // Compute how long the pieces can't collide, along fixed axes and axes that turn with the
+  // features.
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
   const double gap_m = closest.gap_m - (a.radius_m + b.radius_m);
   const auto turn_with_features = [&]() -> AxisTurn {

@@ -8,13 +8,13 @@
 // touch. If n is the line of the closest points, the bound is tight to second order, and a few
 // looks find the collision's exact tick.
 //
-// Pieces that touch collide when their gap shrinks, at the rate of the lowest vertex along the
-// normal. The axis must therefore turn with the touching features, and the search bounds for each
-// vertex when it may first be both lowest and falling.
+// Pieces that touch collide once their gap shrinks. The gap's rate is that of the lowest vertex
+// along the normal. The axis must therefore turn with the touching features. For each vertex, the
+// search computes the earliest time at which it may be both lowest and falling.
 //
 // This search is the second of two stages (thesis 3.2.2). The first stage finds when the bounding
-// spheres meet. The thesis's second stage uses distance over greatest speed, a bound of only first
-// order.
+// spheres meet. The thesis's second stage divides the distance by the greatest speed, which is only
+// a first-order bound.
 //
 // A sphere is a piece with one vertex and a radius.
 //
@@ -22,11 +22,11 @@
 //   1. If the pieces touch, a look's result depends only on their poses and motion. The result is
 //      collision_rule.h's verdict and contact or, without a collision, how long a collision is
 //      impossible. A search from scratch finds the same result.
-//   2. If the pieces are apart, a look may start from results of the pair's earlier looks. Those
+//   2. If the pieces are apart, a look may start from results of the pair's earlier looks. Earlier
 //      results decide which of several certified answers the look finds; the answers are equal up
-//      to rounding. By the bound above, the choice affects only which ticks are skipped, never what
-//      collides or when. So all searches find the same collision, however they are divided, except
-//      in the cases that invariant 3 excludes.
+//      to rounding. The choice affects only which ticks are skipped, never what collides or when.
+//      So all searches find the same collision, however they are divided, except in the cases that
+//      invariant 3 excludes.
 //   3. A look is skipped only under the bounds above, lowered by the rounding error of gaps at that
 //      distance from the origin. For touching pieces the bounds hold while the normal turns with
 //      the same face, whichever vertices touch. The bounds also hold while the normal turns with
@@ -44,17 +44,17 @@
 
 namespace sleight::physics {
 
-/// The cheaper part of a look, which needs no orientation. Returns true if the bodies' bounding
-/// spheres are apart by more than a small part of `near_m`, and stores the look's result in
-/// `examined`. For a plane, the sphere must be above it by a small part of its radius. Usually
-/// other events happen before bounding spheres meet.
+/// Does the cheaper part of a look, which needs no orientation. Returns true if the bodies'
+/// bounding spheres are apart by more than a small part of `near_m`, and stores the look's result
+/// in `examined`. sphere_above() requires the sphere to be above the plane by a small part of the
+/// sphere's radius. Usually other events happen before bounding spheres meet.
 bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double near_m,
                    Tick tick, Examined& examined);
 bool sphere_above(const HalfSpace& solid_below, const MovingPoint& b, double radius_m, Tick tick,
                   Examined& examined);
 
-/// Examines one tick. The cache is from the pair's earlier looks, or a fresh one. `touch_m`
-/// replaces k_touch_m. If the pieces collide, `contact` is contact_of's result.
+/// Examines one tick. `cache`: from the pair's earlier looks, or new. `touch_m` replaces k_touch_m.
+/// If the pieces collide, `contact` is contact_of()'s result.
 Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                         SeparationCache& cache, PieceContact& contact);
 Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,

@@ -19,7 +19,7 @@
 
 namespace sleight::physics::envelope {
 
-/// A vertex along the axis after time h: place + rate h.
+/// A vertex's place along the axis after time h is place + rate h.
 struct Line {
   double place_m;
   double rate_mps;
@@ -35,7 +35,8 @@ inline Pair load(const double* from) {
   return result;
 }
 
-/// Returns whether any lane of a mask is set. Without intrinsics GCC 12 joins two masks by lane.
+/// Returns whether any lane of a mask is set. Without the intrinsics, GCC 12 would combine two
+/// masks lane by lane.
 inline bool any(Lanes mask) {
 #ifdef __SSE2__
   return _mm_movemask_pd(reinterpret_cast<__m128d>(mask)) != 0;
@@ -103,8 +104,8 @@ class Envelope {
     line_count_ = 1;
   }
 
-  /// Returns a line that is lowest at first. After keep_until, this is the fastest falling one on a
-  /// tie.
+  /// Returns the line that is lowest now. After keep_until(), a tie goes to the line that falls
+  /// fastest.
   const Line& first() const { return lines_[0]; }
 
   /// Keeps the lines that pass below the first line within a time. Returns whether there are any.
@@ -122,7 +123,8 @@ class Envelope {
     return {lines_.data(), line_count_};
   }
 
-  /// Returns when a kept line next passes below `current`, and stores this line in `next`.
+  /// Returns the next time at which a kept line passes below `current`, and stores this line in
+  /// `next`.
   double next_after(const Line& current, Line& next) const {
     double first_s = k_forever_s;
     for (std::size_t i = 1; i < line_count_; ++i) {
@@ -130,7 +132,7 @@ class Envelope {
       const double faster = current.rate_mps - other.rate_mps;
       if (!(faster > 0)) continue;
       const double above = other.place_m - current.place_m;
-      // Compared without a division: above / faster < first.
+      // Compares above / faster < first_s without a division.
       if (above < first_s * faster) {
         first_s = above / faster;
         next = other;

@@ -1,4 +1,5 @@
-// Which bodies stay near where they were, so that a pair once found apart needs no further look?
+// Records which bodies stay near where they were, so that a pair once found apart needs no further
+// look.
 //
 // Idea. Bodies in a heap bounce by micrometres, thousands of times a second. Each bounce changes
 // the predictions for some twenty neighbours, although most of them are further away than the
@@ -29,7 +30,7 @@ using PlacesOfPair = std::uint64_t;
 
 class NearPlaces {
  public:
-  /// A body's pose at a tick, and how fast its points move from then on.
+  /// A body's pose at a tick, and bounds on its motion after that tick.
   struct Motion {
     Tick begin{};
     Pose pose{};                   ///< for a sphere: any orientation, but always the same one
@@ -47,7 +48,8 @@ class NearPlaces {
   }
   bool enabled() const { return !of_body_.empty(); }
 
-  /// A body of radius `reach_m` begins a motion: it keeps its place, gets a new one or loses it.
+  /// Call when a body of radius `reach_m` begins a motion. The body keeps its place, gets a new one
+  /// or loses it.
   void began(BodyId body, double reach_m, const Motion& motion) {
     Place& place = of_body_[body];
     const double room_m = k_room * reach_m;
@@ -65,7 +67,7 @@ class NearPlaces {
     place.room_m = room_m;
   }
 
-  /// Returns a pair's places at a tick, or 0 unless both bodies have a place until then.
+  /// Returns a pair's places; 0 unless both bodies keep a place up to and at `tick`.
   PlacesOfPair of(BodyId a, BodyId b, Tick tick) const {
     const Place& first = of_body_[a];
     const Place& second = of_body_[b];
@@ -73,18 +75,19 @@ class NearPlaces {
         first.number != 0 && second.number != 0 && tick <= first.until && tick <= second.until;
     return both ? (PlacesOfPair{first.number} << 32U) | second.number : 0;
   }
-  /// Returns how long both bodies keep their places. REQUIRES: both have one.
+  /// Returns the last tick at which both bodies surely have these places. REQUIRES: both have a
+  /// place.
   Tick until(BodyId a, BodyId b) const { return std::min(of_body_[a].until, of_body_[b].until); }
-  /// A pair further apart than this distance, at any time while it has its places, can't meet.
-  /// REQUIRES: both bodies have a place.
+  /// Returns a distance: a pair that is ever further apart than this can't meet while it has its
+  /// places. REQUIRES: both bodies have a place.
   double clear_m(BodyId a, BodyId b) const {
     // Each body may have come nearer by its room, and may still come nearer by twice its room.
     return 2 * (of_body_[a].room_m + of_body_[b].room_m) + k_margin_m;
   }
 
  private:
-  /// A place's room as a share of the body's reach. Small enough to separate neighbours in a heap.
-  /// Affects speed only.
+  /// A place's room as a share of the body's reach. The share is small enough to separate
+  /// neighbours in a heap. Affects speed only.
   static constexpr double k_room = 0.01;
   /// Margin for the touch and for rounding.
   static constexpr double k_margin_m = 1e-6;

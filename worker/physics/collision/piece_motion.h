@@ -13,10 +13,10 @@
 
 namespace sleight::physics {
 
-/// These search margins affect speed, and how late a touching pair's late collision is
+/// These search margins affect speed, and by how much a touching pair's collision may be late
 /// (SIMULATOR.md, "Where it falls short"). Pieces are well apart when a guessed axis shows a gap
-/// above this share of the smaller piece's radius. Below it, the exact line of the closest points
-/// is worth computing.
+/// above this share of the smaller piece's radius. Below this gap, the exact line of the closest
+/// points is worth computing.
 inline constexpr double k_well_apart = 0.02;
 
 /// A skip at least this long is not extended with a second axis. In heaps, where speed matters
@@ -36,8 +36,9 @@ inline double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
   return k_rounding_ulps * (std::fabs(solid_below.offset_m) + size_m(b));
 }
 
-/// Returns how long no gap can shrink fast enough to collide, because no points pass each other
-/// that fast. This time is long for hovering pieces, even if rounding hides whether they touch.
+/// Returns a time for which no gap can shrink fast enough for a collision, because all relative
+/// speeds are too low. This time is long for hovering pieces, even if rounding hides whether they
+/// touch.
 inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   const auto turning_mps = [](const MovingPiece& piece) {
     return math::norm(piece.angular_velocity_radps) * (piece.view->r_outer_m + piece.radius_m);
@@ -53,7 +54,7 @@ inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   return gains_mps2 > 0 ? left_mps / gains_mps2 : k_forever_s;
 }
 
-/// Returns when two touching pieces must be examined again (k_touching_depth_m).
+/// Returns the time after which two touching pieces must be examined again (k_touching_depth_m).
 inline double comes_deeper_s(const MovingPiece& a, const MovingPiece& b, const Vec3& normal) {
   const auto turning_mps = [&](const MovingPiece& piece) {
     return math::norm(math::cross(piece.angular_velocity_radps, normal)) *

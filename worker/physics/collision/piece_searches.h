@@ -13,7 +13,7 @@
 
 namespace sleight::physics {
 
-/// A pair without a search, whose predictions are closed forms.
+/// Marks a pair that has no search (yet).
 inline constexpr std::uint32_t k_no_search = UINT32_MAX;
 
 struct PieceSearch {
@@ -41,8 +41,8 @@ class PieceSearches {
       blocks.clear();
   }
 
-  /// Restarts a pair's searches, allocating a block if the pair has none. The pair's caches and
-  /// clear places remain, because only its motion changed, not its position.
+  /// Restarts a pair's searches, allocating a block if the pair has none. Caches and clear places
+  /// remain valid, because only the pair's motion changed, not its position.
   std::span<PieceSearch> fresh(std::uint32_t& place, std::size_t count) {
     const bool known = place != k_no_search;
     if (!known) {

@@ -10,8 +10,9 @@
 namespace sleight::physics {
 namespace {
 
-/// These search margins affect only speed and how late a late collision is (piece_motion.h).
-/// Maximum chords on the way to the touch; the span is then good enough.
+/// These search margins affect only speed, and by how much a collision may be late
+/// (piece_motion.h). Maximum chords in the search for the touch; after these the span is good
+/// enough.
 constexpr int k_chords_max = 8;
 /// The first span tried, and its growth factor.
 constexpr double k_first_span_s = 0x1p-9;
@@ -110,7 +111,7 @@ double stays_above_for_s(const BoundOfGap& bound) {
     if (!(chord_m > 0)) return low_s;
     low_s = chord_s;
     low_m = chord_m;
-    // Try the middle too, to approach from above.
+    // Try the middle too, to approach the zero from both sides.
     const double middle_s = 0.5 * (low_s + high_s);
     const double middle_m = bound.at_m(middle_s);
     if (middle_m > 0) {
@@ -151,7 +152,7 @@ Examined examine_round(const MovingPiece& a, const MovingPiece& b, Tick tick, do
       return apart;
     }
   }
-  // Then try the line of their middles, in case they are well apart.
+  // Then try the line between the pieces' middles, in case the pieces are well apart.
   const Vec3 between_m = middle_of(b) - middle_of(a);
   const double distance_m = math::norm(between_m);
   if (distance_m > 0) {

@@ -1,4 +1,4 @@
-// When do two moving pieces meet, of which at least one is round?
+// Finds when two moving pieces meet, at least one of which is round.
 //
 // Idea. As for polyhedra, the gap is at least the separation along any fixed axis. The pieces'
 // extents along the axis are known now, and their curvature in time has a bound. Apart from its
@@ -18,9 +18,9 @@
 // touching pair's collision can be; for polyhedra there is no such bound.
 //
 // Invariants
-//   1. A look at touching pieces depends only on their poses and motion. The first tick at which
-//      separate pieces touch also depends only on these. The axis kept from earlier looks decides
-//      only which earlier ticks are skipped, so all searches find the same collision.
+//   1. A look at touching pieces depends only on their poses and motion. So does the first tick at
+//      which separate pieces touch. The axis stored by earlier looks decides only which ticks are
+//      skipped, so all searches find the same collision.
 //   2. While pieces are apart, no tick at which they touch is skipped. While they touch, a
 //      collision is late by at most the bounds above.
 // Internal to worker/physics/collision: examine_pieces and examine_plane call this search. Thread

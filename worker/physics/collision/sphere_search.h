@@ -12,8 +12,9 @@
 //
 // Each condition that fails at a tick therefore fails for a computable time. The search skips the
 // longest such time, at least one tick, and judges again from the segments alone. A sphere that
-// rolls along an edge approaches and leaves so slowly that the second bound skips few ticks. There
-// the search uses c.v, which has the rate's sign; c leads from the edge or vertex to the centre:
+// rolls along an edge approaches and leaves so slowly that the second bound skips few ticks. For
+// such a sphere the search uses c.v, which has the rate's sign; c leads from the edge or vertex to
+// the centre:
 //
 //   c.v (t + h) = c.v + (v.v + c.a) h + 3/2 v.a h^2 + 1/2 a.a h^3.
 //
@@ -21,8 +22,8 @@
 //
 // Invariants
 //   1. A tick is skipped only under such a bound, lowered by the rounding of the bound's inputs.
-//   2. The verdict at a tick depends only on the two segments and the tick. Where a search began,
-//      and how far it was allowed to go, doesn't change its result.
+//   2. The verdict at a tick depends only on the two segments and the tick. The tick at which a
+//      search starts, and its limit, don't change its result.
 // Thread safety: pure functions.
 #pragma once
 
@@ -56,7 +57,7 @@ struct GapState {
   double least_c_v = 0;   ///< the sphere approaches if c.v is below minus this number
 };
 
-/// Returns the rule's gap and rate with bounds on their fall from then on.
+/// Returns gap and rate as collision_rule.h does, with bounds on how fast they can fall afterwards.
 GapState gap_state(const SphereFeature& feature, const MovingPoint& centre, double radius_m);
 
 /// Returns the unit vector from the feature's closest point to the centre. REQUIRES: they differ.
@@ -83,7 +84,8 @@ inline constexpr double k_clear_margin_m = 1e-9;
 
 /// Quick check: returns true if a sphere certainly doesn't collide with a feature within `span_s`,
 /// because one of the three conditions fails throughout. False means unknown. The check costs a
-/// fifth of examine. It is inline because spheres in a box of many features rarely need more.
+/// fifth of examine. The function is inline because spheres in a box of many features rarely need
+/// more.
 inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide> sides,
                         const MovingPoint& centre, double radius_m, double span_s) {
   const double half_square = 0.5 * span_s * span_s;
@@ -193,9 +195,9 @@ inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& re
   return approach.collides ? span_to_collision(approach) : k_tick_max.value;
 }
 
-/// Returns the tick at which two spheres in free flight collide; k_never if they don't. A flight
-/// has a begin, and a position and velocity at that tick. `shift_m` is added to the second sphere's
-/// position.
+/// Returns the tick at which two spheres in free flight collide; k_never if they don't. `first` and
+/// `second` have a start tick (begin), and their position and velocity at that tick. `shift_m` is
+/// added to the second sphere's position.
 template <class Flight>
 Tick collision_of_flights(const Flight& first, const Flight& second, const Vec3& gravity_mps2,
                           const Vec3& shift_m, double radii_m) {

@@ -11,8 +11,8 @@
 
 namespace sleight::physics::surface_pace {
 
-/// Bounds hold while the box's centre stays within this share of its reach. For a box above
-/// everything near, this room is a whole reach plus one patch. Affects speed only.
+/// The bounds hold while the box's centre moves by less than this share of the box's reach. If the
+/// box is above everything near, it may move by its whole reach plus one patch. Affects speed only.
 inline constexpr double k_room = 0.25;
 
 /// Rounding changes gaps and rates by less than this share of the numbers they are computed from.
@@ -31,7 +31,7 @@ struct Pace {
   double rounding_m = 0;  ///< of gaps
   double rounding_mps = 0;
 
-  /// Returns the `fall_mps2` of one point up to a time, at least 0. `pull_mps2` is the second
+  /// Returns `fall_mps2` for one point up to a time; at least 0. `pull_mps2` is the second
   /// derivative of the point's gap now.
   double fall_of(double pull_mps2, double until_s) const {
     if (jerk_mps3 == k_forever_s) return fall_mps2;
@@ -43,7 +43,7 @@ struct Pace {
 /// Longer than any simulation but finite, because 0 times infinity isn't a number.
 inline constexpr double k_always_s = seconds(k_tick_max.value);
 
-/// Returns how long the centre stays within a horizontal distance.
+/// Returns the time for which the centre stays within a horizontal distance of its present place.
 inline double stays_within_s(const MovingPiece& box, double room_m) {
   const auto across = [](const Vec3& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); };
   const double speed_mps = across(box.velocity_mps);
@@ -74,7 +74,8 @@ inline Pace pace_of(SplineSurface& surface, const MovingPiece& box) {
   const Vec3& v = box.velocity_mps;
   pace.past_mps = std::sqrt(v.x() * v.x() + v.y() * v.y()) + turning_mps + gained_mps;
   pace.turning_radps = std::max(math::norm(box.angular_velocity_radps), turning_mps / box.reach_m);
-  // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x'; x'' is of the centre and of turning.
+  // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x'; x'' is the centre's acceleration plus that of
+  // turning.
   pace.fall_mps2 = std::max(0.0, (bounds.slope * aside_mps2 - pull_mps2.z()) +
                                      pace.stretch * box.turning_acceleration_mps2 +
                                      bounds.hollow_per_m * (pace.past_mps * pace.past_mps));

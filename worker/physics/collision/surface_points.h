@@ -103,7 +103,8 @@ struct Stretch {
     const Vec3 half_m = 0.5 * (ends[1].place_m - ends[0].place_m);
     return math::dot(half_m, half_m);
   }
-  /// Returns the least value at a lattice point inside, linear between values[k] at the ends.
+  /// Returns the least value at a lattice point between the ends, by linear interpolation of
+  /// values[k] at the ends.
   double least_inside(const std::array<double, 2>& values) const {
     const double step = 1.0 / steps();
     const double change = values[1] - values[0];
@@ -226,7 +227,7 @@ void visit_low(Points& points, const Part& part, double bump_per_m, const Limit&
         [&](const Part& smaller) { visit_low(points, smaller, bump_per_m, limit, note); });
 }
 
-/// visit_low for all points of a box.
+/// Calls visit_low() for all edges and faces of a box.
 template <class Limit, class Note>
 void visit_all_low(Points& points, const BoxLattice& lattice, const Corners& corners,
                    double bump_per_m, const Limit& limit, const Note& note) {

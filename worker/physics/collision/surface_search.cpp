@@ -17,8 +17,8 @@ using namespace surface_points;
 
 /// A face counts as a parallelogram if rounding leaves a gap of at most this share of its size.
 constexpr double k_parallel = 1e-9;
-/// The search margins from here on affect only speed. A part that is clear for this share of the
-/// other parts' time isn't split. A short time is an exception, because the collision is then near.
+/// The search margins below affect only speed. A part that is clear for this share of the other
+/// parts' time isn't split. A short time is an exception, because the collision is then near.
 constexpr double k_long_enough = 0.7;
 constexpr double k_long_s = 3e-4;
 /// A point's second, tighter bound is computed for this factor times its first bound.
@@ -30,7 +30,8 @@ constexpr double k_worth_s = 1e-4;
 /// Points are near if they may touch within this many spans of the present look.
 constexpr double k_looks_ahead = 3;
 constexpr double k_ahead_s_max = 2e-3;
-/// Points closer than k_near_m_min are near. If that would be a large part of the box, no point is.
+/// Points closer than k_near_m_min are near. If the distance for near points would be a large part
+/// of the box, near points aren't used.
 constexpr double k_near_m_min = 5e-6;
 constexpr double k_near_share = 0.1;
 
@@ -46,7 +47,7 @@ class Look {
         tick_(tick) {}
 
   /// Returns a time before which no point collides, at most the time for which the pace holds.
-  /// Returns 0 if a point collides now; that point is contact().
+  /// If a point collides now, returns 0, and contact() is that point.
   double failing_s() { return lowest_corner_counts() ? best_s_ : failing_of_all_s(); }
   /// Uses points stored by earlier looks, and stores points for later looks.
   double failing_s(NearPoints& near) {
@@ -152,8 +153,8 @@ class Look {
     }
     return descent_.room_m > 0;
   }
-  /// Returns the maximum share of its room that any corner uses up until then. The share is convex
-  /// in time, so only the ends need to be computed.
+  /// Returns the maximum share of its room that any corner uses up by `until_s`. The share is
+  /// convex in time, so only the ends need to be computed.
   double share_at(double until_s) const {
     const double half_s = 0.5 * until_s;
     double most = -k_forever_s;
@@ -166,7 +167,7 @@ class Look {
   bool others_clear_until(double until_s) const {
     return share_at(until_s) < 1 && descent_.room_m > pace_.past_mps * until_s;
   }
-  /// Returns how long all other points stay clear.
+  /// Returns a time for which all points that aren't stored stay clear.
   double others_failing_s() const {
     double until_s = pace_.past_mps > 0 ? descent_.room_m / pace_.past_mps : k_forever_s;
     for (std::size_t i = 0; i < descent_.by.size(); ++i) {
@@ -219,7 +220,7 @@ class Look {
   /// Returns how far ahead parts are examined: at least one tick.
   double horizon_s() const { return std::max(best_s_, k_seconds_per_tick); }
 
-  /// Returns when a point may collide, at most `until_s`.
+  /// Returns the earliest time at which a point may collide, at most `until_s`.
   double collides_after_s(const Above& point, double until_s) const {
     return std::min(until_s, first_collision_s(point.gap_m - pace_.rounding_m,
                                                point.rate_mps - pace_.rounding_mps,
@@ -251,14 +252,14 @@ class Look {
     contact_ = point;
   }
 
-  /// Returns how much higher than a lower point another point must be to stay out of touch while
-  /// the lower one doesn't collide. The other point is at least 1 / steps of the way from the lower
-  /// point to the far end.
+  /// Returns how much higher than the lowest point a far end must be. Then the points between them,
+  /// at least 1 / steps of the way from the lowest point, stay out of touch while the lowest point
+  /// doesn't collide.
   double needed_m(std::int32_t steps, double gap_m) const {
     return steps * (2 * k_touch_m + std::max(0.0, -std::min(gap_m, lowest_m_)));
   }
-  /// Returns whether points along `d` stay higher than a given point by `by_m` until then. `d`
-  /// turns, and the point's slopes change as it moves.
+  /// Returns whether the point at `d` from a given point stays higher than it by `by_m` up to
+  /// `until_s`. Meanwhile `d` turns, and the slopes at the moving point change.
   bool rises_until(const Vec3& d, double slope_x, double slope_y, double hollow_per_m, double by_m,
                    double until_s) const {
     const double across2 = d.x() * d.x() + d.y() * d.y();
@@ -272,8 +273,8 @@ class Look {
     return higher_m > loss_mps * until_s;
   }
 
-  /// Returns whether all points between `points` stay out of touch until then, unless the lowest
-  /// one collides. Each of them is at least 1 / steps of the way from the lowest to the others.
+  /// Returns whether all lattice points between `points` stay out of touch up to `until_s`, unless
+  /// the lowest of `points` collides. `steps`: lattice steps between the ends.
   bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double hollow_per_m,
                              double until_s) const {
     std::size_t lowest = 0;
@@ -289,7 +290,8 @@ class Look {
     }
     return true;
   }
-  /// Returns whether a cell next to a box's edge is clear, unless a point of the edge collides.
+  /// Returns whether a cell next to an edge of the box stays out of touch up to `until_s`, unless a
+  /// point of the edge collides.
   bool is_above_edge_until(const Cell& cell, double hollow_per_m, double until_s) const {
     for (std::size_t side = 0; side < 4; ++side) {
       if (!cell.is_outer(side)) continue;

@@ -90,8 +90,8 @@ struct NearPoints {
 /// does, returns the corner or lattice point with the least gap.
 PieceContact contact_of(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box);
 
-/// Examines one tick. If they collide, `contact` is contact_of's result. `near` is from an earlier
-/// look, or a fresh one. If the motion has changed since then, call forget_motion first.
+/// Examines one tick. If they collide, `contact` is contact_of()'s result. `near`: from an earlier
+/// look, or new. If the motion has changed since then, call forget_motion first.
 Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box,
                          Tick tick, NearPoints& near, PieceContact& contact);
 
