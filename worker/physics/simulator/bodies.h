@@ -3,7 +3,8 @@
 // Invariants
 //   1. A query at a tick depends only on the body's segment and supports, never on earlier queries;
 //      caches change speed only.
-//   2. A body's segment agrees with its Flight, at the latest when segment() returns it.
+//   2. segment() returns a segment that agrees with the body's Flight; before that call, the stored
+//      segment may be out of date.
 // Thread safety: none.
 #pragma once
 
@@ -96,7 +97,7 @@ class Bodies {
   bool is_resting(BodyId body) const { return mode(body) == MotionMode::resting; }
   /// Whether a sphere's segment rotates.
   bool turns(BodyId body) const { return turns_[body] != 0; }
-  /// Path of the segment; doesn't read the segment of a sphere in flight.
+  /// Path of the body's segment. For a sphere in flight, the segment itself isn't read.
   Path path(BodyId body) const {
     const Flight& flight = flights_[body];
     return {.begin = flight.begin,
@@ -170,7 +171,7 @@ class Bodies {
     return periodic_ ? Vec3(between_m + to_nearest_image(between_m)) : between_m;
   }
 
-  // Prefetch hints: data for a body's predictions, and data for its next collision.
+  // Prefetch the data for a body's predictions (fetch_flight) or for its next collision (fetch).
   void fetch_flight(BodyId body) const { __builtin_prefetch(&flights_[body]); }
   void fetch(BodyId body) const {
     __builtin_prefetch(&flights_[body], 1);
@@ -194,8 +195,8 @@ class Bodies {
   /// Begins a segment, without supports.
   void begin(BodyId body, const Segment& segment);
   void has_started(BodyId body) { started_[body] = 1; }
-  /// Equals begin() for a sphere that flies on without turning. The segment is written only when
-  /// segment() is called, which saves memory traffic and changes no bits.
+  /// Has the effect of begin() for a sphere that flies on without turning. The segment is written
+  /// only when segment() is called, which saves memory traffic and changes no bits.
   void fly_on(BodyId body, Tick tick, const Vec3& position_m, const Vec3& velocity_mps) {
     lags_ = true;
     Flight& flight = flights_[body];

@@ -2,10 +2,9 @@
 //
 // Asynchronous (thesis, Algorithms 3.2 and 3.3): each body has its own temporal bounding volume, a
 // box that contains the body for a time span. When the span ends, the body gets a new box. The new
-// box lasts somewhat longer than the last one if the last one overlapped few boxes, and less long
-// if it overlapped many. When the motion changes, the body keeps its box if the box still contains
-// it for long enough. Pairs of overlapping boxes are watched. Every event affects one or two
-// bodies.
+// box lasts somewhat longer than the last one if that one overlapped few boxes, and shorter if it
+// overlapped many. When the motion changes, the body keeps its box if the box still contains it for
+// long enough. Pairs of overlapping boxes are watched. Every event affects one or two bodies.
 //
 // Synchronous (Algorithm 3.4): after every event, all bodies get new boxes that last until the next
 // event, and all extents are sorted again.
@@ -16,10 +15,10 @@
 //   1. A body's box contains the body and k_touch_m around it, from now to the box's expiry.
 //   2. A pair whose boxes overlap has an edge, and the edge's prediction is not later than the
 //      pair's next collision. A body's key in the queue is the minimum over its own predictions
-//      (for pairs and static geometry) and its box's expiry. If the key's prediction is void by
-//      then (pair_graph.h), the key is recomputed when it comes up. So the least non-void key in
-//      the queue is the simulation's next event.
-//   3. Nothing is allocated in the loop once lists have reached their size.
+//      (for pairs and static geometry) and its box's expiry. When the least key's prediction turns
+//      out to be void (pair_graph.h), that key is recomputed. So the least non-void key in the
+//      queue is the simulation's next event.
+//   3. Nothing is allocated in the loop once lists have reached their full size.
 // Hence the choice and timing of boxes don't affect the results. Thread safety: none.
 #pragma once
 
@@ -145,7 +144,7 @@ class Engine final : public AnyEngine {
   void renew_all_boxes(Tick end);
   bool watch_statics(BodyId body, const Box& box);
   TickCount least_span(BodyId body) const;
-  /// Static geometry near a body; skips the list if there is no static geometry.
+  /// Static geometry near a body. If the scene has none, the body's list isn't read.
   std::span<StaticEdge> statics_of(BodyId body) {
     return world_.statics().any() ? std::span<StaticEdge>(statics_[body]) : std::span<StaticEdge>{};
   }

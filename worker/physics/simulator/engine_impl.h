@@ -64,7 +64,7 @@ Engine<Boxes, Queue>::Engine(World& world, Replaying& replaying, EngineOptions o
   reads_ahead_ = count >= k_read_ahead_bodies;
   if (options_.algorithm == Algorithm::synchronous) all_boxes_.resize(count);
 
-  // Bodies that have started are taken over; the others get start events.
+  // Take over bodies that have started; give the others start events.
   predictions_.forget_searches(options_.algorithm != Algorithm::all_pairs);
   for (BodyId body{}; body < count; ++body) {
     if (bodies_.started(body)) {

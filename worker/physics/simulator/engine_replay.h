@@ -55,7 +55,7 @@ void Engine<Boxes, Queue>::schedule_replay() {
   }
 }
 
-/// Simulates the bodies that have gone live from now on.
+/// Starts to simulate the bodies that have gone live.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::take_over_live() {
   for (const BodyId body : replaying_.make_supporters_live()) {
@@ -64,8 +64,8 @@ void Engine<Boxes, Queue>::take_over_live() {
     predict_all(body);
   }
   world_.replayed().forget_gone_live();
-  // Boxes last only until the event that came next, even if that event was a void prediction of
-  // these bodies and has been removed.
+  // Boxes last only until the tick of the event that was next when they were made, even if that
+  // event was void and has been removed.
   if (options_.algorithm == Algorithm::synchronous && boxes_until_ != k_never &&
       (queue_.empty() || queue_.least().key.tick > boxes_until_)) {
     queue_.set(

@@ -30,8 +30,8 @@ Prediction Predictions::predict_free_spheres_at(BodyId a, BodyId b, const Vec3& 
   return {.tick = tick, .certain = true};
 }
 
-/// `k_fresh`: the body's flight begins at `now`, so all pairs are evaluated there and the body's
-/// position needs no computation.
+/// `k_fresh`: the body's flight begins at `now`, so all pairs are evaluated at that tick and the
+/// body's position needs no computation.
 template <bool k_fresh>
 bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
                                       std::span<const std::uint32_t> changes, Tick now) const {
@@ -77,7 +77,7 @@ bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
         shift = Lanes::of(bodies_.to_nearest_image({apart.xy[0], apart.xy[1], apart.z[0]}));
       }
 
-      // Compute the relative motion from the later begin on; gravity cancels.
+      // Compute the relative motion since the later flight's start; gravity cancels.
       const Tick begin = k_fresh ? now : std::max(own.begin, other.begin);
       const double s = k_fresh ? 0 : seconds(begin - own.begin);
       const double t = seconds(begin - other.begin);

@@ -1,5 +1,5 @@
-// Three numbers in vector registers. Operations compute two at once, and choices need no branch.
-// Each result has the same bits as operations on doubles.
+// Three numbers in vector registers. Each operation computes two numbers at once, and choices need
+// no branch. Each result has the same bits as operations on doubles.
 //
 // Thread safety: values.
 #pragma once

@@ -35,7 +35,7 @@ class MetStatics {
   // Candidates for contact.
   std::uint32_t count(BodyId body) const;
   void near(BodyId body, const Box& box, std::vector<StaticId>& found) const;
-  /// Appends those of `some` that the body may meet in a box, in the same order.
+  /// Appends the elements of `some` that the body may meet in a box, in the same order.
   void in(BodyId body, const Box& box, std::span<const StaticId> some,
           std::vector<StaticId>& found) const;
   const std::string& name(BodyId body, StaticId met) const;

@@ -15,8 +15,8 @@
 //   1. The same index in all arrays belongs to the same edge.
 //   2. One of a pair's two copies holds the prediction for the bodies' current segments.
 //   3. The order within a list has no meaning, and no result may depend on it.
-//   4. Capacities are first_room_ times a power of two. A range that its list has left is in the
-//      chain of free ranges of that capacity, for reuse by other lists.
+//   4. Capacities are first_room_ times a power of two. When a list leaves a range, the range joins
+//      the chain of free ranges of its capacity, for reuse by other lists.
 // Thread safety: none.
 #pragma once
 
@@ -233,7 +233,7 @@ class PairGraph {
     const std::uint32_t bits = equal_bits(ids + from, other);
     return from + static_cast<std::uint32_t>(std::countr_zero(bits));
   }
-  /// Bits of the ids, of k_scan, that equal `wanted`.
+  /// Returns one bit for each of k_scan ids: whether the id equals `wanted`.
   static std::uint32_t equal_bits(const BodyId* ids, std::uint32_t wanted) {
     std::uint32_t bits = 0;
 #if defined(__SSE2__)

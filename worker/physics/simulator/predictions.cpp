@@ -11,7 +11,7 @@ namespace {
 /// their motion before then. Affects speed only.
 constexpr int k_looks_ahead = 32;
 
-/// Replaces a feature: the search exceeded its limit.
+/// Replaces a feature's number to mark that the search exceeded its limit.
 constexpr std::uint32_t k_gave_up = UINT32_MAX;
 
 /// Tests a few ticks of a search without stored state.
@@ -216,7 +216,7 @@ Refractory Predictions::refractory_of_spheres(BodyId a, BodyId b) const {
   const Refractory refractory = recent_.of(a, b);
   const Tick begin = std::max(bodies_.flight(a).begin, bodies_.flight(b).begin);
   if (refractory.until <= begin) return refractory;
-  // In so short a time, free motion doesn't change their speeds.
+  // In so short a time, free motion hardly changes the bodies' speeds.
   const Vec3 between_m = bodies_.between_at(a, b, begin);
   const Vec3 relative_mps =
       velocity_at(bodies_.segment(b).flight, begin) - velocity_at(bodies_.segment(a).flight, begin);
@@ -272,8 +272,8 @@ PieceContact Predictions::contact_at(BodyId a, BodyId b, const EventKey& event) 
 // ---- images -------------------------------------------------------------------------------------
 
 Prediction Predictions::predict_any_image(BodyId a, BodyId b, Tick now) const {
-  // Before the two have moved by half a period relative to each other, they can only meet images at
-  // most one period away from the nearest.
+  // Until two bodies have moved by half a period relative to each other, they can meet only images
+  // within one period of the nearest one.
   const Vec3 between_m = bodies_.position_at(b, now) - bodies_.position_at(a, now);
   const Vec3 nearest_m = bodies_.to_nearest_image(between_m);
   const Vec3 relative_mps =

@@ -26,8 +26,8 @@ Replaying::Replaying(World& world, std::shared_ptr<const History> history) : wor
   find_quiet_until();
 }
 
-/// Finds the begin of the first segment that comes near changed static geometry, or at which a body
-/// may start elsewhere because of the change.
+/// Finds the tick at which the first segment begins that comes near changed static geometry, or at
+/// which a body may start elsewhere because of the change.
 void Replaying::find_quiet_until() {
   Replay& replay = *replay_;
   const ChangedPlaces& places = replay.changes.places;
@@ -52,7 +52,8 @@ void Replaying::find_quiet_until() {
       if (latest[body] != nullptr) look(body, event.key.tick);
       latest[body] = &event.segments[segment++];
       if (event.key.kind != EventKind::start) continue;
-      // In the history the body drew its place again, or would have to draw again now.
+      // Test whether the body drew its place again in the history, or would have to draw it again
+      // now.
       const Vec3& place_m = latest[body]->flight.position_m;
       if (place_m != bodies().scene().bodies[body].start.pose.position_m ||
           !world_.statics().solid_at(place_m).empty())

@@ -38,7 +38,7 @@ class Replaying {
   Tick skip_quiet(Tick end);
   /// Processes the start of a body. Returns whether the body is replayed from now on.
   bool starts(BodyId body, const EventKey& event);
-  /// Key of the history's next event of replayed bodies, or of its end.
+  /// Key of the next event of replayed bodies in the history, or the key of the history's end.
   EventKey next();
   /// Replays the next event if all its participants are replayed; otherwise makes its participants
   /// live. Returns whether the event was replayed; if so, the world's changed() lists the bodies

@@ -17,7 +17,8 @@ using Kind = SceneError::Kind;
 /// Scenes beyond these limits are refused.
 constexpr double k_speed_mps_max = 1e6;
 constexpr double k_spin_radps_max = 1e6;
-/// One tick of this adds 1e-5 m/s, so lasting contacts can still be distinguished from impacts.
+/// At this gravity, a tick adds 1e-5 m/s of speed, so lasting contacts can still be distinguished
+/// from impacts.
 constexpr double k_gravity_mps2_max = 1e4;
 constexpr double k_mass_kg_min = 1e-12;
 constexpr double k_mass_kg_max = 1e12;
@@ -252,7 +253,8 @@ std::optional<SceneError> error_of_surfaces(const Scene& scene) {
     const std::string name = name_of_static("surface", surface.name, i);
     if (!surface.controls)
       return error(Kind::bad_shape, fmt::format("{}: the surface has no control points", name));
-    // Comparisons with NaN are false. A table as wide as a scene has numbers for all its points.
+    // Comparisons with NaN are false. At the minimum spacing, a table as wide as a scene can still
+    // number all its points.
     if (!(surface.spacing_m >= k_surface_spacing_m_min &&
           surface.spacing_m <= k_coordinate_m_max)) {
       return error(Kind::bad_number,

@@ -67,8 +67,8 @@ class Simulation {
   /// are replayed. All results except counts() are the same, bit for bit, as without a history.
   ///
   /// The history is ignored if it has other laws (gravity, surfaces, slow contacts, periods) or
-  /// another number of bodies. Compounds count as the same only if they are the same object. A body
-  /// that takes no part starts at k_tick_max. REQUIRES: a body with the same start as in the
+  /// another number of bodies. Compounds count as the same only if they are the same object. To
+  /// leave out a body, let it start at k_tick_max. REQUIRES: a body with the same start as in the
   /// history has the same start_again; the history's meshes and polyhedra are unchanged.
   static base::Result<Simulation, SceneError> start(
       const Scene& scene, const SimulationOptions& options,
@@ -81,7 +81,7 @@ class Simulation {
   /// than now(). Returns nothing on success.
   std::optional<SceneError> run_until(Tick end);
 
-  /// Continues with another algorithm, engine and sampling interval; sampling events come at
+  /// Continues with another algorithm, engine and sampling interval. Sampling events happen at
   /// multiples of the interval. `record`, `segments_reserved`, `keep_history` and
   /// `history_bytes_max` have no effect: recording continues as before. A failed simulation stays
   /// failed.

@@ -81,8 +81,8 @@ class World {
   void change_mode(BodyId body, const EventKey& event);
   /// Replays an event of a history. REQUIRES: its participants are replayed.
   void happens_again(const HistoryEvent& event);
-  /// Replays an event without moving the bodies. After many such events, is_by_now puts each body
-  /// into its last segment.
+  /// Replays an event without moving the bodies. After many such events, call is_by_now() to move
+  /// each body to its last segment.
   void passes(const HistoryEvent& event);
   void is_by_now(BodyId body, const Segment& segment);
   std::span<const BodyId> changed() const { return changed_; }
@@ -95,7 +95,8 @@ class World {
   }
 
   // Ticks of a body's own events; k_never if there are none.
-  /// When the law of its contact changes, or its free rotation can't be computed any further.
+  /// Returns when the law of the body's contact changes, or until when its free rotation can be
+  /// computed.
   Tick mode_end(BodyId body) const {
     if (!has_modes_) return k_never;
     if (bodies_.is_sphere(body) || bodies_.stays_on_faces(body))
@@ -126,8 +127,8 @@ class World {
   class AtEvent;
 
   // Collisions (world_collisions.cpp).
-  /// Equals collide for two spheres in flight that don't turn, in a world of plain spheres, with
-  /// the same bits but less memory traffic.
+  /// Equals collide(), bit for bit, for two spheres in flight that don't turn, in a world of plain
+  /// spheres. Causes less memory traffic.
   void collide_plain(BodyId a, BodyId b, const EventKey& event);
   const CollisionCount& count_at(BodyId body, Tick tick) {
     collided_[body].add(tick);
@@ -165,7 +166,7 @@ class World {
     double lowest_m = 0;  ///< lowest corner above the flat surface; at most 0
   };
   PlaneSupports supports_on(BodyId body, StaticId met, const Flat& flat, Tick tick);
-  /// How a body with this twist stays on what it touches, if it does.
+  /// How a body with this twist stays on the static geometry that it touches, if it does.
   std::optional<PlaneStay> stay_of(BodyId body, StaticId met, std::uint32_t face,
                                    const Twist& twist, Tick tick);
   /// Records what carries a body that stays on a plane, for the rest decision.

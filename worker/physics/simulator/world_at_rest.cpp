@@ -25,7 +25,8 @@ namespace {
 using math::dot;
 using math::norm;
 
-/// For error messages: with this much friction, only bodies that topple or fall aren't held.
+/// Friction for a test that error messages report: with this much friction, only bodies that topple
+/// or fall aren't held.
 constexpr double k_rough = 1e3;
 /// Maximum partners that an error message names.
 constexpr std::size_t k_named = 4;
@@ -59,7 +60,7 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
     }
     if (found.size() == before) found.push_back({body, touch, static_index});
   };
-  // Where two faces overlap askew, corners alone are too few contacts.
+  // If two faces overlap at an angle, corners alone are too few contacts.
   const auto add_crossings = [&](const MovingPiece& own, const MovingPiece& other,
                                  TouchRecord touch, StaticId static_index) {
     const Vec3 normal = touch.normal;

@@ -25,7 +25,8 @@ World::PlaneSupports World::supports_on(BodyId body, StaticId met, const Flat& f
   std::size_t near = 0;
   for_each_near([&](const Vec3& /*corner_m*/, double /*height_m*/) { ++near; });
   PlaneSupports supports;
-  // If there are too many supports, as on a prism with a hundred sides, select some all around.
+  // If there are too many supports, as on a prism with a hundred sides, select some that are spread
+  // all around.
   const std::size_t every = near / supports.all.size() + 1;
   std::size_t nth = 0;
   for_each_near([&](const Vec3& corner_m, double height_m) {
