@@ -244,9 +244,9 @@ void begin_caught(At& at, BodyId body, FeatureId feature, const Twist& twist) {
 
 // A body that isn't a sphere stays on a flat surface if the points that carry it bounce there no
 // faster than slow bounces do (plane_stay.h). As for spheres, the body's own bounce must be slower
-// than separation_speed_mps, and it must have met no other body for some bounces. It also must not
-// have hit two static pieces shortly after each other, or staying on one piece would press it into
-// the other.
+// than separation_speed_mps, and it must have met no other body for some bounces. The body also
+// must not have hit two static pieces shortly after each other; otherwise staying on one piece
+// would press the body into the other.
 
 /// Begins a segment in which a body stays on a flat surface.
 template <AnyAtEvent At>
@@ -293,7 +293,8 @@ void change_lying(At& at, BodyId body) {
   }
   at.learns(body);
   at.resting.flies(body, at.tick);
-  // Hop rather than fly from rest at the touch, or the body would bounce again at every tick.
+  // Make the body hop. If it flew from rest at the touch distance, it would bounce again at every
+  // tick.
   const Vec3 normal = flat_at(at.scene.statics, index, face).normal;
   RigidImpactBody leaver = at.rigid_body(body);
   leaver.twist = twist;

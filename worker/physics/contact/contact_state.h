@@ -64,8 +64,8 @@ struct CollisionCount {
 /// SlowContacts.
 std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_end);
 
-/// Contact state without two parts: touches are in a list of TouchRecord (rest_log.h), and
-/// collision counts and times follow from the event itself (World::restore).
+/// A body's contact state, except its touches, which are in a list of TouchRecord (rest_log.h), and
+/// its collision counts and times, which follow from the event itself (World::restore).
 struct ContactState {
   RestState rest;
   Supports supports;

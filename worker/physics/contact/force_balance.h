@@ -2,8 +2,8 @@
 //
 // Idea. Forces f at m contacts hold n bodies if A f = -w, where A f are three forces and three
 // torques per body, and w the weights. The f with A f = -w form an affine plane; the f inside their
-// cones form a convex set. Douglas and Rachford's splitting (J. Douglas, H. Rachford, Transactions
-// of the American Mathematical Society 82, 1956; P.-L. Lions, B. Mercier, SIAM Journal on Numerical
+// cones form a convex set. Douglas and Rachford's splitting (Douglas and Rachford, Transactions of
+// the American Mathematical Society 82, 1956, and Lions and Mercier, SIAM Journal on Numerical
 // Analysis 16, 1979) finds a point of both sets, if there is one, by iterating
 //   z += C(2 P(z) - z) - P(z).
 // P is the projection onto the plane; it uses A A^T, which is factored once. C is the projection

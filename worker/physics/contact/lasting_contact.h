@@ -22,8 +22,8 @@ Tick tick_after(Tick tick, double span_s);
 /// Height of the slowest bounces.
 double bounce_m(const SlowContacts& slow, const Vec3& gravity_mps2);
 
-/// Tick at which a point moving on a plane crosses to another friction; k_never if not before
-/// `end`.
+/// Tick at which a point that moves on a plane reaches an area of different friction; k_never if
+/// not before `end`.
 Tick meets_border(const FrictionMap& map, const MapPath& path, Tick from, Tick end);
 
 /// Converts a sphere for contact_motion.h. REQUIRES: the inertia of a ball.
@@ -91,7 +91,7 @@ Caught caught_by(const RoundBody& round, std::span<const LastingContact> contact
 Twist twist_over_edge(const RoundBody& round, const Segment& segment, const Vec3& half_way,
                       const Vec3& gravity_mps2, Tick tick);
 
-/// Whether a sphere in contact that stands still would not accelerate.
+/// Whether a sphere that stands still on these contacts would remain at rest.
 bool stands_on(const RoundBody& round, std::span<const LastingContact> contacts,
                const Vec3& gravity_mps2);
 

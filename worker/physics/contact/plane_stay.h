@@ -1,5 +1,5 @@
-// Bodies that aren't spheres and stay on a fixed plane: when they begin to, and until when.
-// response/plane_motion.h computes their motion, and contact_events.h has the rules.
+// Computes when bodies that aren't spheres begin to stay on a fixed plane, and until when they
+// stay. response/plane_motion.h computes their motion, and contact_events.h has the rules.
 //
 // Idea. If a body bounces on a plane by micrometres and all points that carry it are near the
 // plane, the body stays in its current pose. The body isn't turned towards the plane, and hovers

@@ -2,7 +2,7 @@
 //
 // Idea. Among bodies that touch each other, the largest set goes to rest in which each member is
 // slow and in balance. A slow member was slower than rest_speed_mps at every collision of the last
-// rest_time_s, and is so now. A balanced member is carried by its recent touches with static
+// rest_time_s, and still is. A balanced member is carried by its recent touches with static
 // geometry, resting bodies and members of the set: normal forces with friction at these contacts
 // can carry its weight, even if its centre moves a little to any side. Other bodies that a member
 // touches may still move, so a heap into which grains fall comes to rest from below.
@@ -21,7 +21,8 @@
 // balanced members, and resting bodies that can't bear it wake. In larger structures, and for a
 // body that has been slow for 64 rest times, each body is tested alone.
 //
-// A decision asks the caller for the state of one body after another, and then has an outcome:
+// A decision requests the state of one body after another from the caller, and then returns an
+// outcome:
 //
 //   decision.begin(logs, body, now);
 //   while (const auto asked = decision.asks()) decision.tell(*asked, present state of *asked);
@@ -89,11 +90,11 @@ class RestDecision {
 
   // Tests of one body.
   bool may_lean_on(const TouchRecord& touch) const;
-  /// Whether a resting body that once failed to bear another touches that body now, which isn't
-  /// going to rest.
+  /// Whether the body once failed to bear another body that it touches now and that isn't going to
+  /// rest.
   bool lacks_load(const RestLog& log) const;
   /// Whether the body has been slow for so long that it must be held somehow: an unheld body would
-  /// be fast by then.
+  /// be fast by now.
   bool has_been_slow(const RestLog& log) const;
   /// Whether a candidate has been near its place for so long that it must be standing.
   bool has_stayed(const RestLog& log) const;

@@ -35,19 +35,19 @@ class Resting {
   TickCount rest_span() const { return logs_.rest_span; }
   double wake_speed_mps() const;
   /// Whether a collision is slow, given the speeds of the body's fastest point before and after it
-  /// and the separation speed of the contact. A separation faster than slow bounces is not slow, or
-  /// the body could freeze in the air.
+  /// and the separation speed of the contact. A collision that separates faster than slow bounces
+  /// do isn't slow; otherwise bodies could freeze in the air.
   bool is_slow(double before_mps, double after_mps, double parting_mps) const;
 
   // Changes of a body's motion.
-  /// The body collides.
+  /// Call when the body collides.
   void touched(BodyId body, const TouchRecord& record, bool slowly);
-  /// The body begins a segment in which it stays in contact. `slow_from`: first slow tick of the
-  /// segment, or k_never.
+  /// Call when the body begins a segment in which it stays in contact. `slow_from`: first slow tick
+  /// of the segment, or k_never.
   void stays(BodyId body, Tick now, Tick slow_from);
-  /// The body leaves a lasting contact without an impact.
+  /// Call when the body leaves a lasting contact without an impact.
   void flies(BodyId body, Tick now);
-  /// The body's motion changes for another reason.
+  /// Call when the body's motion changes for another reason.
   void disturbed(BodyId body);
 
   // Going to rest. All of these functions REQUIRE enabled().
@@ -73,10 +73,10 @@ class Resting {
   /// The bodies that a resting body leans on; empty if awake.
   std::span<const BodyId> supporters(BodyId body) const;
   /// Marks the bodies that rest on a moving body as awake and returns them in ascending order.
-  /// Bodies resting on the returned ones keep resting until those leave their place. Valid until
-  /// the next call.
+  /// Bodies that rest on a returned body keep resting until it leaves its place. Valid until the
+  /// next call.
   std::span<const BodyId> wake(BodyId body);
-  /// A body woke without an impact in the pose in which it rested.
+  /// Call when a body wakes without an impact, in the pose in which it rested.
   void woke(BodyId body, Tick now, const Pose& pose);
   /// Whether others may still rest on a body that woke.
   bool in_place(BodyId body) const { return enabled() && log_of(body).in_place; }
