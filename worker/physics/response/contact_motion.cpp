@@ -45,7 +45,8 @@ void slide(const RoundBody& body, const LastingContact& contact, const Vec3& pul
   motion.lasts_s = slip.lasts_s;
 }
 
-/// The maximum resistance against a direction that friction can transmit: |turning - x d| = mu N.
+/// The maximum rolling resistance x against a direction d that friction can transmit: |turning - x
+/// d| = mu N.
 struct PassedOn {
   Vec3 turning;       ///< the friction that turns the sphere, without resistance
   double spare;       ///< (mu N)^2 - turning^2

@@ -1,12 +1,12 @@
 // How a sphere moves while it stays in contact with one, two or three faces that don't move.
 //
-// Idea. Ever lower bounces become one lasting contact, in which a constant pull presses the sphere
-// onto the faces. The centre moves along a plane, or along a line if the sphere touches two faces.
-// The rest of gravity, Coulomb friction and rolling resistance accelerate the sphere. At a contact
-// the surface either slips, and friction is mu times the load against the slip, or it sticks, and
-// friction of at most mu times the load keeps it so. While no slip changes direction and no contact
-// starts or stops slipping, loads and accelerations are constant. The centre then follows a
-// parabola and the spin changes linearly.
+// Idea. A series of ever lower bounces becomes one lasting contact, in which a constant pull
+// presses the sphere onto the faces. The centre moves along a plane, or along a line if the sphere
+// touches two faces. The rest of gravity, Coulomb friction and rolling resistance accelerate the
+// sphere. At a contact the sphere's surface either slips or sticks. If it slips, friction is mu
+// times the load, against the slip. If it sticks, friction of at most mu times the load holds it.
+// While no slip changes direction and no contact starts or stops slipping, loads and accelerations
+// are constant. The centre then follows a parabola and the spin changes linearly.
 //
 //   one face     slides: slip' = g_t - mu N (1 + 1/k) slip/|slip|;  rolls: v' = g_t / (1 + k).
 //   two faces    the same along the valley, with the loads from a linear system, because friction
@@ -16,9 +16,9 @@
 //
 // Here k = I / (m r^2) (2/5 for a solid ball), g_t is the part of gravity along the face, and N is
 // the load per mass. (Any text on mechanics derives this for one face; 5/7 and 2/7 for a ball
-// thrown without spin follow.) Rolling resistance decelerates a sphere rolling on one face by c N,
-// and in general by the power that this takes. Rolling resistance also brakes spin about the normal
-// of one face, by the moment c N r.
+// thrown without spin follow.) Rolling resistance decelerates a sphere rolling on one face by c N.
+// In general, the deceleration follows from the power that this resistance takes. Rolling
+// resistance also brakes spin about the normal of one face, by the moment c N r.
 //
 // A slip can turn, as for a ball thrown across a slope. Friction then acts against the slip's
 // direction half way, for as long as the slip turns by a 32nd of a radian (up to half a radian
@@ -50,8 +50,8 @@ struct LastingContact {
 struct RoundBody {
   double radius_m = 0;
   double gyration = 0.4;  ///< k = I / (m r^2)
-  /// A slower slip has ended. A sideways pull turns a dying slip ever faster, in some thirty
-  /// pieces.
+  /// A slip slower than this has ended. Otherwise a sideways pull would turn a dying slip ever
+  /// faster, in some thirty pieces.
   double stick_mps = k_stick_mps;
 
   /// Permitted error of a slip whose direction is held for a while.
@@ -62,7 +62,7 @@ struct ContactMotion {
   /// Bit i: contact i carries a load. If any bit is missing, the sphere doesn't stay on all
   /// contacts, and no other field is set.
   std::uint32_t pressed = 0;
-  /// At the start, without velocity into the faces and without slip slower than `stick_mps`.
+  /// Twist at the start, without velocity into the faces and without slip slower than `stick_mps`.
   Twist start{};
   Vec3 acceleration_mps2 = Vec3::Zero();
   Vec3 angular_acceleration_radps2 = Vec3::Zero();
@@ -75,7 +75,7 @@ struct ContactMotion {
 bool is_valley(const Vec3& normal_a, const Vec3& normal_b);
 
 /// Makes a sphere hop off an edge or a vertex, because pivoting about it has no closed form. Raises
-/// a slower separation to `speed_mps`, paid by at most half of the energy of the sphere's other
+/// a slower separation to `speed_mps`, using at most half of the energy of the sphere's other
 /// motion. All other motion slows down in proportion, so a rolling sphere keeps rolling. Conserves
 /// kinetic energy. REQUIRES: the sphere doesn't approach along the unit `normal`.
 Twist hop(const RoundBody& body, const Vec3& normal, const Twist& twist, double speed_mps);

@@ -56,7 +56,7 @@ struct Arch {
   double lasts_s;
 };
 
-/// Returns the maximum rise above the cylinder. At t, the square of the distance exceeds its value
+/// Returns the maximum rise above the cylinder. At time t, the squared distance exceeds its value
 /// at the ends by t (T - t) q(t), with q of degree two.
 double most_rise_m(const Arch& arch, double distance_m) {
   const double x_m = -0.5 * arch.chord_m;
@@ -107,7 +107,7 @@ HalfWay half_way_of(const Rider& rider, double sine, const Vec3& gravity_mps2) {
   if (rider.rolls) {
     keep_rolling(rider.body, there.normal, twist);
   } else {
-    // Turn the slip with the normal, so that looking ahead a little doesn't change it.
+    // Turn the slip with the normal, so that a look a little ahead sees the same slip.
     twist.angular_velocity_radps += dot(w, outwards) * (there.normal - outwards) +
                                     dot(w, rider.onwards) * (tangent - rider.onwards);
   }
@@ -129,7 +129,7 @@ EdgePiece piece_on(const HalfWay& plane) {
           .rolls = plane.motion.rolls};
 }
 
-/// Up along the tangent, and back to the start.
+/// A piece in which the sphere rolls up along the tangent and back to the start.
 std::optional<EdgePiece> there_and_back(const HalfWay& plane) {
   const double v = dot(plane.tangent, plane.motion.start.velocity_mps);
   const double a = dot(plane.tangent, plane.motion.acceleration_mps2);
@@ -140,7 +140,7 @@ std::optional<EdgePiece> there_and_back(const HalfWay& plane) {
   return piece;
 }
 
-/// A piece or, failing that, the factor for a smaller sine.
+/// A piece or, if there is none, the factor for a smaller sine.
 struct Attempt {
   std::optional<EdgePiece> piece = std::nullopt;
   double shorter = 0;  ///< 0: no shorter piece helps
@@ -213,7 +213,7 @@ std::optional<EdgePiece> edge_piece(const RoundBody& body, const LastingContact&
                     .along_mps = along_mps,
                     .rolls = rolls};
 
-  // Gravity pulls the sphere on or back; if it slips, friction does too.
+  // Gravity accelerates or brakes the sphere along its way; if the sphere slips, so does friction.
   const double pull_mps2 = dot(gravity_mps2, onwards);
   const double rolling_mps2 = pull_mps2 / (1 + body.gyration);
   const double most_mps2 =

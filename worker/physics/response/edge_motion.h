@@ -41,7 +41,7 @@ struct EdgeLine {
 };
 
 struct EdgePiece {
-  /// At the start, including the outward velocity.
+  /// Twist at the start, including the outward velocity.
   Twist start{};
   Vec3 acceleration_mps2 = Vec3::Zero();
   Vec3 angular_acceleration_radps2 = Vec3::Zero();
@@ -51,7 +51,7 @@ struct EdgePiece {
 };
 
 /// Returns the next piece of a sphere's way over an edge, with a rise of at most `rise_max_m`.
-/// There is none if the sphere stands, is about to turn back on too steep a side, starts or stops
+/// Returns nothing if the sphere stands, is about to turn back on too steep a side, starts or stops
 /// slipping at once, or is so fast that it flies off. `contact`: at the start. `rolled`: the sphere
 /// has rolled on this edge up to now. REQUIRES: everything finite; radius, gyration, rise > 0; the
 /// sphere approaches the edge no faster than at the end of a piece.

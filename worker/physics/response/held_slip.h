@@ -18,9 +18,10 @@ struct HeldSlip {
   double lasts_s = k_forever_s;
 };
 
-/// Holds the direction of a slip that a pull changes and friction brakes: the direction half way,
-/// under friction along this direction. (Friction doesn't turn a slip. A held direction that
-/// depended on the initial one would oscillate.) `error_mps`: permitted error of the slip.
+/// Returns the direction in which friction acts on a slip that a pull changes: the slip's direction
+/// half way, if friction acts along this same direction. (Friction doesn't turn a slip. A held
+/// direction that depended on the initial one would oscillate.) `error_mps`: permitted error of the
+/// slip.
 inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, double error_mps) {
   const double speed = math::norm(slip);
   const Vec3 direction = slip / speed;
@@ -31,8 +32,9 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, doub
       (forward > 0 && across <= k_slip_straight * forward))
     return {direction, stop_s};
   // The held direction is right half way, so the error is friction's effect times the turn squared.
-  // In `stops` stopping times, friction's effect is that many times the slip; in the time of the
-  // turn, it is at most brake / across times the slip. Use the bound that allows more.
+  // Within `stops` stopping times, friction changes the slip by at most `stops` times the slip.
+  // Within the time of the turn, friction changes it by at most brake / across times the slip. Use
+  // the bound that allows more.
   const auto span_of = [&](double turn_squared, double stops) {
     const double turn = std::clamp(std::sqrt(turn_squared), k_slip_turn_rad, k_slip_turn_rad_max);
     return std::min({turn * speed / across, stops * speed / brake, stop_s});
@@ -43,7 +45,7 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, doub
   return {math::normalized(slip + (0.5 * span_s) * pull), span_s};
 }
 
-/// Returns when a velocity's component along a direction becomes 0.
+/// Returns the time at which a velocity's component along a direction becomes 0.
 inline double stop_s(const Vec3& velocity, const Vec3& rate, const Vec3& direction) {
   const double along = math::dot(rate, direction);
   return along < 0 ? std::max(0.0, math::dot(velocity, direction)) / -along : k_forever_s;

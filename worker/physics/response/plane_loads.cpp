@@ -36,7 +36,8 @@ std::optional<LyingBody::Rates> LyingBody::rates(const Directions& slip, double 
   const Vec3& n = body_.normal;
   const std::size_t count = body_.supports.size();
   if (!(radius_m_ > 0)) return std::nullopt;
-  // For a unit load at each support: its push, and its torques along the plane without the spin's.
+  // For a unit load at each support, compute its push, and its torques along the plane without
+  // those due to the spin's change.
   std::array<Vec3, k_plane_supports_max> pushes;
   struct Row {
     double first_m, second_m;  ///< the support's place over the radius

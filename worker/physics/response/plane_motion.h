@@ -5,11 +5,11 @@
 // support pushes along the plane's normal n with a load N >= 0, and against its slip with mu N.
 //
 //   - A body lying on an area has a velocity along the plane and a spin about n. The supports'
-//     loads are N = a + b.x, linear in their places x in the plane. These are the loads of least
-//     squares, and those of many equal springs. Newton's and Euler's laws, for the three directions
-//     in which the body can't move, determine a and b. A support whose load would pull is lifted
-//     and takes no part. If too few supports remain, nothing carries the body and it topples. If
-//     nothing slips, the body stands as long as friction holds it.
+//     loads are N = a + b.x, linear in their places x in the plane. These are the least-squares
+//     loads, the same as those of many equal springs. Newton's and Euler's laws, for the three
+//     directions in which the body can't move, determine a and b. A support whose load would pull
+//     is lifted and takes no part. If too few supports remain, nothing carries the body and it
+//     topples. If nothing slips, the body stands as long as friction holds it.
 //   - A body of revolution lying on a line rolls about it. On a level plane with an axis that isn't
 //     level (a cone, a lying pin), the body circles at w_n = -spin (axis.n). The supports provide
 //     the centripetal force and the gyroscopic torque, so both loads must push and friction must
@@ -17,11 +17,11 @@
 //     across its axis (contact_motion.h), with the gyration about the axis.
 //
 // While no slip turns, loads and accelerations are constant, the centre follows a parabola and the
-// angular velocity changes linearly. A body that slides without turning has one such piece, and so
-// has one that only spins. Where slips turn, a piece lasts while they turn by a 32nd of a radian,
-// or for 2^-11 s if that is longer. The piece's directions and loads come from a step to half of
-// its time. A piece of a circle is a 32nd of a radian; its velocities are exact at both ends and
-// interpolated in between.
+// angular velocity changes linearly. A body that slides without turning, or only spins, has one
+// such piece. Where slips turn, a piece lasts while they turn by a 32nd of a radian, or for 2^-11 s
+// if that is longer. The piece uses the directions and loads at half of its time. A piece of a
+// cone's circle covers a 32nd of a radian; its velocities are exact at both ends and interpolated
+// in between.
 //
 // Invariants
 //   1. Nothing gains energy from piece to piece. At the start, velocity that the plane doesn't
@@ -55,7 +55,8 @@ struct BodyOnPlane {
   Vec3 normal = Vec3::UnitZ();       ///< unit, from the plane to the body
   /// At most k_plane_supports_max.
   std::span<const PlaneSupport> supports;
-  /// Unit, in the world's frame, through the centre. 0 unless the body is a body of revolution.
+  /// Axis of revolution through the centre: a unit vector in the world's frame. 0 unless the body
+  /// is a body of revolution.
   Vec3 axis = Vec3::Zero();
   double rolling_friction = 0;
   double stick_mps = 0;  ///< > 0; a slip slower than this is over
@@ -68,7 +69,7 @@ struct PlaneMotion {
   bool brakes = false;   ///< friction brakes the sliding until the body stands or rolls
   bool on_line = false;  ///< the body lies on a line; `start` has no motion along it
   MotionMode mode = MotionMode::sliding;
-  /// At the start, without motion that the plane doesn't allow.
+  /// Twist at the start, without motion that the plane doesn't allow.
   Twist start{};
   Vec3 acceleration_mps2 = Vec3::Zero();
   Vec3 angular_acceleration_radps2 = Vec3::Zero();

@@ -6,9 +6,9 @@
 //   - P_I, the frictionless impulse along n that just stops the approach, of size u / K_nn with the
 //     approach speed u = -V.n;
 //   - P_II = -K^-1 V, the impulse that stops all motion at the contact.
-// With Q = P_II - P_I and the separation speed w, the law of A. Chatterjee and A. Ruina ("A new
-// algebraic rigid-body collision law based on impulse space considerations", Journal of Applied
-// Mechanics 65, 1998; here with tangential restitution 0) is
+// With Q = P_II - P_I and the separation speed w, the law of Chatterjee and Ruina ("A new algebraic
+// rigid-body collision law based on impulse space considerations", Journal of Applied Mechanics 65,
+// 1998; here with tangential restitution 0) is
 //
 //   P = (1 + w/u) P_I + kappa Q.
 //
@@ -31,15 +31,15 @@
 //      This is no gain for w <= u, because the second term is a loss for kappa in [0, 2]. This
 //      holds for every positive definite K, so for every inertia and every contact point. With
 //      friction against the slip, the energy changes by N ((w - u) - mu (s + s')) / 2, because the
-//      contact velocity is linear in the impulse. Friction takes power throughout if it does at
-//      both ends.
+//      contact velocity is linear in the impulse. So if friction takes power at both ends of the
+//      impact, it does throughout.
 //   3. |friction impulse| <= mu times the normal impulse, which is >= 0: P(kappa = 0) is in the
 //      convex cone, and kappa goes from 0 towards 1 only as far as the cone allows.
 //   4. Slow impacts: w = e u for a coefficient e. If w is below the floor v_c, it is raised to v_c.
 //      If the energy doesn't suffice for v_c, w is the speed at which the change above is 0, with
-//      that speed's kappa or s'. So a body sliding in a groove keeps bouncing with about v_c, paid
-//      from its sliding, and the number of events in a time span stays bounded. A body nearly at
-//      rest cannot pay; resting is decided elsewhere.
+//      that speed's kappa or s'. So a body sliding in a groove keeps bouncing with about v_c, using
+//      energy of its sliding, and the number of events in a time span stays bounded. A body nearly
+//      at rest cannot pay; resting is decided elsewhere.
 // Thread safety: pure functions.
 #pragma once
 

@@ -133,7 +133,7 @@ struct Tangents {
   Vec3 second;
 };
 
-/// Returns two unit vectors perpendicular to n (T. Duff and others, "Building an orthonormal basis,
+/// Returns two unit vectors perpendicular to n (Duff and others, "Building an orthonormal basis,
 /// revisited", Journal of Computer Graphics Techniques 6, 2017).
 Tangents tangents_of(const Vec3& n) {
   const double sign = std::copysign(1.0, n.z());
@@ -165,10 +165,10 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
     return {shares.normal_impulse_ns * n, shares.normal_impulse_ns, ImpactRegime::sliding};
   }
 
-  // The tangential columns by modified Gram-Schmidt, deflating y along the way (A. Bjoerck,
-  // "Solving linear least squares problems by Gram-Schmidt orthogonalization", BIT 7, 1967). K's
-  // eigenvalues are at least 1/m_A + 1/m_B, so R's diagonal elements are at least its root. If
-  // rounding loses a column, this bound replaces its diagonal element.
+  // The tangential columns by modified Gram-Schmidt, deflating y along the way (Bjoerck, "Solving
+  // linear least squares problems by Gram-Schmidt orthogonalization", BIT 7, 1967). K's eigenvalues
+  // are at least 1/m_A + 1/m_B, so R's diagonal elements are at least its root. If rounding loses a
+  // column, this bound replaces its diagonal element.
   const Tangents t = tangents_of(n);
   double inverse_mass = 0;
   for (const Side& side : sides)
@@ -191,14 +191,14 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
   scale(e3, 1 / r33);
   const double z3 = dot(e3, y);
 
-  // Against the slip, if the slip keeps its sense: V = R^T z, K = R^T R.
+  // Apply friction against the slip, if the slip keeps its sense: V = R^T z, K = R^T R.
   const double v2_mps = r12 * z1 + r22 * z2;
   const double v3_mps = r13 * z1 + r23 * z2 + r33 * z3;
   const double slip_mps = std::sqrt(v2_mps * v2_mps + v3_mps * v3_mps);
   if (slip_mps > 0) {
     const double d2 = v2_mps / slip_mps;
     const double d3 = v3_mps / slip_mps;
-    // R d; its first component couples slip and normal.
+    // The vector R d; its first component couples slip and normal.
     const double a1 = r12 * d2 + r13 * d3;
     const double a2 = r22 * d2 + r23 * d3;
     const double a3 = r33 * d3;

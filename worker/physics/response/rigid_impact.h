@@ -10,14 +10,14 @@
 // In words: reflect and shrink the component along e_1, and shrink the components along e_2 and
 // e_3. The inverse of the ill-conditioned K is never formed.
 //
-// Stronge's law integrates the sliding velocity along the normal impulse (W. J. Stronge, "Rigid
-// body collisions with friction", Proceedings of the Royal Society A 431, 1990). Neither law gains
+// Stronge's law integrates the sliding velocity along the normal impulse (Stronge, "Rigid body
+// collisions with friction", Proceedings of the Royal Society A 431, 1990). Neither law gains
 // energy, but this one has a closed form, whose proof also covers the rounded result, at 0.17 us. A
 // throwaway Runge-Kutta integration of Stronge's law with 64 steps of compression took 6 us for box
 // corners (e = 0.5, mu = 0.4). The mean difference from an integration with 20,000 steps was 6e-3
 // m/s at speeds of 1 m/s. The price of the present law is that friction acts along one direction,
-// Q's, so the turn of the slip during the impact is not resolved. Also, where normal and tangential
-// motion are coupled (K_nt != 0), a sticking impact with e > 0 leaves some slip.
+// Q's, so the turn of the slip during the impact is not resolved. If normal and tangential motion
+// are coupled (K_nt != 0), a sticking impact with e > 0 leaves some slip.
 //
 // Invariants (e in [0, 1], mu >= 0, any positive moments, any contact point)
 //   1. Kinetic energy doesn't grow beyond rounding, by construction. The energy of the new, rounded
@@ -74,14 +74,15 @@ struct RigidImpactInput {
 /// REQUIRES: at most one body is static; squares of magnitudes neither over- nor underflow.
 ImpactOutput rigid_impact(const RigidImpactInput& input);
 
-/// Makes a body leave static geometry at a contact with at least a given speed, paid by at most
-/// half of the energy of its other motion. All other motion slows down in proportion, so a rolling
-/// body keeps rolling. Conserves kinetic energy up to rounding. `normal` points to the body, whose
-/// twist is the one after the impact. REQUIRES: the body isn't static and doesn't approach.
+/// Makes a body leave static geometry at a contact with at least a given speed, using at most half
+/// of the energy of its other motion. All other motion slows down in proportion, so a rolling body
+/// keeps rolling. Conserves kinetic energy up to rounding. `normal` points to the body, whose twist
+/// is the one after the impact. REQUIRES: the body isn't static and doesn't approach.
 Twist rigid_hop(const RigidImpactBody& body, const Vec3& contact_m, const Vec3& normal,
                 double speed_mps);
 
-/// rigid_impact without the scaling of invariant 1, for the test that shows the need for scaling.
+/// Equals rigid_impact() without the scaling of invariant 1, for the test that shows the need for
+/// scaling.
 ImpactOutput rigid_impact_unguarded(const RigidImpactInput& input);
 
 }  // namespace sleight::physics

@@ -9,8 +9,8 @@
 // against the slip.
 //
 // Invariants
-//   1. Momentum is conserved up to rounding. If both bodies meet at one contact point, so is
-//      angular momentum about any point. Kinetic energy never grows beyond rounding.
+//   1. Momentum is conserved up to rounding. Angular momentum about any point is conserved too, if
+//      both bodies meet at one contact point. Kinetic energy never grows beyond rounding.
 //   2. mu = 0 leaves angular velocities unchanged, bit for bit. With e = 1 as well, kinetic energy
 //      is conserved up to rounding, without bias: the reflection divides by |n|^2, so n's rounded
 //      length has no effect. Over 1e5 collisions, a gas of 64 drifts by 3e-14 (measured).

@@ -253,7 +253,8 @@ class Valley {
   }
   Vec3 unbraked_rate(std::size_t i) const { return slip_rate(i) + brake_of(i) * direction_[i]; }
 
-  /// Returns a time after which a slip begun in not quite its own direction doesn't stick.
+  /// Returns the time for which friction acts on a beginning slip in an approximate direction:
+  /// after it, the slip is too fast to stick again.
   double short_while_s(std::size_t i) const {
     const double rate = norm(slip_rate(i));
     return std::max(k_slip_begin_s, rate > 0 ? 2 * body_.stick_mps / rate : 0);
@@ -286,8 +287,8 @@ class Valley {
       turns = true;
     }
     if (turns && !forces()) return;
-    // If friction would push a beginning slip along, this contact gets no friction for the short
-    // while. Do this twice, because it may put the other contact into the same state.
+    // If friction would push a beginning slip along its direction, this contact gets no friction
+    // for short_while_s(). Do this twice, because it may put the other contact into the same state.
     for (int round = 0; round < 2; ++round) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (!begins_[i] || dot(slip_rate(i), direction_[i]) >= 0) continue;
