@@ -47,8 +47,8 @@ struct MarbleHistory {
     bool is_alone = false;  ///< left alone in its confinement, which is the box
     TouchBox box;
   };
-  /// Motion in a part. For a ball that is left alone, the motion is the one at the moment when it
-  /// was left.
+  /// Motion in a part. For a ball that is left alone, this is its motion at the moment when it was
+  /// left alone.
   struct Flight {
     Tick begin;
     Vec3 position_m = Vec3::Zero();

@@ -236,7 +236,7 @@ void Marbles::balls_changed() {
 /// Leaves a ball alone after a change of its motion, if possible. Returns false if it continues.
 bool Marbles::suspend(BodyId ball) {
   if (!confinement_ || catches_up_ || is_resting(ball)) return false;
-  // After a meeting with another ball, rest decisions may still read both.
+  // After two balls meet, rest decisions may still read both balls.
   if (resting_.enabled() && now_ - balls_[ball].supports.met_body <= resting_.rest_span())
     return false;
   const FreeFlight& flight = balls_[ball].segment.flight;
@@ -251,8 +251,8 @@ bool Marbles::suspend(BodyId ball) {
     is_alone = !balls_[other].suspended && !path_meets(other, now_, next_of(other), confined, 0);
   });
   if (!is_alone) return false;
-  // The path of a replayed ball is known, and so is the tick at which it comes near the
-  // confinement.
+  // A replayed ball's path is known, so the tick at which the ball comes near the confinement is
+  // known too.
   const Tick disturbed = replayed_comes_near(confined);
   if (disturbed <= now_) return false;
   boxes_.set(ball, confined);

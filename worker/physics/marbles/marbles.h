@@ -4,8 +4,8 @@
 // bounding volumes, lists of watched pairs, a queue, a recording and orientations. When a ball's
 // motion begins, its next collision with static geometry is fully determined at once. The path up
 // to that collision has a box, and only pairs of balls with overlapping boxes are predicted. The
-// next event is the minimum of one key per ball. For balls that spell, Marbles is three times as
-// fast as a Simulation (docs/SIMULATOR, "Equal balls by themselves").
+// next event is the minimum of one key per ball. In scenes in which balls spell words, Marbles is
+// three times as fast as a Simulation (docs/SIMULATOR, "Equal balls by themselves").
 //
 // Invariants
 //   1. All results equal those of a Simulation of the same scene, bit for bit: both apply the same
@@ -28,7 +28,7 @@
 //   3. The ball's history contains a meeting with a ball that isn't replayed now.
 //   4. The ball's history contains a recent meeting with a ball that has gone live since, so that
 //      rest decisions will read that ball.
-//   5. A ball that it rests on, or a ball that rests on it, is no longer replayed.
+//   5. A ball that the ball rests on, or that rests on the ball, is no longer replayed.
 //   6. A simulated ball meets the replayed one (an obstacle with known motion), or comes near the
 //      confinement in which the replayed one is alone.
 //   7. The ball's history ends, and the ball doesn't stay where it is.
@@ -89,9 +89,9 @@ struct MarbleChange {
   TouchBox box;  ///< a ball that meets one of them, in its old or new state, overlaps this box
 };
 
-/// Input from an earlier simulation. REQUIRES: all histories come from one simulation. Its scene
-/// has the same laws, the same static geometry except for `changes`, and the same balls and starts
-/// for all balls with a history.
+/// Input from an earlier simulation. REQUIRES: all histories come from one simulation. That
+/// simulation's scene has the same laws, the same static geometry except for `changes`, and the
+/// same balls and starts for all balls with a history.
 struct MarbleReplay {
   const MarbleHistories* histories = nullptr;  ///< by ball, from a finished simulation
   std::span<const MarbleChange> changes{};     ///< of static geometry
@@ -145,7 +145,7 @@ class Marbles {
   const MarbleHistory* replayed(BodyId marble) const { return replayed_[marble].get(); }
   /// Simulates a ball from now on.
   void stop_replay(BodyId marble);
-  /// Whether the results might differ from those without histories.
+  /// Whether the results might differ from the results of a simulation without histories.
   bool is_replay_void() const;
   /// Histories up to now, by ball. REQUIRES: recording is on; the replay isn't void.
   MarbleHistories histories() const;

@@ -49,7 +49,7 @@ const CollisionCount& Marbles::count_at(BodyId ball, Tick tick) {
   return collided;
 }
 
-// ---- as contact_events.h asks for them ----------------------------------------------------------
+// ---- the functions that contact_events.h requires -----------------------------------------------
 
 class Marbles::AtEvent : public contact::Event {
  public:

@@ -46,8 +46,9 @@ double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre
   const double c_v = math::dot(away_m, velocity_mps);
   const auto [gap_m, rate_mps] = gap_at_distance(distance_m, c_v, radius_m);
   if (collides(gap_m, rate_mps)) return 0;
-  // The distance is at least that from a plane through the line or point, perpendicular to the
-  // connecting vector. The distance doesn't shrink while c.v is positive (sphere_search.h).
+  // The distance is at least the distance from a plane through the line or point that is
+  // perpendicular to the connecting vector. The distance doesn't shrink while c.v is positive
+  // (sphere_search.h).
   const double c_a = math::dot(away_m, pull_mps2);
   double not_before_s = 0;
   if (!approaches(rate_mps)) {
@@ -105,8 +106,9 @@ TouchBox ball_box(const PathExtent& extent, double radius_m) {
   return ball_box(extent, radius_m);
 }
 
-/// Whether two balls certainly don't touch for a time span: their distance is at least that from a
-/// plane perpendicular to their connecting vector.
+/// Whether two balls certainly don't touch for a time span. The bound on their distance is the
+/// second centre's distance from a plane through the first one, perpendicular to their connecting
+/// vector.
 bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double span_s) {
   const Vec3 between_m = b.position_m - a.position_m;
   const double square = math::dot(between_m, between_m);

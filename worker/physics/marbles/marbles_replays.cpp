@@ -133,7 +133,7 @@ void Marbles::goes_live_by(BodyId ball, Tick tick) {
   }
 }
 
-/// Makes the balls live that were added since the list had length `from`.
+/// Makes live the balls that were added to the list since it had length `from`.
 void Marbles::hasten(std::size_t from) {
   while (hastened_.size() > from) {
     const auto [ball, tick] = hastened_.back();
@@ -168,9 +168,9 @@ void Marbles::goes_live(BodyId ball) {
   hasten(from);
 }
 
-/// Collects the balls that must go live because a given ball of their history goes live. These
-/// balls later meet the given ball, have just met it and may read it in rest decisions, or rest on
-/// it.
+/// Collects the balls that must go live because a given ball of their history goes live. Such a
+/// ball will meet the given ball, rests on it, or has just met it and may read it in rest
+/// decisions.
 void Marbles::hasten_partners(BodyId ball, Tick now) {
   for (const BodyId other : replays_) {
     const MarbleHistory& theirs = *replayed_[other];
@@ -233,7 +233,7 @@ void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
                       history.meetings.begin() + static_cast<std::ptrdiff_t>(checkpoint.meetings));
 }
 
-// ---- those that are simulated, and those that are replayed --------------------------------------
+// ---- simulated and replayed balls ---------------------------------------------------------------
 
 /// Finds replayed balls that a ball may meet before a tick. The given ball stays in the box, or
 /// follows its path there if `is_path`.
@@ -272,7 +272,7 @@ void Marbles::comes_near_replayed(BodyId index, const TouchBox& box, Tick to, bo
   hasten(found);
 }
 
-/// Whether another ball's history starts where this ball is then, or almost there.
+/// Whether another ball, in its history, starts so near to this ball that the two may overlap.
 bool Marbles::starts_at(BodyId ball, const MarbleHistory::Flight& way) const {
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   return apart_m2(path_box_of(ball, way.begin, way.begin),

@@ -9,7 +9,7 @@
 // Faces. The height n.(p - q) is a parabola in time. For a falling centre the height is lowest at
 // an end.
 //
-// Edges and vertices. Let c be the vector from an edge's line, or a vertex, to the centre at first.
+// Edges and vertices. Let c be the initial vector from an edge's line, or a vertex, to the centre.
 // The plane perpendicular to c gives |c(h)| >= c.c(h) / |c|, a parabola again. The square c.c is a
 // polynomial in time: its first three terms are a parabola, and the others are bounded.
 //
