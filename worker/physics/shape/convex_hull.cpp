@@ -229,7 +229,8 @@ std::vector<std::uint32_t> merge(const Hull& hull, const Neighbours& neighbours,
     if (face[seed] != k_none) continue;
     face[seed] = count;
     const Vec3 anchor = hull.points_m[triangles[seed].v[0]];
-    // A sliver has no reliable plane. It stays alone; if that is wrong, the checks fail.
+    // A sliver has no reliable plane. The sliver stays a face of its own; if that is wrong, the
+    // checks below fail.
     const bool grows = area[seed] > hull.tolerance_m * hull.tolerance_m;
     const Vec3 unit = grows ? Vec3(normal[seed] / area[seed]) : Vec3(Vec3::Zero());
     if (grows) open.push_back(seed);

@@ -17,9 +17,9 @@ using math::norm;
 
 constexpr std::size_t k_pad = 4;
 
-// Newell's formula (I. Sutherland, R. Sproull, R. Schumacker 1974, "A characterization of ten
-// hidden-surface algorithms", who credit M. Newell). Vertices are taken relative to the first one,
-// so that shapes far from the origin lose no digits.
+// Newell's formula (Sutherland, Sproull and Schumacker 1974, "A characterization of ten
+// hidden-surface algorithms"). Vertices are taken relative to the first one, so that shapes far
+// from the origin lose no digits.
 Vec3 loop_normal(std::span<const Vec3> vertices_m, std::span<const std::uint16_t> loop) {
   const Vec3 origin = vertices_m[loop[0]];
   Vec3 sum = Vec3::Zero();

@@ -13,8 +13,8 @@
 //
 // Invariants
 //   1. Vertices are in the order of the given points. Points inside the hull, a face or an edge, or
-//      within the tolerance of an earlier point are left out. All are within 8 tolerances of the
-//      polyhedron.
+//      within the tolerance of an earlier point are left out. All given points are within 8
+//      tolerances of the polyhedron.
 //   2. A face's sides run anticlockwise seen from outside. A face's normal has length 1 up to
 //      rounding. dot(normal, v) <= offset_m for all its vertices v, with equality for one. Each
 //      edge has two different faces, face[0] on the left of vertex[0] -> vertex[1]. V - E + F = 2.

@@ -48,8 +48,8 @@ Moments moments_of(const ConvexPolyhedron& part) {
   return sum;
 }
 
-// Chooses the largest component (S. Shepperd, "Quaternion from rotation matrix", J. Guidance and
-// Control 1 (1978)).
+// Chooses the largest component (Shepperd, "Quaternion from rotation matrix", Journal of Guidance
+// and Control 1, 1978).
 Quat quaternion_of(const Mat3& m) {
   const double trace = m(0, 0) + m(1, 1) + m(2, 2);
   const std::array<double, 4> square{trace, m(0, 0), m(1, 1), m(2, 2)};

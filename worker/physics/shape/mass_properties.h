@@ -2,11 +2,11 @@
 //
 // Idea. A body of uniform density is a union of convex parts that do not overlap. Each part is cut
 // into tetrahedra from its centre to its faces' triangles. A tetrahedron's volume, first and second
-// moments are exact polynomials of its corners (F. Tonon, "Explicit exact formulas for the 3-D
-// tetrahedron inertia tensor in terms of its vertex coordinates", J. Math. Stat. 1 (2004)). The
-// covariance form is J. Blow's and A. Binstock's ("How to find the inertia tensor of a 3D solid
-// body", 2004): the integral of x x^T over the tetrahedron (0, a, b, c) of volume V is V/20 (a a^T
-// + b b^T + c c^T + s s^T) with s = a + b + c.
+// moments are exact polynomials of its corners (Tonon, "Explicit exact formulas for the 3-D
+// tetrahedron inertia tensor in terms of its vertex coordinates", Journal of Mathematics and
+// Statistics 1, 2004). The covariance form is from Blow and Binstock ("How to find the inertia
+// tensor of a 3D solid body", 2004): the integral of x x^T over the tetrahedron (0, a, b, c) of
+// volume V is V/20 (a a^T + b b^T + c c^T + s s^T) with s = a + b + c.
 //
 // The maker of a shape declares its symmetry, which selects how free rotation is computed. The
 // declaration is checked; symmetry is never guessed from rounded numbers.
@@ -39,10 +39,10 @@ struct PrincipalAxes {
   Mat3 axes = Mat3::Identity();  ///< the columns are the moments' unit axes; determinant 1
 };
 
-/// Computes the eigenvalues and eigenvectors of a symmetric matrix by cyclic Jacobi rotations (G.
-/// Golub, C. Van Loan, "Matrix computations", 3rd edition, 8.4). Chooses the order and signs of the
-/// axes closest to the given frame, so a diagonal matrix gives the identity. Errors are some 1e-15
-/// of the largest entry. Reads only the upper triangle. REQUIRES: finite.
+/// Computes the eigenvalues and eigenvectors of a symmetric matrix by cyclic Jacobi rotations
+/// (Golub and Van Loan, "Matrix computations", 3rd edition, 8.4). Chooses the order and signs of
+/// the axes closest to the given frame, so a diagonal matrix gives the identity. Errors are some
+/// 1e-15 of the largest entry. Reads only the upper triangle. REQUIRES: finite.
 PrincipalAxes principal_axes(const Mat3& symmetric);
 
 /// A body in its own frame: origin in the centre of mass, principal axes along x, y, z.

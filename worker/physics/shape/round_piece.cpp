@@ -8,7 +8,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Normals are equal within this, and lengths within this share of the piece's size.
+/// Normals count as equal within this tolerance, and lengths within this share of the piece's size.
 constexpr double k_alike = 1e-12;
 
 using math::dot;

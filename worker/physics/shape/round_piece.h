@@ -70,8 +70,8 @@ struct ProfileArc {
 class RoundPiece {
  public:
   /// Makes a piece, leaving out features that other features contain. Fails with no_parts,
-  /// too_many_features, no_axis, not_finite, dimension_not_positive (a radius; `index` counts the
-  /// rings, then the balls), or sharp (r below k_round_edge_min of the size).
+  /// too_many_features, no_axis, not_finite, dimension_not_positive (for a radius), or sharp (if r
+  /// is below k_round_edge_min of the size). The error's `index` counts the rings, then the balls.
   static base::Result<RoundPiece, ShapeError> make(const RoundDescription& description);
 
   std::span<const RoundFeature> features() const { return features_; }

@@ -21,7 +21,7 @@ std::optional<ShapeError> bad_size(std::initializer_list<double> sizes) {
   return std::nullopt;
 }
 
-/// Nodes and weights of the Gauss-Legendre rule on [-1, 1] (M. Abramowitz, I. Stegun, "Handbook of
+/// Nodes and weights of the Gauss-Legendre rule on [-1, 1] (Abramowitz and Stegun, "Handbook of
 /// mathematical functions", table 25.4, n = 16).
 constexpr std::array<double, 8> k_nodes{0.095012509837637440185, 0.281603550779258913230,
                                         0.458016777657227386342, 0.617876244402643748447,
@@ -147,8 +147,8 @@ struct ProfilePoint {
   double height_in;
   double radius_in;
 };
-/// Heights and half the diameters: United States Bowling Congress, "Equipment specifications and
-/// certifications manual", pin specifications.
+/// Heights and half the diameters, from United States Bowling Congress, "Equipment specifications
+/// and certifications manual", pin specifications.
 constexpr std::array<ProfilePoint, 14> k_pin{{{0, 2.031 / 2},
                                               {0.75, 2.828 / 2},
                                               {2.25, 3.906 / 2},
@@ -168,7 +168,7 @@ constexpr double k_dome_in = 1.273;
 constexpr double k_rim_in = 5.0 / 32;
 
 /// Returns the second derivatives of the cubic spline through the points, free at the foot and
-/// level at the top (W. Press and others, "Numerical recipes", 3.3).
+/// level at the top (Press and others, "Numerical recipes", 3.3).
 std::array<double, k_pin.size()> pin_bends() {
   constexpr std::size_t n = k_pin.size();
   std::array<double, n> bend{};

@@ -33,7 +33,7 @@ Globe icosahedron() {
       }
     }
   }
-  // Neighbours are 2 apart before scaling, all other pairs at least 2 golden.
+  // Before scaling, neighbours are 2 apart, and all other pairs at least 2 golden ratios.
   const auto near = [&](std::size_t a, std::size_t b) {
     return math::norm(globe.points[a] - globe.points[b]) < 2.5 * scale;
   };

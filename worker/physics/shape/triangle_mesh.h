@@ -9,7 +9,8 @@
 // Invariants
 //   1. A mesh has passed all checks. All vertices are finite, and no triangle is thinner than
 //      k_mesh_sliver. Every edge is in at most two triangles, which run it in opposite directions,
-//      so neighbours have the same outside. In a closed mesh every edge is in exactly two.
+//      so neighbours have the same outside. In a closed mesh, every edge is in exactly two
+//      triangles.
 //   2. Derived data depend only on vertices and triangles: after move_vertices they equal a fresh
 //      build's, bit for bit. Numbers and topology never change.
 //   3. Edges are in ascending order of (lower, higher vertex). A failed move changes nothing.
