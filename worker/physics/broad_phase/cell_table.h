@@ -80,8 +80,8 @@ class CellTable {
   std::uint32_t next(std::uint32_t block) const { return blocks_[block].next; }
   std::uint32_t body(std::uint32_t block, std::uint32_t slot) const { return bodies_[block][slot]; }
 
-  /// A sketch prepared for comparisons. Two arcs overlap exactly if one's last point is, along the
-  /// ring, at most both widths after the other's first point.
+  /// A sketch prepared for comparisons. Two arcs overlap exactly if, along the ring, the last point
+  /// of one is at most the sum of both widths after the first point of the other.
   class Query {
    public:
     explicit Query(const Sketch& sketch) {

@@ -28,7 +28,7 @@ constexpr std::array<std::uint32_t, 3> k_strides = {1, 0x25CEA933U, 0xDA92657BU}
 /// Offset between levels in the table.
 constexpr std::uint32_t k_level_stride = 0xC2B2AE3DU;
 
-/// Floor without libm's call on plain x86-64; saturates.
+/// Computes floor() without a call of libm on plain x86-64; saturates.
 std::int64_t unit_at(double place) {
   if (place >= k_unit_limit) return static_cast<std::int64_t>(k_unit_limit);
   if (place <= -k_unit_limit) return -static_cast<std::int64_t>(k_unit_limit);

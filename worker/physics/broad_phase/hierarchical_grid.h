@@ -12,9 +12,9 @@
 // If the cells to visit outnumber the level's boxes (a huge box among small ones), the query
 // compares with all boxes of the level instead. Boxes beyond the highest level are always compared.
 //
-// A move finds ended overlaps among the sink's neighbours. For begun overlaps it queries with the
-// new box, without the bodies that the old box overlapped. A new box inside the old one needs no
-// query.
+// A move finds ended overlaps among the sink's neighbours. To find begun overlaps, the move queries
+// with the new box and ignores bodies that the old box overlapped. A new box inside the old one
+// needs no query.
 //
 // Each level measures in whole units, a small part of its cells, rounded down:
 //
@@ -65,7 +65,7 @@ class HierarchicalGrid {
   static constexpr std::uint32_t k_level_unbounded = k_levels - 1;
   /// Maximum cells that a query may visit on an axis before it compares with all boxes instead.
   static constexpr std::uint32_t k_span_max = 32;
-  /// Hits that are judged together: 8 blocks.
+  /// Number of hits that are judged together: those of 8 blocks.
   static constexpr std::size_t k_batch = 64;
 
   struct Axis {
