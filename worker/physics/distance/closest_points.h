@@ -8,17 +8,18 @@
 // (vertex-face, edge-edge, ...). The result is checked against the features' neighbours, which
 // suffices by convexity. So errors of a search never show.
 //
-//   1. The features of the last time (warm only). If they are still right, nothing else is done.
-//   2. GJK (E. Gilbert, D. Johnson, S. Keerthi 1988), with a simplex's closest points by signed
-//      areas and volumes (M. Montanari, N. Petrinic, E. Barbieri, "Improving the GJK algorithm for
-//      faster and more reliable distance queries between two convex objects", ACM TOG 36 (2017)).
-//      Unlike in that paper, a vertex's seniority isn't used, so any simplex is accepted.
-//   3. If GJK's simplex is not certified (nearly parallel faces and edges at tiny gaps): all pairs
-//      of features that can hold closest points within GJK's bounds. The search is exact, and
-//      usually takes only a handful of pairs, because the gap is known up to rounding.
-//   4. Overlap: the direction of least depth among all face normals and products of edges (D.
-//      Gregorius, "The separating axis test between convex polyhedra", GDC 2013). This takes 1 us
-//      for two cubes and 70 us for two icospheres of 42 vertices.
+//   1. closest_warm() first tries the features of the previous call. If they are still the closest,
+//      nothing else is done.
+//   2. GJK (Gilbert, Johnson and Keerthi 1988), with a simplex's closest points by signed areas and
+//      volumes (Montanari, Petrinic and Barbieri, "Improving the GJK algorithm for faster and more
+//      reliable distance queries between two convex objects", ACM TOG 36 (2017)). Unlike in that
+//      paper, a vertex's seniority isn't used, so any simplex is accepted.
+//   3. If GJK's simplex is not certified (nearly parallel faces and edges at tiny gaps), all pairs
+//      of features are searched that can hold closest points within GJK's bounds. The search is
+//      exact, and usually takes only a handful of pairs, because the gap is known up to rounding.
+//   4. If the pieces overlap, the result is the direction of least depth among all face normals and
+//      products of edges (Gregorius, "The separating axis test between convex polyhedra", GDC
+//      2013). This takes 1 us for two cubes and 70 us for two icospheres of 42 vertices.
 //
 // Invariants
 //   1. Separate pieces: gap_m is right to some 1e-15 of the coordinates in A's frame (both outer
@@ -28,8 +29,8 @@
 //   2. Overlapping pieces (gap_m <= 0): -gap_m is the depth, the length of the shortest shift along
 //      `normal` that separates the pieces. If the depth is small against the features, `normal` is
 //      the contact normal. One point is on its piece's feature; the other is its partner along the
-//      normal. Positive gaps below 8 * 2^-50 of the coordinates have such results too, because the
-//      direction between two such points is noise. The gap is then a lower bound, right to that
+//      normal. Positive gaps below 8 * 2^-50 of the coordinates are handled like overlaps, because
+//      the direction between two such points is noise. The gap is then a lower bound, right to that
 //      size.
 //   3. closest_cold depends only on shapes and poses, bit for bit.
 //   4. closest_warm's gap differs from closest_cold's by at most the rounding of invariant 1.
@@ -71,8 +72,8 @@ struct Closest {
   bool overlapping() const { return gap_m <= 0; }
 };
 
-/// closest_warm's memory of a pair. The result is right for any contents whose features exist in
-/// the pieces. A fresh cache names no features.
+/// What closest_warm() remembers of a pair. The result is right for any contents whose features
+/// exist in the pieces. A new cache has no features.
 struct SeparationCache {
   Vec3 axis = Vec3::Zero();  ///< the last normal, in A's frame
   Feature a;

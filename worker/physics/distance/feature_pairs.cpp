@@ -158,10 +158,10 @@ bool edge_edge(const PiecePair& pair, LocalClosest& out) {
   const double square_a = dot(along_a, along_a);
   const double square_b = dot(along_b, along_b);
   if (!(normal_square > k_parallel_sine * k_parallel_sine * (square_a * square_b))) return false;
-  // The point of A's line nearest to B's line (V. Lumelsky, "On fast computation of distance
-  // between line segments", 1985). In this form, with the product of the directions, the error
-  // grows with 1/sine, not with 1/sine^2. B's point is the foot of A's, so the difference has no
-  // component along the edges, however inaccurate A's point is.
+  // The point of A's line nearest to B's line (Lumelsky, "On fast computation of distance between
+  // line segments", 1985). In this form, with the product of the directions, the error grows with
+  // 1/sine, not with 1/sine^2. B's point is the foot of A's, so the difference has no component
+  // along the edges, however inaccurate A's point is.
   const Vec3 apart = start_b - start_a;
   const double s = dot(cross(apart, along_b), normal) / normal_square;
   if (!(s >= 0 && s <= 1)) return false;

@@ -136,7 +136,7 @@ GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& cl
       next.b = furthest_vertex(pair.b, -in_b);
     }
     next.difference_m = pair.vertex_of_b(next.b) - pair.vertex_of_a(next.a);
-    // Done if they are not closer than the simplex's points.
+    // Stop if the new vertices are not closer than the simplex's points.
     if (simplex.count > 0) {
       for (int i = 0; i < simplex.count; ++i) {
         const SimplexPoint& known = simplex.points[static_cast<std::size_t>(i)];
