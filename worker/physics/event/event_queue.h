@@ -10,8 +10,8 @@
 //   2. A slot is empty exactly if its key is k_no_event, so set(slot, k_no_event) empties it. A key
 //      at k_never that differs from k_no_event in another field is an ordinary event.
 //   3. Nothing is allocated outside reset().
-//   4. Any key may be set at any time. A queue may become faster, but not incorrect, by assuming
-//      that no key is set before the current event's tick.
+//   4. Any key may be set at any time. A queue may be optimised for keys that are not before the
+//      current event's tick, but it must be correct for all keys.
 //
 // The simulator uses TournamentQueue, the fastest at every size measured, from 64 to 100,000 slots.
 // Tests compare TournamentQueue with other queues (tests/engines), and `sleight-bench event_queue`
@@ -34,8 +34,8 @@ using Slot = base::Id<struct SlotTag, std::uint32_t>;
 /// Maximum slots of a queue: two to four times as many still fit into 32 bits.
 inline constexpr std::uint32_t k_slots_max = std::uint32_t{1} << 28;
 
-/// Ordered by key, then by slot: a total order even if two slots have the same key, as those of two
-/// bodies do that are going to collide.
+/// Ordered by key, then by slot: a total order even if two slots have the same key, as the slots of
+/// two bodies that are going to collide do.
 struct QueuedEvent {
   EventKey key = k_no_event;
   Slot slot{};

@@ -129,8 +129,8 @@ inline constexpr double k_settling_bounces = 2;
 /// more often.
 inline constexpr double k_sunk_m = 5e-7;
 
-/// Maximum corners that carry a body on a flat surface; if more are near, a selection all around.
-/// With few corners, a body on a face with many corners tips about chords of the face.
+/// Maximum corners that carry a body on a flat surface; if more are near, some are selected all
+/// around. With few corners, a body on a face with many corners tips about chords of the face.
 inline constexpr std::size_t k_plane_supports_max = 64;
 
 /// Maximum length of a segment in which a body in contact rotates unevenly (0.25 s). If larger,
@@ -152,11 +152,11 @@ inline constexpr double k_stick_bounces = 0.1;
 /// m/s beyond 0.
 inline constexpr double k_stick_mps = 1e-6;
 
-/// Angle by which a slip's direction may turn before the motion is recomputed. The error is the
-/// square of this angle, as a share of the slip. If smaller, there are more events.
+/// Angle by which a slip's direction may turn before the motion is recomputed. The slip's relative
+/// error is the square of this angle. If smaller, there are more events.
 inline constexpr double k_slip_turn_rad = 1.0 / 32;
-/// Larger limit for the angle k_slip_turn_rad while the slip's error is below k_slip_error_mps or,
-/// if greater, an eighth of an ended slip or a 1024th of the slip.
+/// Larger limit for the angle, while the slip's error is below the greatest of k_slip_error_mps, an
+/// eighth of an ended slip and a 1024th of the slip.
 inline constexpr double k_slip_turn_rad_max = 0.5;
 inline constexpr double k_slip_error_mps = 1e-5;
 /// The motion is recomputed after this many times the time in which friction alone would stop the

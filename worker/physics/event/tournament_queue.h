@@ -2,13 +2,13 @@
 // to the overall winner, which is the least event.
 //
 // Idea. Every slot has a fixed path to the top, so nothing is moved and no slot stores its
-// position. A group is eight ticks in one cache line. Seven in eight new keys neither were nor
-// become their group's first, and need no further work. Otherwise the group's least is found
-// without branches, and the path up is replayed as far as the change has effects. If the overall
-// winner was replaced, the whole path is replayed, but then the opponents are known before the
-// first match is over, and the processor prefetches them. Whole keys are read only for equal ticks.
-// (Tournaments, with pairs all the way: D. Knuth, "The Art of Computer Programming" 3, section
-// 5.4.1.)
+// position. A group is eight ticks in one cache line. For seven of eight new keys, the slot neither
+// was nor becomes its group's first, so no further work is needed. Otherwise the group's least is
+// found without branches, and the path up is replayed as far as the change has effects. If the
+// overall winner was replaced, the whole path is replayed, but then the opponents are known before
+// the first match is over, and the processor prefetches them. Whole keys are read only for equal
+// ticks. Knuth describes tournaments of pairs only ("The Art of Computer Programming" 3, section
+// 5.4.1).
 //
 // Invariants besides those of event_queue.h
 //   1. ticks_[i] is the tick of keys_[i]. Empty slots fill up the last group.
