@@ -4,7 +4,7 @@
 // axis in the world and w3 = w.z is constant. The axis and w both turn about the constant L at the
 // rate |L|/I1 (the precession). The body turns about its own axis at w3 (1 - I3/I1):
 //   q(s) = exp(L/I1 s) q(0) exp(z_body w3 (1 - I3/I1) s),   w(s) = exp(L/I1 s) w(0)
-// (L. Landau, E. Lifshitz, "Mechanics", sections 33 and 35). A spherical body is the case I3 = I1,
+// (Landau and Lifshitz, "Mechanics", sections 33 and 35). A spherical body is the case I3 = I1,
 // with L/I1 = w and no spin of its own. Thread safety: values and pure functions.
 #pragma once
 

@@ -59,7 +59,7 @@ std::array<double, axes> value(const Coefficients<axes>& c, double x, std::size_
   return result;
 }
 
-/// Adds to high + low, storing high's rounding error in `low` (D. Knuth, "The art of computer
+/// Adds to high + low, storing high's rounding error in `low` (Knuth, "The art of computer
 /// programming", volume 2, section 4.2.2, theorem B).
 template <std::size_t axes>
 void add(const std::array<double, axes>& change, std::array<double, axes>& high,

@@ -50,8 +50,8 @@ class GeneralRotation {
   /// REQUIRES: moments > 0; orientation of norm 1; everything finite.
   GeneralRotation(const FreeFlight& flight, const Inertia& inertia);
 
-  /// Maximum ticks after begin of a call: k_steps_max steps, at most k_tick_max. 0 for bodies so
-  /// fast that a tick is too long for a step (2^28 rad/s).
+  /// Maximum ticks after the flight's begin at which it can be evaluated: k_steps_max steps, at
+  /// most k_tick_max. 0 for bodies so fast that a tick is too long for a step (2^28 rad/s).
   TickCount span_max() const { return span_max_; }
 
   /// Returns q at a time after begin. REQUIRES: 0 <= ticks <= span_max().
@@ -60,8 +60,8 @@ class GeneralRotation {
   Vec3 angular_velocity_at(TickCount ticks_since_begin);
 
  private:
-  /// At the start of a step, each number as an unrounded sum of two. Otherwise the rounding of a
-  /// long flight's steps would add up in energy and angular momentum.
+  /// State at the start of a step. Each number is an unrounded sum of two. With single numbers, the
+  /// rounding of a long flight's steps would add up in energy and angular momentum.
   struct State {
     std::array<double, 4> q{};  ///< w, x, y, z
     std::array<double, 3> w{};  ///< radians per step, about the body's axes

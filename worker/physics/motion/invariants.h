@@ -1,5 +1,6 @@
 // Quantities that a free rigid body conserves: kinetic energy (without gravity) and angular
-// momentum. For diagnosis, tests and laws that must not gain energy. Thread safety: pure functions.
+// momentum. They serve diagnosis, tests and laws that must not gain energy. Thread safety: pure
+// functions.
 #pragma once
 
 #include "worker/physics/motion/rigid_body.h"

@@ -16,7 +16,8 @@ using math::Mat3;
 using math::Quat;
 using math::Vec3;
 
-/// A shape's declaration about its principal moments. It selects how free rotation is computed.
+/// A shape's declaration about its principal moments. The declaration selects how free rotation is
+/// computed.
 enum class InertiaSymmetry : std::uint8_t {
   spherical,  ///< all three equal: sphere, cube, icosahedron
   axial,      ///< x and y equal: a symmetric top about the body's z axis
