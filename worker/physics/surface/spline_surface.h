@@ -4,9 +4,9 @@
 // Frame: the world's, z up. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise in y.
 // Patch (i, j) depends on the sixteen control points from (i - 1, j - 1) to (i + 2, j + 2).
 //
-// Formulas: the basis of the uniform cubic B-spline, e.g. L. Piegl and W. Tiller, "The NURBS Book"
-// (2nd edition, 1997), chapter 2. Bounds come from the patch's Bezier form, since a Bezier spline
-// stays between the minimum and maximum of its points (ibid., P3.3 and P4.22).
+// Formulas: the basis of the uniform cubic B-spline, as in Piegl and Tiller, "The NURBS Book" (2nd
+// edition, 1997), chapter 2. Bounds come from the patch's Bezier form, since a Bezier spline stays
+// between the minimum and maximum of its points (ibid., P3.3 and P4.22).
 //
 // Invariants
 //   1. Results depend only on the arguments and the control points, never on earlier calls.
