@@ -132,7 +132,7 @@ class Envelope {
       const double faster = current.rate_mps - other.rate_mps;
       if (!(faster > 0)) continue;
       const double above = other.place_m - current.place_m;
-      // Compares above / faster < first_s without a division.
+      // Compare above / faster < first_s without a division.
       if (above < first_s * faster) {
         first_s = above / faster;
         next = other;
