@@ -38,8 +38,8 @@ class Predictions {
   /// Continues a prediction that was not certain. REQUIRES: its tick is `now`.
   Prediction look(BodyId a, BodyId b, Tick now, std::uint32_t search);
   void end_search(std::uint32_t& search) { searches_.release(search); }
-  /// Like predict, for the periodic image that collides first; used by the algorithm without boxes.
-  /// REQUIRES: the world is periodic.
+  /// Like predict(), but for the periodic image that collides first; used by the algorithm without
+  /// boxes. REQUIRES: the world is periodic.
   Prediction predict_any_image(BodyId a, BodyId b, Tick now) const;
   bool touching(BodyId a, BodyId b, Tick tick);
 
@@ -140,7 +140,7 @@ class Predictions {
   };
   HullLook hull_look_;
   /// Contact of the last collision that a search of two parts found; it is usually the next event.
-  /// Void once a body begins a segment.
+  /// The contact is void once a body begins a segment.
   struct Found {
     Tick tick{-1};
     BodyId body{};

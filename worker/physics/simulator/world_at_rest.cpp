@@ -1,10 +1,10 @@
 // Bodies that start at rest: what they touch, and whether contact forces hold them.
 //
-// Idea. All bodies that start at rest are placed first. Their contacts are found with the tolerance
-// k_at_rest_gap_m, without a simulation. Contacts are corners near faces, crossings of the edges of
-// such faces, or else the closest points. Bodies connected by such contacts form a structure, which
-// one system of contact forces must hold (force_balance.h). The contact forces determine which body
-// supports which.
+// Idea. All bodies that start at rest are placed first. The contacts of these bodies are found with
+// the tolerance k_at_rest_gap_m, without a simulation. Contacts are corners near faces, crossings
+// of the edges of such faces, or else the closest points. Bodies connected by such contacts form a
+// structure, which one system of contact forces must hold (force_balance.h). The contact forces
+// determine which body supports which.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What a world stores in histories and restores from them.
+// Stores a world's data in histories, and restores the data.
 #include <algorithm>
 #include <utility>
 
