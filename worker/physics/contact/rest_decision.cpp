@@ -163,8 +163,8 @@ Contacts RestDecision::supporting(BodyId body) const {
   const auto pushes_up = [&](const TouchRecord& touch) {
     return weightless || math::dot(touch.normal, own.weight_n) < 0;
   };
-  // Without weight, or if jammed, staying or long in place: use all contacts that may carry the
-  // body.
+  // If the body has no weight, is jammed, stays, or has long been in place, use all contacts that
+  // may carry it.
   if (weightless || log.is_jammed() || has_stayed(log) || note.holds) {
     Contacts all = 0;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
