@@ -85,7 +85,8 @@ class Slide {
                : rates.spin_radps2;
   }
 
-  /// Without any slip: friction holds the body, or the body starts to slide.
+  /// Returns the motion of a body without any slip: friction holds the body, or the body starts to
+  /// slide.
   PlaneMotion from_rest() {
     velocity_mps_ = Vec3::Zero();
     spin_radps_ = 0;
@@ -137,7 +138,7 @@ class Slide {
     double lasts_s = k_forever_s;
     bool straight = true;
   };
-  /// Returns how long the slip directions may be held at these rates of change.
+  /// Returns the time for which the slip directions may be held at these rates of change.
   Span span_of(const Rates& rates) const {
     Span span;
     for (std::size_t i = 0; i < body_.supports.size(); ++i) {

@@ -28,11 +28,11 @@
 //   1. The separation speed is exactly w, whatever the friction: n.K Q = 0, and N is chosen for w.
 //   2. P_I and Q are orthogonal under K. The kinetic energy therefore changes by
 //        (w^2 - u^2) / (2 K_nn) - (kappa - kappa^2/2) b,   b = Q.K Q >= 0.
-//      This is no gain for w <= u, because the second term is a loss for kappa in [0, 2]. This
-//      holds for every positive definite K, so for every inertia and every contact point. With
-//      friction against the slip, the energy changes by N ((w - u) - mu (s + s')) / 2, because the
-//      contact velocity is linear in the impulse. So if friction takes power at both ends of the
-//      impact, it does throughout.
+//      The energy doesn't grow for w <= u, because the second term is a loss for kappa in [0, 2].
+//      The proof holds for every positive definite K, so for every inertia and every contact point.
+//      With friction against the slip, the energy changes by N ((w - u) - mu (s + s')) / 2, because
+//      the contact velocity is linear in the impulse. So if friction takes power at both ends of
+//      the impact, it does throughout.
 //   3. |friction impulse| <= mu times the normal impulse, which is >= 0: P(kappa = 0) is in the
 //      convex cone, and kappa goes from 0 towards 1 only as far as the cone allows.
 //   4. Slow impacts: w = e u for a coefficient e. If w is below the floor v_c, it is raised to v_c.
