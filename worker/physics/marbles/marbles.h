@@ -33,11 +33,11 @@
 //      confinement in which the replayed one is alone.
 //   7. The ball's history ends, and the ball doesn't stay where it is.
 //
-// Then the ball goes live from its last checkpoint. Between the checkpoint and the present it met
+// The ball then goes live from its last checkpoint. Between the checkpoint and the present it met
 // only static geometry, so catching up changes nothing for other balls. A history has a bounded
 // number of checkpoints. The replay becomes void (is_replay_void()) if a checkpoint is missing,
-// after any error, or when a large part of the permitted work is used up. Then only a simulation
-// without histories gives the result.
+// after any error, or when a large part of the permitted work is used up. After that, only a
+// simulation without histories gives the result.
 //
 // After the start, nothing but histories is allocated once lists have grown. Cost: some 6,000
 // instructions per event among ten balls, below 1 microsecond, plus about 10 n instructions for n

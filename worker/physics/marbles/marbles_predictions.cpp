@@ -447,7 +447,7 @@ void Marbles::comes_near(BodyId index, const TouchBox& own, BodyId other) {
 Refractory Marbles::refractory_of(BodyId a, BodyId b, Tick begin) const {
   const Refractory refractory = recent_.of(a, b);
   if (refractory.until <= begin) return refractory;
-  // In so short a time, free motion doesn't change their speeds.
+  // In so short a time, free motion hardly changes the balls' speeds.
   const FreeFlight& first = balls_[a].segment.flight;
   const FreeFlight& second = balls_[b].segment.flight;
   const Vec3 between_m = position_at(second, begin) - position_at(first, begin);

@@ -98,7 +98,7 @@ struct PathExtent {
 inline PathExtent extent_between(const Four& first_m, const Four& last_m, const Four& velocity_mps,
                                  const Four& pull_mps2, const Four& last_mps) {
   PathExtent extent{min(first_m, last_m), max(first_m, last_m)};
-  // Where the velocity changes its sign, the apex is in between, and the pull is not 0.
+  // If the velocity changes its sign, the apex is between both times, and the pull is not 0.
   const Four turns = velocity_mps * last_mps;
   if (!is_any_negative(turns)) return extent;
   const Four apex =

@@ -98,7 +98,7 @@ struct Spread {
   const Spread around{.low = -furthest, .high = furthest};
   if (sides.size() != 4) return around;
   // The region ends at rays perpendicular to the sides' normals, each on the other normal's side.
-  // If the normals are too much alike, the right side is unclear, and the full circle is used.
+  // If the normals are nearly parallel, the right side is unclear, so the full circle is used.
   const Floats first = direction_of(sides[2].space.normal);
   const Floats second = direction_of(sides[3].space.normal);
   const Floats along_yzx = yzx(along);
