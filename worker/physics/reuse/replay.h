@@ -1,4 +1,4 @@
-// How far an earlier simulation's history has been replayed, and by which bodies.
+// Stores how far an earlier simulation's history has been replayed, and by which bodies.
 //
 // Invariants of a replaying simulation
 //   1. A body is replayed if it has started and so far equals its history bit for bit: its segment
