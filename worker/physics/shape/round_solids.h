@@ -7,10 +7,10 @@
 //
 // Mass and moments are integrals over the profile r(z) with dm = density pi r^2 dz:
 //   about the axis r^2/2 dm, across it (r^2/4 + (z - centre)^2) dm.
-// The integrals use the Gauss-Legendre rule between the profile's corners. Their variable is an
-// angle, because a profile begins and ends like a square root. Relative errors are below 1e-9, or
-// 1e-4 where pieces overlap whose profiles cross between corners. Thread safety: pure functions and
-// values.
+// The integrals use the Gauss-Legendre rule between the profile's corners. The integration variable
+// is an angle, because a profile begins and ends like a square root. Relative errors are below
+// 1e-9, or 1e-4 where pieces overlap whose profiles cross between corners. Thread safety: pure
+// functions and values.
 #pragma once
 
 #include <span>

@@ -1,7 +1,7 @@
 // Triangles and points as convex pieces, without allocation.
 //
 // Idea. The distance algorithms read ConvexViews. A static mesh has many triangles, and a sphere's
-// centre is a point; neither should need a ConvexPolyhedron's vectors. These types hold the same
+// centre is a point; neither should need a ConvexPolyhedron's vectors. The types here hold the same
 // arrays inline. A triangle is a polyhedron of no thickness with three edges and two faces,
 // (normal, offset) and (-normal, -offset). A triangle's corners run anticlockwise seen from face
 // 0's side. A point has one vertex and nothing else.
