@@ -1,9 +1,9 @@
 // Friction that varies across a plane, given by rectangles, such as the oil on a bowling lane.
 //
 // A rectangle contains the points with u_min <= u < u_max and v_min <= v < v_max, where u and v are
-// coordinates along two axes of the plane. Where rectangles overlap, the later one applies, as if
-// painted over the earlier one. Where there is no rectangle, the friction of the scene's contact
-// table applies.
+// coordinates along two axes of the plane. If rectangles overlap, the later one applies, as if
+// painted over the earlier one. Outside all rectangles, the friction of the scene's contact table
+// applies.
 //
 // Idea. A body that slides or rolls on one plane moves along a parabola as long as its friction
 // stays constant. The parabola crosses the sides of a rectangle at roots of quadratic equations. A

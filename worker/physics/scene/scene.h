@@ -1,4 +1,4 @@
-// What a simulation starts from: bodies, static geometry and contact laws.
+// A physics scene, from which a simulation starts: bodies, static geometry and contact laws.
 //
 // Units are SI. The world's frame is right-handed; the user chooses its axes, and gravity defines
 // which way is down. A scene is a plain value that its author fills in. Simulation::start checks
