@@ -7,8 +7,8 @@
 // because a query of a gas finds at most one body in four blocks. Sketches are rounded outwards;
 // the caller compares the bodies that pass exactly.
 //
-// Cells are numbered modulo a power of two, so several cells may share a number. This costs time
-// and changes no result, but a query that lists a number twice finds its bodies twice.
+// Cells are numbered modulo a power of two, so several cells may share a number. Sharing a number
+// costs time and changes no result, but a query that lists a number twice finds its bodies twice.
 //
 // Invariants
 //   1. Block c is the first block of cell c, for c < cells(). The block's bodies fill its slots

@@ -9,7 +9,7 @@
 //                           code is exact; the codes of NaNs separate the two infinities.
 //
 // A box covers the points start, start + 1, ..., start + width of each ring. Two boxes overlap on
-// an axis if one of them contains the other's start. This takes two subtractions and two
+// an axis if one of them contains the other's start. The test takes two subtractions and two
 // comparisons on either kind of axis.
 //
 // Invariants
@@ -114,7 +114,7 @@ class Periods {
 
   /// Returns a box's code. On repeating axes, a box may be in any period. A box as long as the
   /// period, or more than 2^20 periods from the origin, covers the whole ring. REQUIRES: low is at
-  /// most high on each axis. This is CHECKed, because a NaN would be a silent miss.
+  /// most high on each axis. This order is CHECKed, because a NaN would otherwise hide overlaps.
   CodedBox coded(const Box& box) const {
     CodedBox made;
     for (std::size_t axis = 0; axis < 3; ++axis) {
