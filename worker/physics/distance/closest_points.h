@@ -1,12 +1,12 @@
 // The closest points of two convex pieces, and their distance or overlap.
 //
 // Idea. The gap of two separate convex bodies is both the least distance of a point of A from a
-// point of B and the greatest separation of A and B along any direction. This certifies a result:
-// if two points, each on a named feature (vertex, edge, face), are as far apart as both bodies are
-// along the line between them, nothing is closer. The searches below only propose features. One
-// function then computes the gap, normal and points by the plain formula of that kind of pair
-// (vertex-face, edge-edge, ...). The result is checked against the features' neighbours, which
-// suffices by convexity. So errors of a search never show.
+// point of B and the greatest separation of A and B along any direction. This property certifies a
+// result: if two points, each on a named feature (vertex, edge, face), are as far apart as both
+// bodies are along the line between them, nothing is closer. The searches below only propose
+// features. One function then computes the gap, normal and points by the plain formula of that kind
+// of pair (vertex-face, edge-edge, ...). The result is checked against the features' neighbours,
+// which suffices by convexity. So errors of a search never show.
 //
 //   1. closest_warm() first tries the features of the previous call. If they are still the closest,
 //      nothing else is done.
@@ -19,19 +19,19 @@
 //      exact, and usually takes only a handful of pairs, because the gap is known up to rounding.
 //   4. If the pieces overlap, the result is the direction of least depth among all face normals and
 //      products of edges (Gregorius, "The separating axis test between convex polyhedra", GDC
-//      2013). This takes 1 us for two cubes and 70 us for two icospheres of 42 vertices.
+//      2013). This search takes 1 us for two cubes and 70 us for two icospheres of 42 vertices.
 //
 // Invariants
 //   1. Separate pieces: gap_m is right to some 1e-15 of the coordinates in A's frame (both outer
 //      radii plus the distance of the frames), however small the gap. point_b_m - point_a_m = gap_m
-//      * normal to the same accuracy. The normal is right to 1e-15 if a face is involved. Otherwise
-//      it is right to 1e-15/sin of the edges' angle, or 1e-15 * coordinates/gap.
+//      * normal to the same accuracy. The normal is right to 1e-15 if a face is involved. Without a
+//      face, the normal is right to 1e-15/sin of the edges' angle, or 1e-15 * coordinates/gap.
 //   2. Overlapping pieces (gap_m <= 0): -gap_m is the depth, the length of the shortest shift along
 //      `normal` that separates the pieces. If the depth is small against the features, `normal` is
-//      the contact normal. One point is on its piece's feature; the other is its partner along the
-//      normal. Positive gaps below 8 * 2^-50 of the coordinates are handled like overlaps, because
-//      the direction between two such points is noise. The gap is then a lower bound, right to that
-//      size.
+//      the contact normal. One of the two points is on its piece's feature; the other is opposite
+//      it along the normal. Positive gaps below 8 * 2^-50 of the coordinates are handled like
+//      overlaps, because the direction between two such points is noise. The gap is then a lower
+//      bound, right to that size.
 //   3. closest_cold depends only on shapes and poses, bit for bit.
 //   4. closest_warm's gap differs from closest_cold's by at most the rounding of invariant 1.
 //      Features may differ if several pairs are equally close. For gap_m <= 0 both are the same.
@@ -72,8 +72,8 @@ struct Closest {
   bool overlapping() const { return gap_m <= 0; }
 };
 
-/// What closest_warm() remembers of a pair. The result is right for any contents whose features
-/// exist in the pieces. A new cache has no features.
+/// Data about a pair that closest_warm() stores for its next call. The result is right for any
+/// contents whose features exist in the pieces. A new cache has no features.
 struct SeparationCache {
   Vec3 axis = Vec3::Zero();  ///< the last normal, in A's frame
   Feature a;

@@ -14,7 +14,7 @@ namespace sleight::physics {
 LocalClosest closest_of_all(const PiecePair& pair, const Vec3& axis, double low_m, double high_m);
 
 /// Returns the direction of greatest separation among face normals and products of edges; for
-/// overlapping pieces, this is the direction of least depth. Then gap_m <= 0 is exactly minus the
+/// overlapping pieces, this is the direction of least depth. If gap_m <= 0, it is exactly minus the
 /// depth. A positive gap_m is a lower bound of the gap.
 LocalClosest least_overlap(const PiecePair& pair);
 

@@ -45,7 +45,7 @@ std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction) {
     index0 = more0 ? here0 : index0;
     index1 = more1 ? here1 : index1;
   }
-  // Of equal maxima the lowest index wins. The padding repeats vertex 0, so it never wins.
+  // If maxima are equal, the lowest index wins. The padding repeats vertex 0, so it never wins.
   double best = best0[0];
   long long index = index0[0];
   const auto offer = [&](double reach, long long at) {
