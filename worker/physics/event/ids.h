@@ -12,8 +12,8 @@ using FeatureId = base::Index<struct FeatureTag>;
 /// A plane, a convex or a triangle, which other bodies meet. A plane has the same index as feature
 /// and as piece.
 using PieceId = base::Index<struct PieceTag>;
-/// What a body meets: a feature if the body is a sphere, otherwise a piece or a surface (numbered
-/// after the pieces).
+/// Static geometry that a body meets: a feature if the body is a sphere, otherwise a piece or a
+/// surface (numbered after the pieces).
 using StaticId = base::Index<struct StaticTag>;
 
 }  // namespace sleight::physics

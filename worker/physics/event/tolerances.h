@@ -43,13 +43,14 @@ inline constexpr double k_approach_mps = 1e-9;
 inline constexpr double k_rounding_ulps = 64 * 0x1p-53;
 
 /// Depth by which collisions of touching pieces may be late. A touching pair is tested again before
-/// any of its points can have approached by this depth along the normal at the current speed. If
-/// larger, touching pieces overlap by more. If smaller, touching pairs are tested more often.
+/// any of its points can have approached by this depth along the normal at the current speed. With
+/// a larger value, touching pieces overlap by more. With a smaller value, touching pairs are tested
+/// more often.
 inline constexpr double k_touching_depth_m = 1e-6;
 
-/// Maximum time between tests of touching round pieces, 15 us. If larger, accelerating pieces
-/// approach by more than k_touching_depth_m. At half this value, a search fails after 7.6 s in
-/// touch instead of 15.3 s (k_examined_ticks_max).
+/// Maximum time between tests of touching round pieces, 15 us. With a larger value, accelerating
+/// pieces approach by more than k_touching_depth_m. At half this value, a search fails after 7.6 s
+/// in touch instead of 15.3 s (k_examined_ticks_max).
 inline constexpr double k_touching_s_max = 0x1p-16;
 
 /// Time after a collision in which a pair doesn't collide again, unless it has come half of the way
@@ -79,16 +80,17 @@ inline constexpr double k_sink_step_m_min = 2e-14;
 inline constexpr std::uint32_t k_elastic_at_a_tick = 64;
 
 /// Speed of a rolling sphere's hop off an edge or a resting body, as a share of the separation
-/// speed. The hop is slower than other bounces because its energy comes from the rolling. If
-/// larger, balls roll less far.
+/// speed. The hop is slower than other bounces because its energy comes from the rolling. With a
+/// larger value, balls roll less far.
 inline constexpr double k_hop_share = 0.25;
 
 /// A sphere that has met another body stays on nothing for the duration of this many slowest
 /// bounces. At 0, nothing separates the sphere from the other body.
 inline constexpr double k_bounces_alone = 4;
 
-/// Relative gain of energy that rounding of twists may cause in an impact of rigid bodies. If
-/// smaller, more impulses are reduced than gain energy. If larger, heaps gain energy.
+/// Relative gain of energy that rounding of twists may cause in an impact of rigid bodies. With a
+/// smaller value, more impulses are reduced than gain energy. With a larger value, heaps gain
+/// energy.
 inline constexpr double k_impact_rounding = 0x1p-50;
 /// First reduction of an impulse that gains more energy, and growth of the reduction from round to
 /// round. The last round removes a quarter; if that isn't enough, the impact is unresolved.
@@ -98,13 +100,13 @@ inline constexpr int k_impact_reduction_rounds = 16;
 
 // ---- what stays on static geometry --------------------------------------------------------------
 
-/// A sphere faster than this many times its slowest bounces hops over an edge or a vertex. If
-/// smaller, slow spheres hop too. If larger, fast spheres are held to edges.
+/// A sphere faster than this many times its slowest bounces hops over an edge or a vertex. With a
+/// smaller value, slow spheres hop too. With a larger value, fast spheres are held to edges.
 inline constexpr double k_edge_speeds = 16;
 
 /// Height by which a slower sphere rises above the edge or vertex, as a share of its slowest
-/// bounces' height: in pieces (edge_motion.h), or straight on before it falls back. If larger, the
-/// sphere visibly flies. If smaller, the path round an edge has more pieces.
+/// bounces' height: in pieces (edge_motion.h), or straight on before it falls back. With a larger
+/// value, the sphere visibly flies. With a smaller value, the path round an edge has more pieces.
 inline constexpr double k_rise_bounces = 0.5;
 
 /// A sphere that accelerates into a face by less than this doesn't press on it. Such an
@@ -120,40 +122,41 @@ inline constexpr double k_valley_sine_min = 1e-3;
 inline constexpr double k_valley_cosine_min = -0.9999;
 
 /// A body that isn't a sphere stays on a flat surface only if all points that carry it bounce no
-/// faster than this many times the slowest bounces. If larger, the body hovers higher above the
-/// plane. If smaller, the body bounces for longer before it stays.
+/// faster than this many times the slowest bounces. With a larger value, the body hovers higher
+/// above the plane. With a smaller value, the body bounces for longer before it stays.
 inline constexpr double k_settling_bounces = 2;
 
 /// A body on a flat surface that sinks deeper than this is released and caught again where it
-/// touches. A lying pin sinks at about 1e-8 m/s while it rolls. If smaller, bodies are released
-/// more often.
+/// touches. A lying pin sinks at about 1e-8 m/s while it rolls. With a smaller value, bodies are
+/// released more often.
 inline constexpr double k_sunk_m = 5e-7;
 
 /// Maximum corners that carry a body on a flat surface; if more are near, some are selected all
 /// around. With few corners, a body on a face with many corners tips about chords of the face.
 inline constexpr std::size_t k_plane_supports_max = 64;
 
-/// Maximum length of a segment in which a body in contact rotates unevenly (0.25 s). If larger,
-/// bounds on its rotation, which hold for this long, are wider. If smaller, there are more events.
+/// Maximum length of a segment in which a body in contact rotates unevenly (0.25 s). With a larger
+/// value, bounds on its rotation, which hold for this long, are wider. With a smaller value, there
+/// are more events.
 inline constexpr TickCount k_turning_contact_span = TickCount{1} << 28;
 
 /// Minimum time between changes of a body's friction. A body driven to a border from both sides,
 /// such as a sphere that spins up a slope to where the slope is slippery, would otherwise meet the
-/// border ever faster. If larger, the body has the wrong friction for longer.
+/// border ever faster. With a larger value, the body has the wrong friction for longer.
 inline constexpr TickCount k_border_ticks = 256;  // 0.24 us
 
 // ---- slips --------------------------------------------------------------------------------------
 
-/// A slip ends when it is slower than this share of the slowest bounces. If smaller, a slip that is
-/// pulled sideways turns ever faster as it ends, in some thirty pieces. If larger, slides stop
-/// early.
+/// A slip ends when it is slower than this share of the slowest bounces. With a smaller value, a
+/// slip that is pulled sideways turns ever faster as it ends, in some thirty pieces. With a larger
+/// value, slides stop early.
 inline constexpr double k_stick_bounces = 0.1;
 /// Absolute limit below which a slip ends: slides end at a whole tick, when the slip is about 1e-8
 /// m/s beyond 0.
 inline constexpr double k_stick_mps = 1e-6;
 
 /// Angle by which a slip's direction may turn before the motion is recomputed. The slip's relative
-/// error is the square of this angle. If smaller, there are more events.
+/// error is the square of this angle. With a smaller value, there are more events.
 inline constexpr double k_slip_turn_rad = 1.0 / 32;
 /// Larger limit for the angle, while the slip's error is below the greatest of k_slip_error_mps, an
 /// eighth of an ended slip and a 1024th of the slip.
@@ -168,8 +171,8 @@ inline constexpr double k_slip_stops = 4;
 inline constexpr double k_slip_straight = 1e-9;
 
 /// In a valley, minimum time for which a contact that begins to slip does so in an approximate
-/// direction, if the exact one isn't found. If larger, friction acts askew for longer. If smaller,
-/// there are more events.
+/// direction, if the exact one isn't found. With a larger value, friction acts in an inexact
+/// direction for longer. With a smaller value, there are more events.
 inline constexpr double k_slip_begin_s = 1e-4;
 /// Rounds of the search for the direction of a beginning slip, its tolerance, and rounds over both
 /// contacts, each of which turns the other's direction. With fewer rounds, the search fails more
@@ -190,13 +193,13 @@ inline constexpr double k_edge_piece_sine_max = 0.2;
 /// Minimum length of a piece, as a share of the distance from the edge. A shorter piece isn't worth
 /// an event: the sphere moves straight on.
 inline constexpr double k_edge_piece_sine_min = 1e-4;
-/// Length of the first piece tried, as a share of the longest possible one. If larger, more first
-/// tries fail. If smaller, there are more pieces.
+/// Length of the first piece tried, as a share of the longest possible one. With a larger value,
+/// more first tries fail. With a smaller value, there are more pieces.
 inline constexpr double k_edge_piece_first = 0.85;
 /// Maximum tries for a piece, each shorter, before the sphere moves straight on.
 inline constexpr int k_edge_piece_tries_max = 4;
-/// Maximum share of its squared speed that a piece may turn outwards. If larger, pieces begin more
-/// steeply.
+/// Maximum share of its squared speed that a piece may turn outwards. With a larger value, pieces
+/// begin more steeply.
 inline constexpr double k_edge_piece_turned_max = 0.25;
 /// A piece covers at most twice this share of the path to where the sphere turns back. At 0.5, the
 /// rest of the path is too short for a piece.
@@ -204,8 +207,8 @@ inline constexpr double k_edge_piece_before_turn = 0.4;
 
 // ---- bodies that lie on a plane -----------------------------------------------------------------
 
-/// Minimum and maximum duration of a piece in which slips turn. If larger, slips turn by more in a
-/// piece. If smaller, there are more events.
+/// Minimum and maximum duration of a piece in which slips turn. With a larger value, slips turn by
+/// more in a piece. With a smaller value, there are more events.
 inline constexpr double k_slide_piece_s_min = 0x1p-11;
 inline constexpr double k_slide_piece_s_max = 0x1p-7;
 /// Maximum duration of a piece in which one support hardly slips while others do, so that its
@@ -224,7 +227,8 @@ inline constexpr double k_no_spin_slip = 0.01;
 /// least this.
 inline constexpr double k_line_sine_min = 0.1;
 /// Supports are on a line if they are within this share of their distance from the centre. If
-/// smaller than rounding, a lying cylinder doesn't roll. If larger, narrow faces count as lines.
+/// smaller than rounding, a lying cylinder doesn't roll. With a larger value, narrow faces count as
+/// lines.
 inline constexpr double k_line_width = 1e-6;
 /// A body on a line from which its axis rises by less than this is a cylinder, and rolls straight
 /// on. If the axis rises by more, the body is a cone, and rolls in a circle.
@@ -239,8 +243,8 @@ inline constexpr double k_cone_piece_rad = 1.0 / 32;
 
 // ---- rest: who is slow --------------------------------------------------------------------------
 
-/// Slow bounces separate at up to this many times the separation speed. If larger, bodies freeze in
-/// the air. At 1, rounding decides which bounces are slow.
+/// Slow bounces separate at up to this many times the separation speed. With a larger value, bodies
+/// freeze in the air. At 1, rounding decides which bounces are slow.
 inline constexpr double k_slow_parting = 2;
 /// Number of slow collisions, without a fast one within k_jam_bounces slow bounces, that replaces
 /// the rest time, because a jammed body collides without time passing. If fewer, bodies that still
@@ -251,8 +255,8 @@ inline constexpr double k_jam_bounces = 5;
 inline constexpr std::uint32_t k_jams_anyhow = 16;
 /// A body that stands, but not firmly, rests after this many rest times. The tilt of a cube on its
 /// edge grows e-fold in 0.97 sqrt(size / g), so about 700-fold in this time if the rest time is 0.1
-/// sqrt(size / g). If smaller, a cube rests on its edge. If larger, bodies that lean on others
-/// bounce for longer.
+/// sqrt(size / g). With a smaller value, a cube rests on its edge. With a larger value, bodies that
+/// lean on others bounce for longer.
 inline constexpr TickCount k_patience = 64;
 
 // ---- rest: who is held --------------------------------------------------------------------------
@@ -262,26 +266,26 @@ inline constexpr TickCount k_patience = 64;
 /// contacts are stored as bits.
 inline constexpr std::size_t k_touch_records_max = 16;
 static_assert(k_touch_records_max <= 32);
-/// A new contact replaces one with the same partner within this share of the arm. If larger, two
-/// corners count as one. If smaller, a wandering contact fills the list.
+/// A new contact replaces one with the same partner within this share of the arm. With a larger
+/// value, two corners count as one. With a smaller value, a wandering contact fills the list.
 inline constexpr double k_same_place = 0.05;
 /// A corner within this share of its body's reach from what the body has just touched carries it
 /// too. A body that stands on three corners, two of which carry nearly all of its weight, lifts the
 /// third by some fifty times the height of a bounce. Without the third corner, the body would be
-/// out of balance most of the time. If larger, corners in the air carry.
+/// out of balance most of the time. With a larger value, corners in the air count as carrying.
 inline constexpr double k_near_corner = 0.003;
-/// Minimum cosine between normals for two corners to count as on the same face. If smaller, the
-/// next face of a blunt body counts too.
+/// Minimum cosine between normals for two corners to count as on the same face. With a smaller
+/// value, the next face of a blunt body counts too.
 inline constexpr double k_same_face_cosine = 0.98;
 /// Maximum points that carry a box on a spline surface: the outermost ones in this many directions.
 inline constexpr std::size_t k_surface_points_max = 8;
 
-/// Tolerance of balance, as a share of the weight. If larger, bodies rest that would topple or
-/// slide. If smaller, rounding and bounces keep bodies awake.
+/// Tolerance of balance, as a share of the weight. With a larger value, bodies rest that would
+/// topple or slide. With a smaller value, rounding and bounces keep bodies awake.
 inline constexpr double k_balance_tolerance = 0.002;
 /// A body stands firmly if it would still stand with its centre moved to any side by this share of
-/// its reach; a cube on its edge does not. If larger, a body on a narrow base rests only after
-/// k_patience.
+/// its reach; a cube on its edge does not. With a larger value, a body on a narrow base rests only
+/// after k_patience.
 inline constexpr double k_firm = 0.003;
 static_assert(k_firm > k_balance_tolerance);  // otherwise a cube on its edge, off by that, is firm
 /// Maximum sweeps over all pushes in the search for balance, and the number of sweeps between
@@ -297,16 +301,17 @@ inline constexpr std::size_t k_held_together_max = 32;
 inline constexpr int k_held_rounds_max = 8192;
 inline constexpr int k_held_rounds_judged = 64;
 /// In a set that isn't held, members with at least this share of the worst member's imbalance don't
-/// rest. If smaller, members that could rest without the worst one stay awake with it.
+/// rest. With a smaller value, members that could rest without the worst one stay awake with it.
 inline constexpr double k_misses_much = 0.5;
 
-/// Maximum gap or overlap between a body that starts at rest and its supporters. If smaller,
-/// positions that people compute don't touch. If larger, bodies visibly hover.
+/// Maximum gap or overlap between a body that starts at rest and its supporters. With a smaller
+/// value, bodies at positions that people computed don't touch. With a larger value, bodies visibly
+/// hover.
 inline constexpr double k_at_rest_gap_m = 1e-6;
 /// If the sideways part of a force between two bodies that start at rest exceeds this share of the
-/// force, both bodies need the force, as in an arch. Each of them is then the other's supporter. If
-/// larger, a stone near an arch's foot keeps resting when the stone above it leaves. If smaller, a
-/// stone in a column wakes, too, when the stone above it leaves.
+/// force, both bodies need the force, as in an arch. Each of them is then the other's supporter.
+/// With a larger value, a stone near an arch's foot keeps resting when the stone above it leaves.
+/// With a smaller value, a stone in a column wakes, too, when the stone above it leaves.
 inline constexpr double k_thrust_share = 0.05;
 /// Forces between bodies that start at rest carry nothing if they are below this share of the
 /// weight.
@@ -315,14 +320,16 @@ inline constexpr double k_carries_share = 1e-3;
 // ---- waking -------------------------------------------------------------------------------------
 
 /// A body wakes from an impact that would give it this many times the rest speed, more than slow
-/// neighbours can. If smaller, slow neighbours wake it. If larger, the body absorbs more momentum.
+/// neighbours can. With a smaller value, slow neighbours wake it. With a larger value, the body
+/// absorbs more momentum.
 inline constexpr double k_wake_over_rest = 4;
 /// A resting body bears impacts that push it as hard as this many times its weight; in most heaps
-/// it carries less. If larger, a wall absorbs the momentum of a ball that presses into it.
+/// it carries less. With a larger value, a wall absorbs the momentum of a ball that presses into
+/// it.
 inline constexpr double k_bears_gravities = 16;
 /// A body that woke, or stays, is in its place while it has moved by less than this share of its
-/// reach. If larger, bodies that rest on such a body are left in the air. If smaller, an impact
-/// wakes whole heaps.
+/// reach. With a larger value, bodies that rest on such a body are left in the air. With a smaller
+/// value, an impact wakes whole heaps.
 inline constexpr double k_in_place = 0.005;
 
 // ---- limits -------------------------------------------------------------------------------------
