@@ -1,5 +1,5 @@
 // Quantities that a free rigid body conserves: kinetic energy (without gravity) and angular
-// momentum. They serve diagnosis, tests and laws that must not gain energy. Thread safety: pure
+// momentum. Diagnosis, tests and laws that must not gain energy use them. Thread safety: pure
 // functions.
 #pragma once
 

@@ -49,9 +49,9 @@ inline double magnitude(double position, double velocity, double acceleration, d
   return parabola(std::fabs(position), std::fabs(velocity), std::fabs(acceleration), s);
 }
 
-/// Returns how long, in seconds, a point stays between two walls. The point starts at distances
-/// `ahead` > 0 and `behind` > 0 from the walls, moves towards the one ahead at `speed` >= 0, and
-/// accelerates towards it at `acceleration` of any sign. Roots avoid cancellation.
+/// Returns the time, in seconds, for which a point stays between two walls. The point starts at
+/// distances `ahead` > 0 and `behind` > 0 from the walls, moves towards the one ahead at `speed` >=
+/// 0, and accelerates towards it at `acceleration` of any sign. Roots avoid cancellation.
 inline double seconds_between(double ahead, double behind, double speed, double acceleration) {
   // The general formula gives the same, as the root is the speed.
   if (acceleration == 0) return ahead / speed;

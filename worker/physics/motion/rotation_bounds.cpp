@@ -74,7 +74,7 @@ RotationBounds rotation_bounds(const FreeFlight& flight, const Inertia& inertia)
     return general_rotation_bounds(inertia.principal_kgm2,
                                    body_angular_velocity_radps(flight.orientation, w));
   }
-  // Without a third moment |w| is constant, and w turns about the angular momentum.
+  // For spherical and axial bodies, |w| is constant, and w turns about the angular momentum.
   const ClosedRotation closed = closed_rotation(flight, inertia);
   return {.angular_speed_radps = math::norm(w) * k_margin,
           .angular_acceleration_radps2 =

@@ -36,8 +36,8 @@ Vec3 angular_velocity_at(const FreeFlight& flight, const Inertia& inertia, Tick 
 /// steps, over 131,000 rad (22 minutes at 100 rad/s).
 Tick rotation_horizon(const FreeFlight& flight, const Inertia& inertia);
 
-/// A body's current flight. Small for bodies with closed forms. A general body's steps take one
-/// allocation of 1.3 kB, which restart() reuses.
+/// A body's current flight. An object is small for bodies with closed forms. A general body's steps
+/// take one allocation of 1.3 kB, which restart() reuses.
 class RotationTrack {
  public:
   RotationTrack() = default;
