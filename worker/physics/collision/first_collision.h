@@ -1,4 +1,4 @@
-// When a lower bound on a gap first permits a collision.
+// Computes when a lower bound on a gap first permits a collision.
 //
 // Thread safety: pure functions.
 #pragma once

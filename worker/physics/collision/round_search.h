@@ -14,7 +14,7 @@
 //
 // Pieces that touch without colliding are examined again before any of their points can come
 // k_touching_depth_m nearer at its present speed, and after at most k_touching_s_max. A bounce
-// leaves the touch within a few ticks, so such looks are rare. These looks bound how late a
+// leaves the touch within a few ticks, so such looks are rare. The repeated looks bound how late a
 // touching pair's collision can be; for polyhedra there is no such bound.
 //
 // Invariants

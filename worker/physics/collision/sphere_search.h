@@ -63,10 +63,10 @@ GapState gap_state(const SphereFeature& feature, const MovingPoint& centre, doub
 /// Returns the unit vector from the feature's closest point to the centre. REQUIRES: they differ.
 Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m);
 
-/// Returns how long the conditions on gap and rate can't both hold; 0 if both hold now.
+/// Returns the time for which the conditions on gap and rate can't both hold; 0 if both hold now.
 double failing_for_s(const GapState& state, double touch_m);
 
-/// Returns how long the centre must stay outside the region; 0 if it is inside.
+/// Returns the time for which the centre must stay outside the region; 0 if it is inside.
 double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centre);
 
 /// Returns the least h > 0 at which place + rate h + curvature h^2 / 2 falls to 0; infinite if

@@ -23,8 +23,8 @@
 //
 // Invariants
 //   1. If the box touches, a look's verdict and contact depend only on the box's pose and motion.
-//      Of all points that touch and approach, the contact is the point with the least gap; on a
-//      tie, the first in lattice order.
+//      If several points touch and approach, the contact is the one with the least gap; on a tie,
+//      the first in lattice order.
 //   2. A look is skipped only under the bounds above, and a point is left out only where it can't
 //      touch. Stored points affect which ticks are skipped, never what collides or when.
 // Thread safety: none, because the surface caches lookups.
