@@ -225,7 +225,7 @@ void HierarchicalGrid::move(BodyId body, const Box& box, Sink& sink) {
   const CodedBox after = boxes_.periods().coded(box);
   const Placement to = placement_of(box, after);
 
-  // Neighbours that the new box does not overlap have ended.
+  // Overlaps with neighbours that the new box doesn't overlap have ended.
   ended_.count = 0;
   const std::span<const BodyId> neighbours = sink.neighbours();
   for (const BodyId other : neighbours)
