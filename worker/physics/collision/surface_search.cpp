@@ -252,9 +252,9 @@ class Look {
     contact_ = point;
   }
 
-  /// Returns how much higher than the lowest point a far end must be. Then the points between them,
-  /// at least 1 / steps of the way from the lowest point, stay out of touch while the lowest point
-  /// doesn't collide.
+  /// Returns how much higher than the lowest point a far end must be, so that points between them
+  /// stay out of touch unless the lowest point collides. Such points are at least 1 / steps of the
+  /// way from the lowest point.
   double needed_m(std::int32_t steps, double gap_m) const {
     return steps * (2 * k_touch_m + std::max(0.0, -std::min(gap_m, lowest_m_)));
   }

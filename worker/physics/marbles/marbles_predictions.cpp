@@ -160,7 +160,8 @@ struct Marbles::Window {
     measured_to = stop;
     extent = extent_of(path.place_m, path.velocity_mps, path.pull_mps2, path.span_s);
   }
-  /// Upper bound of the path's length along all axes together. REQUIRES: measure() was called.
+  /// Upper bound for the sum of the path's extents along the three axes. REQUIRES: measure() was
+  /// called.
   double goes_m() const { return sum(extent.high_m - extent.low_m); }
   /// Computes the box for tests against touch boxes. REQUIRES: the path's margins are set.
   void make_box() {

@@ -238,7 +238,7 @@ void TriangleMesh::count_edge(const MeshEdge& edge, EdgeKind before) {
 
 /// Finds the triangles at moving vertices, their edges, and the edges' ends.
 void TriangleMesh::find_moved(std::span<const VertexMove> moves) {
-  // A world usually moves the same vertices each time, or only few.
+  // A world usually moves the same vertices each time, or only a few.
   if (std::ranges::equal(moves, moves_of_, {}, &VertexMove::vertex)) return;
   is_moved_.resize(std::max({triangles_.size(), edges_.size(), vertices_m_.size()}));
   const auto add_once = [&](std::uint32_t item, std::vector<std::uint32_t>& items) {

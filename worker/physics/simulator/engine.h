@@ -1,10 +1,10 @@
 // The event loop, for any broad phase and any event queue.
 //
 // Asynchronous (thesis, Algorithms 3.2 and 3.3): each body has its own temporal bounding volume, a
-// box that contains the body for a time span. When the span ends, the body gets a new box. The new
-// box lasts somewhat longer than the last one if that one overlapped few boxes, and shorter if it
-// overlapped many. When the motion changes, the body keeps its box if the box still contains it for
-// long enough. Pairs of overlapping boxes are watched. Every event affects one or two bodies.
+// box that contains the body for a time span. When the span ends, the body gets a new box. If the
+// last box overlapped few boxes, the new one lasts somewhat longer; if it overlapped many, shorter.
+// When the motion changes, the body keeps its box if the box still contains it for long enough.
+// Pairs of overlapping boxes are watched. Every event affects one or two bodies.
 //
 // Synchronous (Algorithm 3.4): after every event, all bodies get new boxes that last until the next
 // event, and all extents are sorted again.

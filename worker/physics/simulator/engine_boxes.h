@@ -58,7 +58,7 @@ inline Box wider(const Box& box, float margin_m) {
   return wide;
 }
 
-/// Time in which a body may move by a number of its radii, from a tick.
+/// Time, from a tick on, in which a body may move by a given number of its radii.
 inline TickCount span_of_travel(const Bodies& bodies, BodyId body, Tick tick, double radii) {
   const Path flight = bodies.path(body);
   const double way_m = radii * bodies.reach_m(body);
