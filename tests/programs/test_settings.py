@@ -94,7 +94,7 @@ class Config(ProgramTest):
         self.assertEqual(result.returncode, 2)
         self.assertEqual(result.stdout, "")
         self.assertIn("SLEIGHT_STATE: expected an absolute path", result.stderr)
-        self.assertRegex(result.stderr, rf"(?m)^{re.escape(str(path))}:1:1: .*'cors'.*'cores'")
+        self.assertRegex(result.stderr, rf"(?m)^ *{re.escape(str(path))}:1:1: .*'cors'.*'cores'")
 
 
 if __name__ == "__main__":

@@ -235,7 +235,7 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
   refused({.offsets = joined(in_bins(0, 3, 1, -1), in_bins(1, 2, 0, 1))}, "offsets:");
   refused({.offsets = joined(in_bins(0, 3, 1, k_nan), in_bins(1, 2, 0, 1))}, "offsets:");
   refused({.offset_squares = {2, -8}}, "offset_squares:");
-  refused({.offset_squares = {2, std::numeric_limits<double>::infinity()}}, "offset_squares: it");
+  refused({.offset_squares = {2, std::numeric_limits<double>::infinity()}}, "offset_squares:");
   refused({.position_m = {1, 7, 7, 1e200, 7, 7, -1, 7, 7, 5, 7, 7}}, "start_position_m:");
   refused({.offsets = joined(in_bins(0, 3, 1, 1e200), in_bins(1, 2, 0, 1))}, "offsets:");
   refused({.offsets = joined(in_bins(0, 3, 1, 0.5), in_bins(1, 2, 0, 1))}, "offsets:");
