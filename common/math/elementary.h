@@ -2,8 +2,8 @@
 //
 // Idea. Results must not use libm, because glibc selects variants of sin, cos, exp, log, pow, atan2
 // and others by the processor, with or without fused multiply-add. The variants round differently,
-// so one binary yields other bits on another machine. SLEEF has "consistent" functions (prefix
-// Sleef_cinz, suffix purec) that never fuse and never dispatch.
+// so the same binary yields different bits on different machines. SLEEF has "consistent" functions
+// (prefix Sleef_cinz, suffix purec) that never fuse and never dispatch.
 //
 // std::sqrt is safe, because IEEE 754 requires correct rounding, as for + - * /. std::floor,
 // std::fabs, std::ldexp and std::copysign are exact. Results must not use std::hypot or the rest of
@@ -33,15 +33,16 @@ struct SinCos {
   double cos = 0;
 };
 
-/// Sine of any finite angle in radians (SLEEF guarantees 1e299; the test covers all). k = 1.
+/// Sine of any finite angle in radians (SLEEF guarantees angles up to 1e299; the test covers all
+/// angles). k = 1.
 double sin(double angle_rad);
 double cos(double angle_rad);
 double tan(double angle_rad);
-/// Both functions, cheaper than two calls. k = 1, but the bits can differ from those of sin() and
-/// cos(). Code that must reproduce a value calls the same function again.
+/// Sine and cosine together, cheaper than two calls. k = 1, but the bits can differ from those of
+/// sin() and cos(). To reproduce a value, call the same function again.
 SinCos sincos(double angle_rad);
 
-/// e^x: 0 below -745.14, infinity above 709.78271, which is 2e-6 early. Up to there k = 1.
+/// e^x. Returns 0 below -745.14, and infinity above 709.78271 (2e-6 too early). Up to there k = 1.
 double exp(double x);
 /// e^x - 1 without cancellation near 0. k = 1.
 double expm1(double x);

@@ -29,7 +29,7 @@ void IslandSums::add(double log_estimate) {
     squares_ += estimate * estimate;
     return;
   }
-  // Rescale the sums to the new greatest estimate.
+  // Rescale the sums relative to the new greatest estimate.
   const double factor = greatest_ == k_log_zero ? 0 : math::exp(greatest_ - log_estimate);
   sum_ = sum_ * factor + 1;
   squares_ = squares_ * factor * factor + 1;
@@ -45,7 +45,7 @@ IslandOdds IslandSums::odds() const {
   odds.log_mean = greatest_ + math::log(sum_) - math::log(count);
   odds.largest_share = 1 / sum_;
   if (islands_ < 2) return odds;
-  // The mean square minus the squared mean, over the squared mean; rounding may make it negative.
+  // (mean square - squared mean) / squared mean. Rounding may make this negative.
   const double relative_variance = count * squares_ / (sum_ * sum_) - 1;
   odds.relative_sd = std::sqrt(std::max(relative_variance, 0.0) * count / (count - 1));
   return odds;

@@ -1,5 +1,6 @@
-// Combines independent, unbiased estimates of a number too small for doubles: the log of their
-// mean, and its error. Free islands provide logs of such estimates (worker/sampling/island.h).
+// Computes the log of the mean of independent, unbiased estimates, and its standard error. The
+// estimated number may be too small for a double. Free islands provide logs of such estimates
+// (worker/sampling/island.h).
 //
 // Idea. The mean of the estimates is unbiased for any spread; the mean of their logs is not. The
 // standard error of the mean is the estimates' standard deviation over the square root of their
@@ -8,7 +9,7 @@
 // occurred yet. So an error is valid only if there are enough estimates and none exceeds a tenth of
 // the sum.
 //
-// A run may choose the number of estimates by earlier ones, but not by the counted ones
+// The number of counted estimates may depend on earlier estimates, but not on the counted ones
 // (worker/sampling/odds_rule.h).
 // Invariant: equal sequences yield equal bits. Thread safety: values and pure functions.
 #pragma once
@@ -21,16 +22,17 @@ namespace sleight::math {
 
 /// Maximum share of the sum that one estimate may have for a valid error.
 inline constexpr double k_largest_share_max = 0.1;
-/// Minimum number of estimates for a valid error. Smaller numbers mostly miss the large estimates.
-/// Intervals of 48 islands of a box of two balls missed the truth by three errors or more in 4 to
-/// 13% of cases, those of 144 islands in 4 to 7% (docs/MEASUREMENTS, "Intervals by islands").
+/// Minimum number of estimates for a valid error. Fewer estimates mostly miss the large ones. For a
+/// box of two balls, estimates by 48 islands missed the truth by three errors or more in 4 to 13%
+/// of cases, and estimates by 144 islands in 4 to 7% (docs/MEASUREMENTS, "Intervals by islands").
 inline constexpr std::uint64_t k_islands_min = 100;
 
 struct IslandOdds {
   std::uint64_t islands = 0;
   /// Log of the mean; -infinity if all estimates are 0, NaN without estimates.
   double log_mean = std::numeric_limits<double>::quiet_NaN();
-  /// Standard deviation of one estimate over the mean. NaN for fewer than two, or if all are 0.
+  /// Standard deviation of one estimate, divided by the mean. NaN for fewer than two, or if all are
+  /// 0.
   double relative_sd = std::numeric_limits<double>::quiet_NaN();
   /// The largest estimate's share of the sum, in [0, 1]. NaN if the sum is 0 or empty.
   double largest_share = std::numeric_limits<double>::quiet_NaN();

@@ -10,8 +10,8 @@ namespace sleight::math {
 
 /// Returns the x below which a standard normal variable falls with the given probability, within
 /// 1e-15 relative. The bits equal those of R's qnorm wherever the logarithms agree. Infinite at 0
-/// and 1, NaN outside [0, 1] and for NaN. Odd about 1/2, where it is 0. Close to 1, the probability
-/// itself is too coarse, so use the mirror image.
+/// and 1, NaN outside [0, 1] and for NaN. Odd about 1/2, where it is 0. Close to 1, doubles are too
+/// coarse for the probability; use -normal_quantile(1 - probability).
 double normal_quantile(double probability);
 
 }  // namespace sleight::math

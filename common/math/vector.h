@@ -2,10 +2,10 @@
 //
 // Idea. Eigen's types provide storage and component-wise arithmetic, which rounds once per
 // component for any instruction set. For sums over components, Eigen chooses the order of
-// additions, and whether to fuse multiplication and addition, by size, alignment and build flags. A
-// sum of three is a + (b + c) in plain code; a sum of four is pairwise under SSE and different
-// under AVX; a quaternion product has its own SSE code. So the functions below write out every such
-// sum from left to right. rotation.h has the products of rotations.
+// additions, and whether to fuse multiplication and addition, by size, alignment and build flags.
+// Plain code adds three numbers as a + (b + c). SSE adds four numbers pairwise, and AVX in another
+// order. A quaternion product has its own SSE code. So the functions below write out every such sum
+// from left to right. rotation.h has the products of rotations.
 //
 // Invariants
 //   1. Every function yields the same bits for the same arguments whether compiled for SSE2 or for
@@ -13,8 +13,8 @@
 //      it). tests/determinism/arithmetic builds both and compares.
 //   2. Results never use these members of Eigen: dot, norm, squaredNorm, normalized, cross, sum,
 //      prod, products of matrices or quaternions, inverse, and from Eigen/Geometry AngleAxis,
-//      Rotation2D and slerp (these call libm's sine). Nor do results use vectors of run-time size,
-//      whose order of summation depends on alignment.
+//      Rotation2D and slerp (these call libm's sine). Results never use vectors of run-time size
+//      either, because their order of summation depends on alignment.
 // Components beyond 1e150 overflow when squared, because nothing is rescaled.
 // Thread safety: pure functions.
 #pragma once
@@ -34,7 +34,7 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
 /// A column of two or three doubles, or a sum, difference or scaling of such columns. The functions
-/// below evaluate an expression once.
+/// below evaluate such an expression only once.
 template <class T>
 concept VectorExpression = std::same_as<typename T::Scalar, double> && T::ColsAtCompileTime == 1 &&
                            (T::RowsAtCompileTime == 2 || T::RowsAtCompileTime == 3);

@@ -5,10 +5,10 @@
 //        s+1      a b c d          e swapped with a level outside, so its next scan is unknown here
 //        s+2        b c
 //
-// A member continues as long as the block itself determines its level; the plan decides the rest.
-// The choice of units for a block may depend on measured cost and on what is ready, but no result
-// depends on it (docs/DETERMINISM). The plan verifies this, because it decides each swap again when
-// it consumes results (Plan::consume).
+// A member continues as long as the block alone determines its level; the plan decides the rest.
+// The choice of units for a block may depend on measured cost and on which units are ready, but no
+// result depends on that choice (docs/DETERMINISM). The plan verifies this: it decides each swap
+// again when it consumes results (Plan::consume).
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace sleight::plan {
 
-/// The part of a ladder that a block's members are at.
+/// The part of a ladder that a block covers.
 struct LadderPart {
   std::uint32_t levels = 0;       ///< Levels of the whole ladder.
   std::uint32_t first_level = 0;  ///< First level of the part.
@@ -44,7 +44,7 @@ struct BlockLimits {
   std::uint32_t unit_scans_max = 1;   ///< Scans of a single unit.
   std::uint32_t block_scans_max = 1;  ///< Scans of all members of a ladder's part together.
   /// Number of threads that small blocks can keep busy. With at least one ladder per thread,
-  /// ladders of up to whole_levels_max levels are not split, because parts cause small blocks.
+  /// ladders of up to whole_levels_max levels are not split, because splitting makes blocks small.
   std::uint64_t threads = 1;
   std::uint32_t whole_levels_max = 0;
 };
@@ -57,8 +57,8 @@ using GivenState = std::optional<base::Bytes>;
 class BlockWorker {
  public:
   virtual ~BlockWorker() = default;
-  /// Returns one result per member, in order, each with at least one scan; no results if a state is
-  /// neither given nor held. REQUIRES: one entry of `states` per member.
+  /// Returns one result per member, in order, each with at least one scan. Returns no results if a
+  /// state is neither given nor held. REQUIRES: one entry of `states` per member.
   virtual std::vector<UnitResult> run(const Block& block,
                                       std::span<const GivenState> states) const = 0;
   virtual CacheUse cache_use() const = 0;

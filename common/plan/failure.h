@@ -3,7 +3,7 @@
 // A failure is a fault of the simulator or of the world's physics scene, not a property of the
 // state, so a failed state is never a sample. A chain rejects a candidate whose simulation failed,
 // and a failed draw from the prior is repeated; docs/SAMPLING.md describes the effect on the
-// distribution. Starts that overlap are no failures: such a state has a known p_c of 0.
+// distribution. Bodies that overlap at the start are no failure: such a state has a known p_c of 0.
 // Thread safety: values.
 #pragma once
 
@@ -47,7 +47,8 @@ inline std::optional<FailureKind> failure_kind_of(std::string_view name) {
   return std::nullopt;
 }
 
-/// The reason and the state of a failed simulation, which would fail again in the same way.
+/// The reason and the state of a failed simulation. Simulating the state again fails in the same
+/// way.
 struct SimulationFailure {
   FailureKind kind{};
   std::string message;  ///< Describes the fault, the body and the time.

@@ -1,6 +1,7 @@
-// A sampling method as a pure plan: which units can run, what follows from their results, and when
-// the run ends. A plan uses no worker, thread, clock or file. The serial loop, the thread pool and
-// the coordinator all execute the same plan, so no method has a second loop.
+// A sampling method as a pure plan. A plan decides which units can run, what follows from their
+// results, and when the run ends. A plan uses no worker, thread, clock or file. The serial loop,
+// the thread pool and the coordinator all execute the same plan, so each method is implemented
+// once.
 //
 // Invariants
 //   1. Units of one replica are handed out in scan order, one at a time.
@@ -22,7 +23,7 @@
 
 namespace sleight::plan {
 
-/// Consecutive scans that are draws, and by chain the independent solution among them, if any.
+/// Consecutive scans that are draws, and each chain's independent solution among them, if any.
 struct DrawPart {
   std::uint64_t first_scan = 0;
   std::uint64_t count = 0;
@@ -37,7 +38,7 @@ struct Draws {
   std::vector<DrawPart> parts{};
 };
 
-/// Finds of searches. A find counts once all earlier starts are done.
+/// Finds of searches. A find is counted once all earlier starts are done.
 struct Finds {
   std::uint64_t found = 0;
   std::uint64_t wanted = 0;  ///< 0: no search.
@@ -103,26 +104,26 @@ class Plan {
   virtual base::BytesView start_state(ReplicaKey /*replica*/) const { return {}; }
 
   /// Consumes the results of scans [first_scan, first_scan + records.size()) of one replica.
-  /// REQUIRES: they continue that replica's scans, and belong to a unit handed out or (before the
-  /// first next_unit) to a run store.
+  /// REQUIRES: the records continue that replica's scans, and come from a unit that was handed out
+  /// or, before the first next_unit(), from a run store.
   virtual void consume(ReplicaKey replica, base::ScanIndex first_scan,
                        std::span<const ScanRecord> records) = 0;
 
   /// Whether the stop rule holds, so nothing more is handed out.
   virtual bool finished() const = 0;
 
-  /// Number of scans that every chain has. An archive written now ends there.
+  /// Number of scans that every chain has. An archive written now ends at this scan.
   virtual std::uint64_t scans_common() const = 0;
 
-  /// The draws that every chain has among these scans.
+  /// The draws among these scans.
   virtual Draws draws() const { return {.first_scan = 0, .count = scans_common()}; }
 
   /// Independent solutions so far, and the number of them that ends the run, if any.
   virtual std::uint64_t solutions_found() const = 0;
   virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
 
-  /// Solutions with after < decided <= until, by (decided, chain, scan). They are a function of the
-  /// results before scan `until`. REQUIRES: until <= scans_common().
+  /// Solutions with after < decided <= until, ordered by (decided, chain, scan). They are a
+  /// function of the results before scan `until`. REQUIRES: until <= scans_common().
   virtual std::vector<Solution> solutions_between(std::uint64_t after,
                                                   std::uint64_t until) const = 0;
 
@@ -151,7 +152,7 @@ class Plan {
   /// Number of trips from the prior to inverse temperature 1 and back. Empty: no trips exist.
   virtual std::optional<std::uint64_t> round_trips() const { return std::nullopt; }
 
-  /// Consumed scans over all chains, and their total if the stop rule determines it.
+  /// Consumed scans over all chains, and the run's total if the stop rule determines it.
   virtual std::uint64_t scans_consumed() const = 0;
   virtual std::optional<std::uint64_t> scans_total() const = 0;
 

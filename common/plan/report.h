@@ -16,7 +16,7 @@ struct Table {
   std::vector<double> values;
 };
 
-/// A dimension's name has the same size in all tables.
+/// Dimensions of the same name have the same size in all tables.
 struct Report {
   std::vector<Table> tables;
   /// One line that a user of the draws must see, or empty.

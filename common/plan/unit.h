@@ -28,8 +28,8 @@ struct ReplicaKey {
 
 /// A search's starts are numbered over k_search_lanes lanes: start n is scan n / k_search_lanes of
 /// lane n % k_search_lanes. To workers and stores, lanes are chains with one replica, numbered from
-/// k_first_lane on. No start depends on an earlier state. Prior draws beside a run's samples have
-/// lanes of their own, and so have free islands in runs that request only the odds.
+/// k_first_lane on. No start depends on an earlier state. Other lanes run the prior draws stored
+/// beside a run's samples, and the free islands of runs that request only the odds.
 inline constexpr std::uint32_t k_first_lane = 65536;
 inline constexpr std::uint32_t k_search_lanes = 64;
 inline constexpr std::uint32_t k_first_prior_lane = k_first_lane + k_search_lanes;
@@ -70,11 +70,11 @@ inline std::pair<base::ChainId, std::uint64_t> place_of_island(std::uint64_t num
   return {base::ChainId{k_first_island_lane + lane}, number / k_island_lanes};
 }
 
-/// Above the number of replicas of any chain, because lineages are numbered by it.
+/// Greater than the number of replicas of any chain, so that lineage_from() is unique.
 inline constexpr std::uint64_t k_replicas_end = 4096;
 
 /// The lineage that begins with a replica's prior draw at a scan. Each such draw of a chain has its
-/// own lineage; the start of replica 0 has 0.
+/// own lineage. The start of replica 0 has lineage 0.
 inline std::uint64_t lineage_from(base::ReplicaId replica, std::uint64_t scan) {
   return scan * k_replicas_end + replica.value;
 }
@@ -94,8 +94,8 @@ struct Unit {
   std::vector<double> inverse_temperatures{1};
   /// Factors of proposal scales by kind. Empty: all 1.
   std::vector<double> proposal_scales{};
-  /// Inverse temperatures, below the scan's own, of the tempered transition that ends each scan, in
-  /// descending order. Empty: no transition.
+  /// Inverse temperatures of the tempered transition that ends each scan, in descending order and
+  /// below the scan's inverse temperature. Empty: no transition.
   std::vector<double> excursion{};
 
   /// Whether each scan is a start of a search, without a state before it. Implies `starts`.
@@ -138,7 +138,7 @@ struct FailedSimulation {
   friend bool operator==(const FailedSimulation&, const FailedSimulation&) = default;
 };
 
-/// Maximum number of failed simulations that a unit returns; all are counted.
+/// Maximum number of failed simulations that a unit returns. Counts include all of them.
 inline constexpr std::size_t k_failed_told_max = 10;
 
 struct UnitResult {
@@ -167,7 +167,7 @@ class UnitWorker {
   /// REQUIRES: `state` is the replica's state before unit.first_scan. For the first scan, `state`
   /// is Plan::start_state's result.
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
-  /// Runs the unit from the sample that this worker holds for it. Empty without one.
+  /// Runs the unit from the sample that this worker holds for it. Empty if the worker holds none.
   virtual std::optional<UnitResult> run_from_held(const Unit&) const { return std::nullopt; }
   /// Whether the worker holds that sample now. REQUIRES: !unit.starts.
   virtual bool holds(const Unit&) const { return false; }

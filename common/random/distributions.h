@@ -1,20 +1,21 @@
 // All distributions, and their common properties.
 //
 // Idea. A distribution is a small struct of parameters with two functions. draw(stream) returns an
-// exact draw, and log_density(x) the logarithm of the normalised density. A Metropolis-Hastings
-// acceptance needs the pair, so a test compares the two (a chi-square of draws against the
-// density's integral). The standard library's distributions are not used, because their algorithms
-// differ between implementations and call libm.
+// exact draw, and log_density(x) the logarithm of the normalised density. Metropolis-Hastings needs
+// both, so a test compares them (chi-square of draws against the density's integral). The standard
+// library's distributions are not used, because their algorithms differ between implementations and
+// call libm.
 //
 // Invariants
 //   1. A draw's bits are a function of the parameters and of the stream's words alone.
 //   2. log_density is normalised with respect to the measure that each struct names, and -infinity
-//      outside the support. Draw and density deviate only by rounding and by the grid of
+//      outside the support. Draw and density differ only by rounding and by the grid of
 //      Stream::uniform, whose effect each struct states.
 //   3. Invalid parameters, and NaN as an argument, are bugs that CHECK reports. User input has been
 //      validated before (common/request).
-//   4. Each struct with a fixed number of words per draw states it. Rejection methods use a random
-//      number of words, which is harmless, because streams are addressed per iteration.
+//   4. If a struct's draws use a fixed number of words, the struct states that number. Rejection
+//      methods use a random number of words, which is harmless, because streams are addressed per
+//      iteration.
 // Thread safety: values; const functions may be called from several threads, each with its Stream.
 #pragma once
 

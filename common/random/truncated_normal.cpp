@@ -53,8 +53,8 @@ double draw_around_zero(const Interval& z, Stream& stream) {
 }
 
 // Draws the distance t from `near` of a standard normal restricted to [near, near + width], near >=
-// 0. The proposal density is proportional to exp(-rate t) on [0, width]. The target exp(-near t -
-// t^2/2) has the greatest ratio to the proposal at t = rate - near.
+// 0. The proposal density is proportional to exp(-rate t) on [0, width]. The ratio of the target
+// exp(-near t - t^2/2) to the proposal is greatest at t = rate - near.
 double draw_distance_in_tail(double near, double width, Stream& stream) {
   // rate = (near + sqrt(near^2 + 4))/2, written so that rate - near does not cancel.
   const double root = near < 1e9 ? std::sqrt(near * near + 4) : near;

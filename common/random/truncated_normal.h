@@ -14,7 +14,7 @@
 //
 // Invariants
 //   1. Draws are in [low, high]; at least 4 in 10 proposals are accepted for any parameters.
-//   2. log_density is within 1e-13 (1 + |log_density|) of exact, given a and b as rounded to
+//   2. log_density is within 1e-13 (1 + |log_density|) of the exact value for a and b as rounded to
 //      doubles; the test compares with MPFR.
 #pragma once
 

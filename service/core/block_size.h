@@ -1,6 +1,6 @@
-// The size of blocks, from the measured cost of scans: long enough that handing them out costs
-// little, short enough that all workers have some and a stop is quick. Changes no result. Not
-// thread-safe.
+// Chooses the size of blocks from the measured cost of scans. Blocks are long enough that handing
+// them out costs little, and short enough that all workers have some and a stop is quick. Changes
+// no result. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -13,14 +13,14 @@ namespace sleight::core {
 struct BlockSizeOptions {
   /// Target duration of a block.
   double target_s = 0.050;
-  /// The coordinator's cost per block, storing of results included, and the maximum share of its
-  /// time. Blocks exceed target_s if many busy threads require it.
+  /// The coordinator's time per block (including storing the results), and the maximum share of its
+  /// time that blocks may take. Blocks exceed target_s if many busy threads require it.
   double handling_s = 50e-6;
   double handling_share = 0.5;
   /// Limits of a block's duration: at most target_s_max, and at least least_s when workers wait.
   double target_s_max = 1;
   double least_s = 0.001;
-  /// With enough ladders, a ladder stays whole if a scan of all levels takes this long at most.
+  /// With enough ladders, a ladder isn't split if a scan of all its levels takes at most this long.
   double whole_s_max = 0.25;
   std::uint32_t scans_max = 8192;  ///< Maximum scans of a block, which limits a result's memory.
 };
@@ -37,9 +37,9 @@ class BlockSize {
   /// Limits of the next block. `scans_max`: maximum scans of one replica, exceeded only if the
   /// coordinator couldn't keep up otherwise.
   plan::BlockLimits limits(const Threads& threads, std::uint64_t scans_max) const;
-  /// Reports a completed block. `moving`: its scans that made proposals. Starts count only until a
-  /// scan's cost is known, because they cost almost nothing, or as much as a scan if they are
-  /// islands. Invalid times (possible from other ranks) are ignored.
+  /// Reports a completed block. `moving`: number of the block's scans that made proposals. Starts
+  /// count only until a scan's cost is known, because they cost almost nothing, or as much as a
+  /// scan if they are islands. Invalid times (possible from other ranks) are ignored.
   void measured(std::uint64_t scans, std::uint64_t moving, double cost_s);
   /// Report that a thread found no work although the plan continues, or that it found some.
   void starved() { slack_ = std::max(slack_ * k_narrowing, slack_min()); }
@@ -52,10 +52,10 @@ class BlockSize {
   static constexpr double k_narrowing = 0.7;
   static constexpr double k_widening = 1.01;
   static constexpr double k_growth = 8;
-  /// A smaller slack would have no effect, and recovering from it would take long.
+  /// Minimum slack. A smaller one would have no effect, and recovery from it would take long.
   double slack_min() const { return std::min(options_.least_s / options_.target_s, 1.0); }
   BlockSizeOptions options_;
-  /// Average scans of a split ladder's blocks, whatever their limit.
+  /// Average number of scans in a split ladder's blocks, regardless of the limit.
   static constexpr double k_part_scans = 4;
   double scan_cost_s_ = 0;
   double start_cost_s_ = 0;

@@ -34,7 +34,7 @@ struct Answered {
   WorkerId worker;
   schema::Pong pong;
 };
-/// The time, by a monotonic clock with any origin.
+/// The time on a monotonic clock with any origin.
 struct Tick {
   double now_s = 0;
 };

@@ -122,7 +122,7 @@ void Scheduler::accept(WorkerId worker, const plan::Block& block,
   effects_.push_back(Keep{std::move(results)});
 }
 
-/// Removes a completed block. Other copies of it are ignored from now on.
+/// Removes a completed block. From now on, other copies of the block are ignored.
 void Scheduler::done(TaskId task) {
   waiting_.erase(task);
   tasks_.erase(task);
@@ -133,7 +133,7 @@ void Scheduler::take(const Answered& input) {
   if (found == workers_.end() || input.pong.epoch != options_.epoch) return;
   heard(input.worker);
 
-  // A missing assignment was lost on the way to the worker, or its result on the way back.
+  // A missing assignment was lost on the way to the worker, or its result was lost on the way back.
   const std::set<AssignmentId> has(input.pong.assignments.begin(), input.pong.assignments.end());
   const std::set<AssignmentId> before_it = found->second.before_it;
   for (const AssignmentId id : before_it) {
@@ -144,7 +144,8 @@ void Scheduler::take(const Answered& input) {
       take_back(id);
       continue;
     }
-    // The worker is only slow: renew the lease, and stop the block's wait for another worker.
+    // The worker is only slow: renew the lease, and remove the block from those that wait for a
+    // worker.
     if (task == tasks_.end()) {
       renew_lease(id, options_.lease_s);
       continue;
@@ -204,7 +205,7 @@ void Scheduler::heard(WorkerId id) {
   threads_ += found->second.threads;
   silent_.erase(id);
   place(id);
-  // Renew leases, so that the worker is asked about assignments that it may lack.
+  // Renew ended leases, so that the scheduler asks about assignments that the worker may have lost.
   for (const AssignmentId assignment : found->second.before_it) {
     const Given& given = assignments_.at(assignment);
     if (leases_.contains({given.lease_end_s, assignment})) continue;
@@ -282,8 +283,8 @@ void Scheduler::fetch() {
   // With several workers, a block may wait for the worker that holds its states.
   const std::size_t wanted = workers_.size() > 1 ? k_lookahead : 1;
   while (waiting_.size() < wanted) {
-    // Limit units to the number of scans that all chains have. So chains stay within a factor of
-    // two of each other, and an early stop leaves results of every chain.
+    // Limit units to the number of scans that all chains have. So the chains' numbers of scans
+    // differ at most by a factor of two, and an early stop leaves results of every chain.
     const std::uint64_t blocks = assignments_.size() + waiting_.size() + 1;
     const BlockSize::Threads threads{.all = threads_, .at_work = std::min(threads_, blocks)};
     std::optional<plan::Block> block =
@@ -302,13 +303,13 @@ void Scheduler::hand_out(std::optional<WorkerId> heard_of) {
   while (!roomy_.empty() && roomy_.begin()->first < 1) {
     const WorkerId worker = roomy_.begin()->second;
     if (!has_work()) {
-      // Smaller blocks would leave more of a ladder to others, but not more of plain chains.
+      // Smaller blocks leave more of a ladder to other threads, but not more of plain chains.
       if (heard_of && splits_ladders_) size_.starved();
       return;
     }
     give(worker, take_waiting(choose(worker)));
   }
-  // Give more blocks to the worker that was heard, unless another worker holds their states.
+  // Give more blocks to the worker that sent this input, unless another worker holds their states.
   const auto has_more_room = [&] {
     const auto found = workers_.find(*heard_of);
     return found != workers_.end() && has_room(found->second);
@@ -378,7 +379,7 @@ void Scheduler::give(WorkerId id, TaskId task_id) {
   task.leases.insert(assignment);
   if (task.given++ > 0) ++counts_.copies;
 
-  // Send only the version (the member's first scan) of a state that the worker made last.
+  // If the worker made the state last, send only its version (the member's first scan).
   std::vector<plan::GivenState> states;
   for (const plan::Unit& member : task.block.members) {
     plan::GivenState& state = states.emplace_back();

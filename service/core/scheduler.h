@@ -1,12 +1,12 @@
-// The scheduler decides which worker runs which block, as a pure state machine. An input goes in,
-// effects come out. The scheduler uses no network, disk, clock or thread. It knows the plan's
-// units, the versions of states, and which worker holds which state.
+// The scheduler decides which worker runs which block, as a pure state machine. Each step takes an
+// input and returns effects. The scheduler uses no network, disk, clock or thread. It knows the
+// plan's units, the versions of states, and which worker holds which state.
 //
 // Idea. The scheduler requests blocks from the plan, gives each block to a worker, and accepts each
 // block's first result from any worker. A result is a pure function of its block, so several
 // workers may run the same block: if a worker is silent for too long (its lease ends), another
 // worker gets the block too. A state's version is the number of the scan that follows it. A state
-// travels as bytes unless the worker made it last.
+// is sent as bytes unless the worker made it last.
 //
 //   plan ── block ──▶ waiting ──▶ given out ──▶ first result: stored, into the plan
 //                        ▲            │
@@ -17,9 +17,9 @@
 //      results, and results of another epoch, change nothing.
 //   2. A block that is not done either waits or is assigned under a running lease. So after any
 //      failures of workers and messages, the block completes if some worker eventually answers.
-//   3. A worker is thought to have at most threads * blocks_per_thread assignments. A silent worker
-//      gets none until it is heard. Any other worker has a lease on each assignment, so it is asked
-//      about lost ones.
+//   3. By the scheduler's count, a worker has at most threads * blocks_per_thread assignments. A
+//      silent worker gets no assignments until it sends a message. Each assignment of another
+//      worker has a lease, so the scheduler asks about lost assignments.
 //   4. Effects are a function of the inputs' order alone.
 //
 // The order of decisions in one step:
@@ -55,18 +55,19 @@ struct SchedulerOptions {
   /// wait for a message. 0 if a scan takes longer than ahead_s_max.
   std::uint32_t blocks_ahead = 1;
   double ahead_s_max = 0.1;
-  /// A lease is at least lease_s, and at least lease_factor times the worker's expected work.
+  /// A lease is at least lease_s, and at least lease_factor times the expected duration of the
+  /// worker's work.
   double lease_s = 30;
   double lease_factor = 20;
-  /// Interval between questions to a silent worker.
+  /// Interval at which a silent worker is asked for its assignments.
   double ask_every_s = 5;
 };
 
-/// Number of waiting blocks among which a worker's held states are compared.
+/// Number of waiting blocks from which the scheduler chooses by the states that a worker holds.
 inline constexpr std::size_t k_lookahead = 32;
 /// Maximum number of times that a block is passed over for others.
 inline constexpr std::uint32_t k_passed_over_max = 64;
-/// A lease doubles with each earlier copy of its block, at most this often.
+/// Each earlier copy of a block doubles the lease, at most this many times.
 inline constexpr std::size_t k_lease_doublings_max = 10;
 
 struct Counts {
@@ -81,8 +82,8 @@ struct Counts {
 
 class Scheduler {
  public:
-  /// Borrows the plan, which nothing else may drive. REQUIRES: the plan is fresh, or has consumed
-  /// the run store's results, whose states resume() sets before the first step.
+  /// Borrows the plan; nothing else may drive it. REQUIRES: the plan is fresh; or it has consumed
+  /// the run store's results, and resume() sets their states before the first step.
   Scheduler(plan::Plan& plan, const SchedulerOptions& options);
 
   /// Sets the state from which a replica continues at scan `next_scan`.
