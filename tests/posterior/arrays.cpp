@@ -112,7 +112,7 @@ constexpr auto k_kinds = std::to_array<Kind>({
     {"all_infinite", [](OwnedChains& d, Stream&) { for (double& v : d.values) v = k_infinity; }},
 });
 
-/// Every short length, then longer ones: powers of two, one more, primes.
+/// All short lengths, then longer ones, such as powers of two, powers of two plus one, and primes.
 constexpr auto k_lengths = std::to_array<std::size_t>(
     {1,  2,  3,  4,  5,  6,  7,  8,   9,   10,  11,  12,  13,  14,  16,   17,   19,   23,
      25, 32, 37, 50, 64, 65, 99, 100, 128, 200, 333, 500, 501, 800, 1000, 1024, 1999, 2000});

@@ -1,7 +1,7 @@
-// Writes arrays and our measures of them: sleight-diagnosed-arrays FOLDER SEED. For each array the
-// folder gets a line `name chains draws` in arrays.txt, the doubles in arrays.bin (little-endian,
-// chain after chain), and lines `name measure value` in ours.txt, hexadecimal. Prints the time
-// taken.
+// Writes test arrays and our diagnostics of them into a folder. Usage: sleight-diagnosed-arrays
+// FOLDER SEED. For each array, writes a line `name chains draws` to arrays.txt, the doubles to
+// arrays.bin (little-endian, chain after chain), and lines `name measure value` with hexadecimal
+// values to ours.txt. Prints the time taken.
 #include <fmt/format.h>
 #include <fmt/os.h>
 

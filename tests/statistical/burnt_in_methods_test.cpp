@@ -1,5 +1,6 @@
 // Tests that methods after a burn-in (simulated tempering, tempered transitions, annealed
-// importance sampling) and annealed starts have their targets, which are enumerated.
+// importance sampling) and annealed starts sample their targets. The targets are known by
+// enumeration.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -60,7 +61,7 @@ std::size_t place_of(const plan::ScanRecord& record) {
   return static_cast<std::size_t>(record.outcome.front());
 }
 
-/// A part after a burn-in that found these weights. Its state is an exact draw.
+/// A chain's part after a burn-in that found these weights. The part's state is an exact draw.
 template <class Part>
 class StartedPart {
  public:
@@ -207,7 +208,8 @@ constexpr std::uint64_t k_burn_in = 140;
 
 TEST(SimulatedTempering, IsRightAfterALearntBurnIn) {
   // Goal: with a burn-in's weights, draws at inverse temperature 1 have the target's distribution,
-  // and levels are visited about equally often. Method: 400 runs of 1,500 scans after three rounds.
+  // and levels are visited about equally often. Method: compare 400 runs of 1,500 scans after three
+  // burn-in rounds with enumeration.
   std::vector<std::vector<double>> runs;
   double least = 1;
   double trips = 0;
@@ -229,7 +231,8 @@ TEST(SimulatedTempering, IsRightAfterALearntBurnIn) {
 }
 
 TEST(TemperedTransitions, AreRightAfterALearntBurnIn) {
-  // Goal: tempered transitions have the target's distribution. Method: 400 runs of 300 scans.
+  // Goal: tempered transitions have the target's distribution. Method: compare 400 runs of 300
+  // scans with enumeration.
   std::vector<std::vector<double>> runs;
   double acceptance = 0;
   for (std::uint64_t repeat = 0; repeat < 400; ++repeat) {
@@ -248,10 +251,10 @@ TEST(TemperedTransitions, AreRightAfterALearntBurnIn) {
 
 TEST(AnnealedImportance, WeightsAreUnbiased) {
   // Goal: mean weights are unbiased for Z and P(satisfied), weighted means are the target's, and
-  // errors are calibrated. Method: 1,500 runs of 24 ascents with ladders from short burn-ins. The
-  // mean over runs of exp(log Z) / Z and of exp(log P) / P is 1. Z-scores of the logs have about
-  // unit spread, between 0.8 and 1.4 because 24 weights are skewed. Sums of weights by place are
-  // right.
+  // errors are calibrated. Method: make 1,500 runs of 24 ascents with ladders from short burn-ins.
+  // The mean over runs of exp(log Z) / Z and of exp(log P) / P is 1. The z-scores of the logs have
+  // a spread of about 1. The limits are 0.8 and 1.4, because 24 weights are skewed. Each place's
+  // sum of weights is right.
   constexpr std::uint64_t k_repeats = 1500;
   std::vector<double> ratios[2];
   std::vector<double> z[2];
@@ -311,13 +314,14 @@ TEST(AnnealedImportance, WeightsAreUnbiased) {
     EXPECT_LT(sd, 1.4);
   }
   expect_shares("weighted ascents", places);
-  // A wrong distribution is detected: that of ascents without their weights.
+  // The comparison rejects a wrong distribution: ascents without their weights.
   EXPECT_LT(chi_square_p(unweighted, RuggedRing::exact(1)), 1e-12);
 }
 
 TEST(AnnealedImportance, ErrorsAreHonestWithManyAscents) {
-  // Goal: the standard errors of log Z and log P equal their spread. Method: 200 runs of 800
-  // ascents. 5 standard errors over 200 are 0.35 for the mean of z and 25% for its sd.
+  // Goal: the standard errors of log Z and log P equal their spread. Method: compute the z-scores
+  // of 200 runs of 800 ascents. Over 200 runs, 5 standard errors are 0.35 for the mean of z and 25%
+  // for its sd.
   std::vector<double> z[2];
   for (std::uint64_t repeat = 0; repeat < 200; ++repeat) {
     const std::uint64_t seed = k_seed + 10'000 + repeat;
@@ -348,9 +352,10 @@ TEST(AnnealedImportance, ErrorsAreHonestWithManyAscents) {
 
 TEST(AnnealedStarts, LeaveTheTargetRight) {
   // Goal: annealed ladders reach the target's distribution early, and annealed plain chains keep
-  // the distribution that they arrive with. Method: shares of places in 400 ladders, annealed over
-  // 30 scans, from 100 scans later on. 20,000 plain chains, annealed over 25 scans and run for 60
-  // more, against exact draws (Kolmogorov-Smirnov), on a world that a walk covers.
+  // the distribution that they arrive with. Method: anneal 400 ladders over 30 scans, skip 100 more
+  // scans, then compare the shares of places with enumeration. Anneal 20,000 plain chains over 25
+  // scans on a world that a walk covers, run them for 60 more, and compare them with exact draws
+  // (Kolmogorov-Smirnov).
   std::vector<std::vector<double>> runs;
   for (std::uint64_t repeat = 0; repeat < 400; ++repeat) {
     sampling::ParallelTempering plan({.ladders = 1,

@@ -1,4 +1,4 @@
-// Fair dice are fair: without goals, each face comes up once in six throws.
+// Tests that dice are fair: without goals, each face comes up with probability 1/6.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ using worlds::dice::Parameters;
 constexpr std::uint64_t k_seed = 141421;
 constexpr double k_significance = 1e-4;
 
-/// Returns the cube's upper side, of six.
+/// Returns which of the cube's six sides is up.
 std::size_t side_up(const DieView& die) {
   const math::Mat3 axes = math::matrix_of(die.orientation);
   int axis = 0;

@@ -195,7 +195,7 @@ struct Run {
   std::size_t chains = 2000;
 };
 
-/// Returns the least p-value times the number of tests, for moved exact draws against fresh ones.
+/// Compares moved exact draws with fresh ones. Returns the least p-value times the number of tests.
 template <class T>
 double least_p(const T& world, const Run& run) {
   std::array<std::vector<double>, 14> moved;
@@ -237,7 +237,8 @@ INSTANTIATE_TEST_SUITE_P(Betas, DiceInvariance,
                                           testing::Values(std::uint64_t{1}, std::uint64_t{20})));
 
 TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
-  // Goal: the previous test can fail. Method: apply change_contact without its ratio.
+  // Goal: the previous test can fail. Method: run the test with a kernel that omits
+  // change_contact's ratio.
   Parameters parameters = small_table();
   parameters.proposal.change_all = 0;
   parameters.proposal.change_die = 0;
@@ -255,9 +256,9 @@ TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
 }
 
 TEST(DiceInvarianceOfThrows, Holds) {
-  // Goal: the kernel is right with real simulations that reuse similar ones, and with a face
-  // numbered afterwards. Method: a table of a few points, and a wide goal, so that exact draws are
-  // cheap.
+  // Goal: the kernel is right with real simulations that reuse similar ones, and with a face goal
+  // whose numbering is chosen after the simulation. Method: use a table of a few points and a wide
+  // goal, so that exact draws are cheap.
   Parameters parameters = small_table();
   parameters.world.dice[0].position_m.x() = -0.03;
   parameters.world.dice[0].velocity_mps.x() = 0.2;

@@ -26,7 +26,7 @@ sampling::ChainStreams streams_of(std::uint32_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
 }
 
-/// Two dice 40 mm apart that sometimes collide, with one place for each.
+/// Two dice 40 mm apart that sometimes collide. Each die has one goal of place.
 StagedDice two_dice(double sigma_m, double tolerance_m) {
   Parameters parameters;
   parameters.world.dice.assign(2, {});
@@ -69,9 +69,10 @@ TEST(DiceIslands, AgreeWithRejection) {
 }
 
 TEST(DiceIslands, PoolsGiveThePrior) {
-  // Goal: the weights of throws from a pool correct for how the pool was drawn and chosen from.
-  // Method: at inverse temperature 0, the mean of Z is 1, and 1/2 over draws whose first (or
-  // second) die is faster than average. Two throws per pool, one particle; within 4 errors.
+  // Goal: weights of throws from a pool correct for the way in which the pool was drawn, and a
+  // throw was chosen from it. Method: at inverse temperature 0, the mean of Z is 1. If Z counts as
+  // 0 unless the first (or second) die is faster than average, its mean is 1/2. Pools have two
+  // throws, and islands one particle. Means agree within 4 errors.
   const StagedDice world = two_dice(0.04, 0.05);
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 2;

@@ -58,7 +58,8 @@ sampling::ChainStreams streams_of(std::uint64_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{static_cast<std::uint32_t>(chain)}, .replica = {}};
 }
 
-/// Returns the probability of such counts if `move` leaves p_beta invariant.
+/// Returns the p-value of the counts after `move`. The null hypothesis is that `move` leaves p_beta
+/// invariant.
 template <class Move>
 double p_value(double beta, std::uint64_t first_chain, const Move& move) {
   const FailingRing ring;
@@ -102,7 +103,8 @@ TEST(FailuresInvariance, DrawsAgainAreDrawsOfTheRestrictedPrior) {
 
 TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
   // Goal: tempered transitions leave p_beta given success invariant, though their draws and steps
-  // may fail. Method: as above, with an excursion to the prior.
+  // may fail. Method: move exact draws by an excursion to the prior, and compare counts with
+  // enumeration.
   const std::vector<double> below{0.4, 0.1, 0};
   const double p =
       p_value(1, 2 * k_draws, [&](const auto& ring, const auto& streams, auto& sample) {
@@ -114,8 +116,9 @@ TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
 }
 
 TEST(FailuresInvariance, ACandidateThatFailsIsRefusedFromAnywhere) {
-  // Goal: from a start of zero density, the prior alone accepts every candidate, except failed
-  // ones. Method: long walks from a place with p_c = 0 next to failing ones.
+  // Goal: from a start of zero density, a chain accepts candidates by the prior alone, but never a
+  // failed one. Method: make long walks from a place with p_c = 0 next to places whose simulation
+  // fails.
   const FailingRing ring;
   for (std::uint64_t chain = 0; chain < 2000; ++chain) {
     auto sample = sampling::evaluate(ring, RuggedRing::State{12});

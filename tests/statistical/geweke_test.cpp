@@ -90,7 +90,7 @@ TEST(Geweke, BothWaysToDrawTheJointAgree) {
 }
 
 TEST(Geweke, ABrokenKernelDisagrees) {
-  // Goal: the test can fail. Method: five bugs of different kinds.
+  // Goal: the test can fail. Method: run the test with five bugs of different kinds.
   for (const Bug bug : {Bug::prior_forgotten, Bug::ratio_inverted, Bug::constraint_forgotten,
                         Bug::wrong_temperature, Bug::independence_draw_as_symmetric}) {
     EXPECT_GT(largest_z(bug), 6) << name_of(bug);

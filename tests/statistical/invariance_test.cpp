@@ -1,4 +1,5 @@
-// Tests that Metropolis-Hastings leaves p_w p_c^beta invariant, and a wrong kernel doesn't.
+// Tests that Metropolis-Hastings leaves p_w p_c^beta invariant, and that the test rejects wrong
+// kernels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -85,8 +86,8 @@ TEST(InvarianceRepeats, PValuesAreUniform) {
 class BrokenKernel : public testing::TestWithParam<Bug> {};
 
 TEST_P(BrokenKernel, IsCaught) {
-  // Goal: the invariance test can fail with the fast run's number of draws. Method: a kernel with a
-  // known bug, at 100 steps. At least one p-value is below the test's threshold.
+  // Goal: the invariance test can fail with the fast run's number of draws. Method: make 100 steps
+  // of each kernel with a known bug. At least one p-value is below the test's threshold.
   const auto p = p_values(GetParam(), 1.0, 100, k_draws_that_tell, 0);
   EXPECT_LT(*std::min_element(p.begin(), p.end()), 1e-5 / k_ball_functions) << name_of(GetParam());
 }

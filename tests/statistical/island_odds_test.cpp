@@ -1,6 +1,6 @@
-// Goal: odds from a batch that [stop]'s rule sizes are right on average, and their errors are
-// calibrated; a run that stops when its own estimate looks good underestimates P. Method: islands
-// with lognormal estimates of known mean, delivered as chains of islands.
+// Goal: if the rule of [stop] sets the size of the batch, its odds are right on average and their
+// errors are calibrated. A run that stops when its own estimate looks good underestimates P.
+// Method: draw lognormal estimates of known mean, and deliver them as chains of islands.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -101,12 +101,13 @@ class Coverage {
 };
 
 TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
-  // Goal: P is right on average over all runs, and the error is about as requested. About 65% of
-  // the runs with an error include the truth within one error and 92% within two: fewer than for
-  // normal estimates, because the sum is skewed and its spread estimated. Two rules cost less than
-  // a quarter of an error: extending the batch if one island has a tenth of the sum, and giving no
-  // error if this doesn't help. Method: 1,000 runs of the plan itself, within five binomial
-  // standard errors below these shares and four standard errors of the mean.
+  // Goal: P is right on average over all runs, and the error is about as requested. Of the runs
+  // with an error, about 65% are within one error of the truth and 92% within two. Normal estimates
+  // have larger shares, but here the sum is skewed and its spread is estimated. Two rules bias P by
+  // less than a quarter of an error: the batch is extended if one island has a tenth of the sum,
+  // and no error is reported if this doesn't help. Method: make 1,000 runs of the plan itself. The
+  // shares may be lower by five binomial standard errors, and the mean may differ by four standard
+  // errors.
   Coverage all;
   Coverage known;
   for (int run = 0; run < k_runs; ++run) {
@@ -128,7 +129,7 @@ TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
 
 TEST(IslandOdds, ARunThatStopsByItsOwnEstimateSaysTooLittle) {
   // Goal (negative control): without a batch sized beforehand, P comes out too low by more than
-  // chance. Method: all islands count, and the run stops at the first island after which the
+  // chance. Method: count all islands, and stop the run at the first island after which the
   // estimate looks good enough. The bias exceeds four standard errors of the mean.
   Coverage stopped;
   for (int run = 0; run < k_runs; ++run) {

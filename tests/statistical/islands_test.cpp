@@ -52,7 +52,7 @@ std::vector<Setting> settings() {
 
 template <class Make>
 void expect_unbiased(const Make& make, std::uint32_t chain) {
-  // As few islands as mutants/islands has, whose checks reject every mutant.
+  // The fast tier has as few islands as mutants/islands, whose checks reject every mutant.
   const std::uint64_t islands = property::of_tier(4'000, 10'000);
   const Toy toy;
   for (const Setting& setting : settings()) {
@@ -205,8 +205,8 @@ TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
 }
 
 TEST(ParticleSteps, IndependenceStepsKeepTheTarget) {
-  // Goal: the independence sampler over islands is right. Its first step draws an island given the
-  // exact draw. Method: as above.
+  // Goal: the independence sampler over islands is right. Each chain's first step draws an island
+  // given the exact draw. Method: as in the previous test.
   expect_kept(60'000'000, [](const auto& islands, std::uint64_t number, ToyParticle& current) {
     sampling::independence_step(islands, 2 * number, current);
   });
@@ -252,8 +252,8 @@ TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
 }
 
 TEST(ParticleSteps, MistakesWithStaleIslandsAreCaught) {
-  // Goal: the previous test can fail. Method: one chain keeps Z after a local move; another moves
-  // its state within the new island only if the old island is stale.
+  // Goal: the previous test can fail. Method: run one chain that keeps Z after a local move, and
+  // another that moves its state within the new island only if the old island is stale.
   const Setting two{.guide = {}, .options = {.particles = 2}};
   const Setting eight{.guide = {}, .options = {.particles = 8}};
   const Kept keeps_z = kept_by(mixed(two, AfterLocalMove::keeps_z), 1, 800'000'000, 60'000);

@@ -52,9 +52,9 @@ TEST(LadderInvariance, ExactDrawsStayExact) {
   // Goal: with a fixed ladder, every level keeps its distribution and levels stay independent, over
   // swaps, scans and ends of rounds. Method: start many ladders of five levels from exact draws.
   // After one scan and after ten, compare each level and each pair of neighbours with enumeration
-  // by chi-square. 18 p-values, each below 1e-6 once in a million runs by chance. Mean rejection
-  // rates agree with enumeration within 5 standard errors (4 rates: 2.3e-6). The fast tier has as
-  // few repeats as mutants/ladder_checks.cpp, whose checks reject every mutant.
+  // by chi-square. There are 18 p-values; by chance, each is below 1e-6 once in a million runs.
+  // Mean rejection rates agree with enumeration within 5 standard errors (4 rates: 2.3e-6). The
+  // fast tier has as few repeats as mutants/ladder_checks.cpp, whose checks reject every mutant.
   const std::uint64_t repeats = property::of_tier(6'000, 100'000);
   const RuggedRing ring;
   const std::vector<std::uint64_t> looked_at{1, 10};
@@ -121,10 +121,10 @@ TEST(LadderInvariance, ExactDrawsStayExact) {
 }
 
 TEST(LadderInvariance, LearningLaddersFindTheDistribution) {
-  // Goal: a run as users have it, from prior draws on, with an adapting ladder that chooses its
-  // size, reaches p_w p_c over parts of the ring that no proposal connects. Method: 300 independent
-  // ladders. Each place's share in the last of five rounds is within 5 standard errors of the
-  // ladders' mean (11 places: 6e-6). Lineages begin at prior draws alone.
+  // Goal: an ordinary run starts from prior draws, adapts the ladder and its size, and reaches p_w
+  // p_c even if no proposal connects the parts of the ring. Method: run 300 independent ladders.
+  // Each place's mean share in the last of five rounds is within 5 standard errors of the exact
+  // share (11 places: 6e-6 by chance). Lineages begin only at prior draws.
   constexpr std::uint64_t k_repeats = 300;
   const RuggedRing ring;
   std::vector<std::vector<double>> shares(k_places);

@@ -1,7 +1,7 @@
 // Goal: an interval in `sleight archive info` includes the truth as often as one standard error
-// should, and ladders that have not mixed get no interval. Method: worlds of known log Z and P, run
-// as users run them and cut off after each round. Trusted estimates are compared with the truth,
-// and doubted estimates are shown to be wrong more often.
+// should, and ladders that have not mixed get no interval. Method: run worlds of known log Z and P
+// as users do, and evaluate each run after each round. Compare trusted estimates with the truth,
+// and show that doubted estimates are wrong more often.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,8 +23,9 @@ namespace sleight::statistical::odds_test {
 
 constexpr std::uint64_t k_seed = 602214;
 
-/// Letters that are right or wrong, in pairs. A factor in p_c for a pair with one right letter acts
-/// as a barrier. A state satisfies if all letters are right. A proposal changes at most one letter.
+/// A world of letters, in pairs. Each letter is right or wrong. A factor in p_c for a pair with one
+/// right letter acts as a barrier. A state satisfies if all letters are right. A proposal changes
+/// at most one letter.
 struct Letters {
   using State = std::uint32_t;
   using Outcome = std::uint32_t;
@@ -150,7 +151,7 @@ struct Verdicts {
   Coverage doubted;  ///< Doubted estimates, with their errors anyway.
 };
 
-/// Judges a run that ends with each round in turn, except for the first, which never has an error.
+/// Judges a run as if it ended after each round. The first round never has an error and is omitted.
 void judge(Verdicts& verdicts, const Run& run, const Series& series) {
   for (std::size_t r = 1; r < series.rounds.size(); ++r) {
     const analysis::LadderFacts facts{.judged = series.rounds[r],
@@ -195,13 +196,14 @@ void add_world(Verdicts& all, const char* name, const World& world, const Ladder
 }
 
 TEST(Odds, TrustedErrorsHoldTheTruth) {
-  // Goal: trusted errors are calibrated. Method: letters that change seldom, pairs of letters
-  // behind a barrier, and a bullseye with too short steps; ladders of 4, 1 and 16, seven rounds
-  // that double from 32 scans. 68% of trusted estimates should be within one error and 99.7% within
-  // three. A round's log Z and log P share most of their error, so about half of the estimates
-  // count. The share within one error may be lower by five standard errors. The limit within three
-  // errors is 95%, because estimated errors have heavier tails (with one miss in 100, seven misses
-  // or more of 125 occur once in 3,000). Doubted estimates miss more often, and mostly low.
+  // Goal: trusted errors are calibrated. Method: use letters that change seldom, pairs of letters
+  // behind a barrier, and a bullseye with too short steps. Run 1, 4 or 16 ladders for seven rounds
+  // that double from 32 scans. Ideally, 68% of trusted estimates are within one error and 99.7%
+  // within three. A round's log Z and log P share most of their error, so only half of the
+  // estimates count as independent. The share within one error may be lower by five standard
+  // errors. The share within three errors must exceed 95% only, because estimated errors have
+  // heavier tails (with one miss in 100, seven misses or more of 125 occur once in 3,000). Doubted
+  // estimates miss more often, and are mostly too low.
   Letters seldom;
   seldom.busy = 0.1;
   Letters pairs;
@@ -231,8 +233,8 @@ TEST(Odds, TrustedErrorsHoldTheTruth) {
 }
 
 TEST(Odds, LaddersThatNeverComeDownHaveNone) {
-  // Goal: estimates by 16 short ladders of a hard word are never trusted, though the ladders agree.
-  // Method: letters that change so seldom that almost no ladder makes a round trip.
+  // Goal: estimates by 16 short ladders for a hard word are never trusted, though the ladders
+  // agree. Method: use letters that change so seldom that almost no ladder makes a round trip.
   Letters stuck;
   stuck.letters = 20;
   stuck.busy = 0.01;

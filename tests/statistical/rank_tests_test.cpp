@@ -22,7 +22,8 @@ std::vector<double> normals(std::uint32_t chain, std::size_t count, double mean)
 }
 
 TEST(KolmogorovSmirnov, ItsPValuesAreUniformWhenTheSamplesAreAlike) {
-  // Goal: the Kolmogorov-Smirnov test is calibrated. Method: 500 pairs of samples.
+  // Goal: the Kolmogorov-Smirnov test is calibrated. Method: test the p-values of 500 pairs of
+  // samples for uniformity.
   std::vector<double> p_values;
   for (std::uint32_t i = 0; i < 500; ++i) {
     p_values.push_back(kolmogorov_smirnov_p(normals(2 * i, 400, 0), normals(2 * i + 1, 300, 0)));
@@ -31,14 +32,14 @@ TEST(KolmogorovSmirnov, ItsPValuesAreUniformWhenTheSamplesAreAlike) {
 }
 
 TEST(KolmogorovSmirnov, RejectsASmallShift) {
-  // Goal: the Kolmogorov-Smirnov test can fail. Method: a shift of a tenth of a standard deviation,
-  // which 10,000 draws show at about seven standard errors.
+  // Goal: the Kolmogorov-Smirnov test can fail. Method: shift 10,000 draws by a tenth of a standard
+  // deviation, which is about seven standard errors.
   EXPECT_LT(kolmogorov_smirnov_p(normals(0, 10000, 0), normals(1, 10000, 0.1)), 1e-6);
 }
 
 TEST(KolmogorovSmirnov, HasTheKnownTail) {
-  // Goal: the series is Kolmogorov's. Method: its tabulated 5% point, 1.3581, from equally spaced
-  // values shifted by d, at a size where the small-sample correction is below 1e-3.
+  // Goal: the series is Kolmogorov's. Method: shift equally spaced values to the tabulated 5%
+  // point, 1.3581, and expect p = 0.05. The small-sample correction is below 1e-3.
   const std::size_t n = 1000000;
   const double d = 1.3581 / std::sqrt(static_cast<double>(n));
   std::vector<double> values(n);
@@ -49,8 +50,8 @@ TEST(KolmogorovSmirnov, HasTheKnownTail) {
 }
 
 TEST(EffectiveSampleSize, IsThatOfAnAutoregression) {
-  // Goal: errors include autocorrelation. Method: x' = 0.9 x + noise has an autocorrelation time of
-  // (1 + 0.9) / (1 - 0.9) = 19, which 200,000 steps estimate to a few percent.
+  // Goal: errors include autocorrelation. Method: estimate the autocorrelation time of x' = 0.9 x +
+  // noise, which is (1 + 0.9) / (1 - 0.9) = 19. 200,000 steps estimate it to a few percent.
   const std::vector<double> noise = normals(7, 200000, 0);
   std::vector<double> series(noise.size());
   double x = 0;

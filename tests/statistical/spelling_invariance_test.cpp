@@ -1,5 +1,5 @@
 // Tests that all proposals for balls that spell leave p_w p_c^beta invariant over states with
-// varying numbers of balls. The ratios printed in A.2.2 of the thesis don't.
+// varying numbers of balls. The test rejects the ratios printed in A.2.2 of the thesis.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,13 +22,13 @@ using worlds::spelling::Kernel;
 
 constexpr std::uint64_t k_seed = 535897;
 
-/// The fast tier has as few chains as reject each of the wrong kernels below.
+/// The fast tier has just enough chains to reject each of the wrong kernels below.
 std::size_t chain_count() {
   return property::long_run() ? 40'000 : property::of_tier(1200, 2000);
 }
 
 /// The tested quantities: the set of active balls and the number of filled bins (as a cell number),
-/// the places of drops, an offset and the size.
+/// the places of drops, an offset, and the sum of all squared offsets.
 struct Functions {
   static constexpr std::size_t k_cells = 4 * 3;
   std::array<double, k_cells> cells{};
@@ -49,7 +49,7 @@ struct Functions {
   }
 };
 
-/// Returns the least p-value times the number of tests, for moved exact draws against fresh ones.
+/// Compares moved exact draws with fresh ones. Returns the least p-value times the number of tests.
 template <class World>
 double least_p(const World& world, double beta, std::uint64_t steps) {
   const Spelling exact = world_with(Kernel::correct);
@@ -90,8 +90,8 @@ TEST_P(SpellingInvariance, ExactDrawsStayExact) {
 }
 
 TEST_P(SpellingInvariance, AimedDropsKeepExactDrawsExact) {
-  // Goal: proposals by outcome, whose ratio is known after the simulation, are right. Method: as
-  // above, with mostly such proposals.
+  // Goal: proposals by outcome, whose ratio is known after the simulation, are right. Method: as in
+  // the first test, with mostly such proposals.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_aims()), beta, steps);
   std::printf("aimed, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -111,7 +111,8 @@ Spelling with_redraws() {
 }
 
 TEST_P(SpellingInvariance, RedrawsKeepExactDrawsExact) {
-  // Goal: redrawing vertices leaves p_w p_c^beta invariant. Method: as above, with many redraws.
+  // Goal: redrawing vertices leaves p_w p_c^beta invariant. Method: as in the first test, with many
+  // redraws.
   const auto [beta, steps] = GetParam();
   const double p = least_p(with_redraws(), beta, steps);
   std::printf("redrawn, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -132,7 +133,7 @@ struct CarelessRedraws : Spelling {
 };
 
 TEST(SpellingInvarianceOfCarelessRedraws, IsRefuted) {
-  // Goal: the redraw test can fail. Method: a kernel whose redraws count the prior twice.
+  // Goal: the redraw test can fail. Method: use a kernel whose redraws count the prior twice.
   const CarelessRedraws careless(with_redraws().parameters());
   EXPECT_LT(least_p(careless, 1, 60), 1e-6);
 }
@@ -148,14 +149,15 @@ struct Hasty : Spelling {
 };
 
 TEST(SpellingInvarianceOfAHastyRatio, IsRefuted) {
-  // Goal: the test of proposals by outcome can fail. Method: a ratio that ignores the outcome.
+  // Goal: the test of proposals by outcome can fail. Method: use a ratio that ignores the outcome.
   const double p = least_p(Hasty(parameters_with_aims()), 1.0, 40);
   std::printf("hasty, 40 steps: p %g\n", p);
   EXPECT_LT(p, 1e-9);
 }
 
 TEST_P(SpellingInvariance, SoloStepsKeepExactDrawsExact) {
-  // Goal: walks and anchored steps that falls of lone balls pre-judge are right. Method: as above.
+  // Goal: walks and anchored steps, which simulations of lone balls judge first, are right. Method:
+  // as in the first test.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_solo_steps()), beta, steps);
   std::printf("solo, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -189,7 +191,8 @@ INSTANTIATE_TEST_SUITE_P(Betas, SpellingInvariance,
                                           testing::Values(std::uint64_t{1}, std::uint64_t{10})));
 
 TEST(SpellingInvarianceOfThePrintedKernel, IsRefuted) {
-  // Goal: the test can fail, and does for A.2.2 as printed. Method: the same test with that kernel.
+  // Goal: the test can fail, and rejects A.2.2 as printed. Method: run the same test with that
+  // kernel.
   EXPECT_LT(least_p(world_with(Kernel::thesis), 1.0, 10), 1e-9);
 }
 

@@ -48,7 +48,8 @@ void expect_mean(const char* name, const std::vector<double>& draws, double expe
 
 TEST(SpellingIslands, AgreeWithRejection) {
   // Goal: islands and blind throws agree on Z and P(satisfied) of three balls. Method: compare
-  // means of islands of two guides, and of joint islands, with prior draws, within 4 errors.
+  // means over islands with two guides, and over joint islands, with those of prior draws, within 4
+  // errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#\n.#.").value();
   parameters.constraint.log_lambda = 1.5;
@@ -92,9 +93,10 @@ TEST(SpellingIslands, AgreeWithRejection) {
 }
 
 TEST(SpellingIslands, BallsThatOthersRescueCount) {
-  // Goal: joint islands lose no prefix that later balls would rescue. Method: two balls. In a tenth
-  // of the satisfying weight, the first ball alone fills nothing (10.2% of 54,000 satisfying blind
-  // throws). 1,500 draws have a binomial standard error of 0.008; the share is within 4 of these.
+  // Goal: joint islands lose no prefix that later balls would rescue. Method: use two balls. In
+  // 10.2% of 54,000 satisfying blind throws, the first ball would fill nothing alone. Among the
+  // drawn states of 1,500 islands, such states have this share of the satisfying weight within 4
+  // binomial standard errors of 0.008.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#").value();
   const StagedSpelling world(parameters);
@@ -116,10 +118,11 @@ TEST(SpellingIslands, BallsThatOthersRescueCount) {
 }
 
 TEST(SpellingIslands, PoolsGiveThePrior) {
-  // Goal: the weights of drops from a pool correct for how the pool was drawn, shared and used,
-  // down to the smallest pool. Method: at inverse temperature 0 the mean of Z is 1 for any guide.
-  // Over draws with both balls it is 1/4, and with the first ball on the left 1/8 in total. Free
-  // and joint islands of one particle, bins far apart, two drops per bin; within 4 standard errors.
+  // Goal: weights of drops from a pool correct for the way in which the pool was drawn, shared and
+  // used, even for the smallest pool. Method: at inverse temperature 0, the mean of Z is 1 for any
+  // guide. If Z counts as 0 unless both balls take part, its mean is 1/4; if the first ball must
+  // also be on the left, 1/8. Use free and joint islands of one particle, bins far apart, and two
+  // drops per bin. Means agree within 4 standard errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   parameters.constraint.log_lambda = 0.5;
@@ -153,9 +156,10 @@ TEST(SpellingIslands, PoolsGiveThePrior) {
 }
 
 TEST(SpellingIslands, GivenDropsLieInTheStrataThatGaveThem) {
-  // Goal: given a state, each of its drops has a place of stratum b in the pool with probability
-  // proportional to q_b there, uniformly within the stratum. Method: two drops, 4,000 pools, shares
-  // within 5 standard errors. The drop is at its own place and at no other.
+  // Goal: given a state, each of its drops has a place in stratum b of the pool with probability
+  // proportional to q_b at the drop; all places of a stratum are equally likely. Method: draw 4,000
+  // pools for two drops, and expect shares within 5 standard errors. Each drop is at its own place
+  // and at no other.
   auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   const StagedSpelling world(parameters);

@@ -69,7 +69,8 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
       }
       ++after_ten[sample.state];
     }
-    // Of n transitions between two places, the number of forward ones is binomial with 1/2.
+    // If n transitions connect two places, the number of forward ones is binomial with probability
+    // 1/2.
     double statistic = 0;
     int freedom = 0;
     for (std::size_t i = 0; i < k_places; ++i) {

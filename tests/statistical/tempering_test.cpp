@@ -48,9 +48,9 @@ TwoModes two_modes() {
 }
 
 TEST(TwoModesWorld, IsCrossedByTempering) {
-  // Goal: parallel tempering finds the weights of both modes. Method: four ladders, 1 : 4 modes.
-  // The left mode's share after six rounds of adaptation is within 5 standard errors, which include
-  // autocorrelation and are small.
+  // Goal: parallel tempering finds the weights of both modes. Method: run four ladders on two modes
+  // with weights 1 : 4. The left mode's share after six rounds of adaptation is within 5 standard
+  // errors, which include autocorrelation and are small.
   const TwoModes world = two_modes();
   const run::ChainWorker<TwoModes> worker(world, {.iterations_per_scan = 3});
   sampling::ParallelTempering plan(options_of(k_seed, 4, 8));
@@ -63,9 +63,9 @@ TEST(TwoModesWorld, IsCrossedByTempering) {
 }
 
 TEST(TwoModesWorld, IsNotCrossedByPlainChains) {
-  // Goal: plain Metropolis-Hastings fails the previous test. Method: 32 plain chains with as many
-  // iterations. None crosses after its first tenth; each stays in the mode next to its start, so
-  // the share is that of starts, near a half.
+  // Goal: plain Metropolis-Hastings fails the previous test. Method: run 32 plain chains with as
+  // many iterations. After a tenth of the run, no chain changes its mode any more. Chains stay in
+  // the mode next to their start, so the left mode's share is near a half.
   const TwoModes world = two_modes();
   const run::ChainWorker<TwoModes> worker(world, {.iterations_per_scan = 3});
   sampling::IndependentChains plan(
@@ -90,7 +90,7 @@ TEST(Evidence, HasHonestErrorBars) {
   // values. With the jackknife's 20 parts, z has about Student's distribution with 19 degrees of
   // freedom (sd 1.06, kurtosis 3.4). 5 standard errors over 300 are 0.31 for the mean and, with
   // sqrt(2.4 / 1200) = 4.5% each, 22% for the sd. Neighbouring parts of a round are slightly
-  // correlated, which makes errors too small; up to 10% of that passes.
+  // correlated, which makes errors too small. The test accepts errors that are up to 10% too small.
   constexpr int k_repeats = 300;
   Bullseye world;
   world.target = 1.5;
@@ -127,11 +127,11 @@ TEST(Evidence, HasHonestErrorBars) {
 }
 
 TEST(RoundTrips, AreAsManyAsPredicted) {
-  // Goal: with perfect exploration, the observed rate is 1 / (2 + 2 sum r / (1 - r)). Method:
-  // workers that draw exactly from each tempered distribution, narrow and wide targets, near and
-  // far, adapting ladders. Observed and predicted rates of the last round differ by at most 10%. At
-  // least 2,500 trips, no more variable than a Poisson process, make this 5 standard errors or
-  // more.
+  // Goal: with perfect exploration, the observed rate is 1 / (2 + 2 sum r / (1 - r)). Method: run
+  // adapting ladders with workers that draw exactly from each tempered distribution, on narrow and
+  // wide targets, near and far. Observed and predicted rates of the last round differ by at most
+  // 10%. At least 2,500 trips, no more variable than a Poisson process, make this 5 standard errors
+  // or more.
   for (const auto& [target, sigma] : {std::pair{0.0, 0.3}, {1.0, 0.02}, {3.0, 0.1}, {0.0, 0.005}}) {
     Bullseye world;
     world.target = target;
@@ -153,7 +153,7 @@ TEST(RoundTrips, AreAsManyAsPredicted) {
         last.round_trips, seen, predicted, seen / predicted, 1 / std::sqrt(trips));
     EXPECT_GT(last.round_trips, 2500U);
     EXPECT_NEAR(seen / predicted, 1, 0.1) << "seed " << k_seed;
-    // One restart per trip, to within one per replica.
+    // The numbers of restarts and trips differ by at most one per replica.
     EXPECT_NEAR(static_cast<double>(last.restarts), trips, static_cast<double>(last.counts.size()));
     // The ladder has converged: rejection rates are about equal, though the first weren't.
     EXPECT_LT(std::ranges::max(rejections) - std::ranges::min(rejections), 0.06);
@@ -162,10 +162,11 @@ TEST(RoundTrips, AreAsManyAsPredicted) {
 }
 
 TEST(BallByTempering, EqualsRejection) {
-  // Goal: tempering and rejection agree for a world of the product, on animations and on blind
-  // throws. Method: compare the ball's functions at inverse temperature 1 in the last two rounds of
-  // two ladders with 20,000 exact draws. Compare log Z and log P(satisfied) of each ladder with
-  // 200,000 blind throws. 12 numbers, within 5 standard errors each (7e-6).
+  // Goal: for a world of the product, tempering agrees with rejection, and its log Z and log
+  // P(satisfied) agree with blind throws. Method: compare the ball's functions at inverse
+  // temperature 1 in the last two rounds of two ladders with 20,000 exact draws. Compare log Z and
+  // log P(satisfied) of each ladder with 200,000 blind throws. All 12 numbers agree within 5
+  // standard errors (by chance, one fails with probability 7e-6).
   const Ball ball{worlds::ball_2d::Parameters{}};
   const run::ChainWorker<Ball> worker(ball, {.iterations_per_scan = 4});
   sampling::ParallelTempering plan(options_of(k_seed, 2, 8));
@@ -221,7 +222,7 @@ TEST(BallByTempering, EqualsRejection) {
 }
 
 TEST(SpellingByTempering, EqualsRejection) {
-  // Goal: tempering and rejection agree if the number of variables varies. Method: two bins.
+  // Goal: tempering and rejection agree if the number of variables varies. Method: use two bins.
   // Compare the set of active balls and the number of filled bins, in the last round of 32 ladders,
   // with 20,000 exact draws. Each of the 12 shares must be within 5 standard errors over ladders.
   // Fails by chance with probability 7e-6.

@@ -14,13 +14,13 @@
 
 namespace sleight::sampling {
 
-/// A worker whose results depend on every field of a unit but its seed, and on the state before it.
-/// So a single wrong unit changes all later results.
+/// A worker whose results depend on the state before the unit and on every field of the unit except
+/// its seed. So a single wrong unit changes all later results.
 class HashedWorker final : public plan::UnitWorker {
  public:
   struct Options {
     std::uint64_t seed = 1;
-    /// log_constraint is in (-roughness, 0). Each 32 scans draw their roughness from this list.
+    /// log_constraint is in (-roughness, 0). Each block of 32 scans has a roughness from this list.
     std::vector<double> roughness{1};
     double broken = 0;     ///< Probability that log_constraint is -infinity.
     double satisfied = 0;  ///< Probability that a scan is satisfied.

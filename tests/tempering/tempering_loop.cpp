@@ -63,7 +63,8 @@ std::vector<RoundReport> tempering_loop(const LadderOptions& options, std::uint6
     const std::vector<plan::ScanRecord> made = explore(rounds.back(), at, scan, make_scan);
     communicate(options, rounds.back().ladder(), scan, made, at);
 
-    // A round's end: a new ladder. The coolest replicas stay, new ones are the hottest.
+    // At a round's end, make a new ladder. The coolest replicas stay, and new replicas are the
+    // hottest.
     if (scan + 1 < rounds.back().end_scan()) continue;
     rounds.push_back(next_round(options, rounds.back()));
     const std::size_t levels = rounds.back().ladder().size();

@@ -1,7 +1,7 @@
 // Parallel tempering as one loop, which defines the method on one screen (tempering_loop.cpp).
 //
 // Runs use LadderRun (worker/sampling/ladder_run.h) and blocks (block_runner.h there) instead.
-// Tests compare both with this loop's results, bit for bit. The loop has a swap of its own.
+// Tests compare both with this loop's results, bit for bit. The loop implements its own swap.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace sleight::sampling {
 
 /// One replica's scan, from its state after its last scan. A scan at inverse temperature 0 is a new
-/// prior draw, and so is a replica's first scan, in any round.
+/// prior draw. A replica's first scan, in any round, is a prior draw too.
 struct LoopScan {
   std::uint32_t replica = 0;
   std::uint64_t scan = 0;

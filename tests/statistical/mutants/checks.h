@@ -1,6 +1,6 @@
-// Checks that right code passes and of which each mutant fails one. A check takes a mutant and a
-// seed and returns p-values, which are uniform for right code. A check with certainty returns 1 for
-// right code and 0 for wrong code.
+// Checks of samplers. Right code passes all checks, and each mutant fails at least one. A check
+// takes a mutant and a seed and returns p-values, which are uniform for right code. A `certain`
+// check returns 1 for right code and 0 for wrong code.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,8 @@ inline std::uint64_t seed_of(std::uint64_t seed, std::uint64_t n) {
   return seed * 1'000'003 + n;
 }
 
-/// Two-sided p-value of independent draws against a mean, by Student's t. 0 if a draw is NaN.
+/// Returns the two-sided p-value of independent draws against a mean, by Student's t. 0 if a draw
+/// is NaN.
 double mean_p(std::span<const double> draws, double mean);
 
 // Defined in kernel_checks.cpp.

@@ -18,7 +18,7 @@
 
 namespace sleight::statistical {
 
-/// The world's wrong answers. An empty function means the right answer.
+/// The world's wrong answers. If a function is empty, the world answers correctly.
 struct Lies {
   std::function<void(std::uint32_t from, sampling::Proposal<std::uint32_t>&)> proposal{};
   std::function<std::uint32_t(random::Stream&)> prior_draw{};
@@ -159,7 +159,7 @@ class MutantPlan final : public plan::Plan {
   OnTheWay way_;
 };
 
-/// The ladder of checks that enumerate.
+/// The ladder for checks that compare with enumeration.
 inline const std::vector<double>& ladder_of_checks() {
   static const std::vector<double> ladder{0, 0.15, 0.5, 1};
   return ladder;

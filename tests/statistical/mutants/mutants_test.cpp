@@ -36,7 +36,7 @@ std::vector<Mutant> all_mutants() {
 class RightCode : public testing::TestWithParam<Check> {};
 
 TEST_P(RightCode, PassesTheCheck) {
-  // Goal: right code passes the checks. Method: each check on the code without a mistake.
+  // Goal: right code passes the checks. Method: run each check on the code without a mistake.
   const Check& check = GetParam();
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<double> p = check.p_values(right_code(), k_seed);
@@ -51,7 +51,7 @@ class CheapCheck : public testing::TestWithParam<Check> {};
 
 TEST_P(CheapCheck, HasUniformPValues) {
   // Goal: the cheaper half of the checks have calibrated p-values. Method: compare p-values of the
-  // right code over many seeds with uniform. Checks with certainty pass with each of ten seeds.
+  // right code over many seeds with uniform. Checks that are `certain` pass with each of ten seeds.
   const Check& check = GetParam();
   const std::uint64_t seeds = check.certain ? 10 : uniformity_seeds();
   std::vector<std::vector<double>> p(check.count);

@@ -77,7 +77,7 @@ Run states_stay_with_levels() {
   };
   auto levels = std::make_shared<std::map<double, Level>>();
   return [levels](const UnitWorker& right, const Unit& unit, base::BytesView state) {
-    // Run the level's own replica, so that the cache has no better state.
+    // Use one replica id per level, so that the worker's cache can't supply the right state.
     const double beta = unit.inverse_temperature(0);
     const auto found = levels->find(beta);
     Unit other = unit;
@@ -129,7 +129,8 @@ OnTheWay ladder_follows_density() {
           .taken_in =
               [last, asked](const plan::ReplicaKey& key, std::vector<plan::ScanRecord>& records) {
                 *last = records.back().log_constraint;
-                // Correct the temperatures, because a plan refuses records of wrong ones at once.
+                // Write the expected temperatures into the records, because a plan refuses wrong
+                // ones.
                 for (std::uint32_t nth = 0; nth < records.size(); ++nth)
                   records[nth].inverse_temperature = asked->at(key).inverse_temperature(nth);
               }};

@@ -8,7 +8,7 @@
 namespace sleight::statistical {
 namespace {
 
-/// The ball with a wrong proposal; everything else is the ball's own.
+/// The ball with a wrong proposal. Everything else is inherited from the ball.
 class BrokenProposal {
  public:
   using State = Ball::State;

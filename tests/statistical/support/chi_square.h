@@ -38,8 +38,8 @@ inline double chi_square_p(const std::vector<double>& counts,
   return boost::math::gamma_q(0.5 * (cells - 1), 0.5 * statistic);
 }
 
-/// Returns the p-value that two samples of counts have one distribution (W. H. Press et al.,
-/// Numerical Recipes, 14.3, for unequal numbers).
+/// Returns the p-value of two samples of counts, under the hypothesis that they have the same
+/// distribution (W. H. Press et al., Numerical Recipes, 14.3, for unequal numbers).
 inline double two_sample_p(std::span<const double> a, std::span<const double> b) {
   double sum_a = 0;
   double sum_b = 0;

@@ -144,7 +144,8 @@ struct StagedToy {
                                 std::uint32_t stage, Prefix& prefix) const {
     return extend_by(guide, choice_of(state, stage), prefix);
   }
-  /// Sorts: one choice alone, and the two others. Masses need not add up to 1.
+  /// There are two sorts with choices: choice 1 alone, and the other two. Masses need not add up to
+  /// 1.
   static std::size_t sort_of(std::uint32_t choice) { return choice == 1 ? 0 : 2; }
   std::size_t sorts() const { return 3; }
   std::vector<sampling::Alternative> alternatives(const Guide& guide, const Ground&, std::uint32_t,

@@ -159,7 +159,8 @@ struct TwoModes : Line {
     return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
   }
   bool satisfied(const Outcome& x) const { return std::abs(std::abs(x) - place) < sigma; }
-  /// Both modes have the same width and the prior is symmetric, so heights are odds.
+  /// Both modes have the same width and the prior is symmetric, so the modes' odds are the ratio of
+  /// their heights.
   double left_weight() const { return left_height / (1 + left_height); }
   State draw_exact(random::Stream& stream) const {
     const double precision = 1 / (prior_sd * prior_sd) + 1 / (sigma * sigma);

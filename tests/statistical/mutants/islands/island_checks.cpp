@@ -26,7 +26,8 @@ double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// P-value of independent draws against a mean, by the normal distribution. 0 if a draw is NaN.
+/// Returns the p-value of independent draws against a mean, by the normal distribution. 0 if a draw
+/// is NaN.
 double mean_p(const std::vector<double>& draws, double mean) {
   const MeanWithError seen = mean_of_independent(draws);
   if (!std::isfinite(seen.mean) || !(seen.standard_error > 0)) return 0;
@@ -193,8 +194,8 @@ std::vector<double> conditional_keeps_among_moves(Mistake mistake, std::uint64_t
 }
 
 std::vector<double> independence_keeps_among_moves(Mistake mistake, std::uint64_t seed) {
-  // With the second setting, islands never reach states in which the walker fell on the way; only
-  // local moves do.
+  // With the second setting, islands never reach states in which the walker fell on the way. Only
+  // local moves reach these states.
   static const std::vector<IslandSetting> settings{
       {.guide = {}, .options = {.particles = 3}},
       {.guide = {.log_fallen = sampling::k_log_zero},

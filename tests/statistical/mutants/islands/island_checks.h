@@ -1,6 +1,6 @@
-// Checks that right islands pass and of which each mutant fails one. A check takes a mistake and a
-// seed and returns p-values, which are uniform for right code. P-values of means are two-sided and
-// normal. The threshold of 1e-5 is 4.4 standard errors.
+// Checks of islands. Right islands pass all checks, and each mutant fails at least one. A check
+// takes a mistake and a seed and returns p-values, which are uniform for right code. P-values of
+// means are two-sided and normal. The threshold of 1e-5 is 4.4 standard errors.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,8 @@ struct IslandCheck {
 
 /// A p-value below this limit rejects.
 inline constexpr double k_rejects_below = 1e-5;
-/// Mutants stay below this limit with the suite's seed, so they fail with other seeds too.
+/// With the suite's seed, p-values of mutants are below this limit, so mutants fail with other
+/// seeds too.
 inline constexpr double k_mutants_below = 1e-9;
 
 /// Settings for the comparison of the reference with the real code, and for some checks.

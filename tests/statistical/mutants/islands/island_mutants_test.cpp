@@ -134,7 +134,7 @@ TEST(StagedReference, MakesTheSameSteps) {
 }
 
 TEST(StagedReference, MakesTheSameVisits) {
-  // Goal: visits equal a run's, even from a start of zero density. Method: as above.
+  // Goal: visits are the same as in a run, even from a start of zero density. Method: as above.
   const SearchedToy world;
   int without_mass = 0;
   for (const IslandSetting& setting : all_settings()) {
@@ -171,7 +171,8 @@ class RightIslands : public testing::TestWithParam<IslandCheck<Mistake>> {};
 class RightPools : public testing::TestWithParam<IslandCheck<PoolMistake>> {};
 
 TEST_P(RightIslands, PassTheCheck) {
-  // Goal: right code passes the checks. Method: the checks without a mistake, with several seeds.
+  // Goal: right code passes the checks. Method: run the checks without a mistake, with several
+  // seeds.
   for (std::uint64_t seed = k_seed; seed < k_seed + k_seeds; ++seed)
     EXPECT_GT(least_p(GetParam(), Mistake::none, seed), k_rejects_below);
 }

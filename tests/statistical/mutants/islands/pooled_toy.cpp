@@ -126,7 +126,8 @@ PooledToy::Ground PooledToy::draw_ground(const Guide& /*guide*/, random::Stream&
   return ground;
 }
 
-/// Puts each ball's drop in an unused place of a stratum drawn by its density.
+/// Puts each ball's drop in an unused place of a stratum, which is drawn in proportion to the
+/// strata's densities.
 PooledToy::Ground PooledToy::ground_given(const Guide& guide, const State& state,
                                           random::Stream& stream) const {
   const std::uint32_t n = drops_of_stratum();
@@ -189,7 +190,7 @@ sampling::Extension PooledToy::leave_out(const Guide& guide, Prefix& prefix) con
 
 sampling::Extension PooledToy::drop(const Guide& guide, const Ground& ground, std::uint32_t place,
                                     Prefix& prefix) const {
-  // S / (K g), before the ball changes the choices.
+  // Compute the weight S / (K g) before the ball changes the choices.
   const std::uint32_t spot = ground.spots[place];
   const std::ptrdiff_t drops = makes(PoolMistake::unused_drops_counted)
                                    ? std::ranges::count(prefix.is_used, false)

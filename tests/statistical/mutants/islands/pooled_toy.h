@@ -3,15 +3,15 @@
 // enumerate, and can make one mistake.
 //
 // Three balls fall into two bins, or elsewhere, depending on which of five spots they drop from. A
-// ball takes part with probability 1/2. A state has for each ball: no part, or its spot. A ball
-// that drops above a full bin falls elsewhere, so states whose balls drop from different spots are
-// worth more.
+// ball takes part with probability 1/2. A state stores each ball's spot, or that the ball takes no
+// part. A ball that drops above a full bin falls elsewhere, so states whose balls drop from
+// different spots are worth more.
 //
 // A pool has two strata of three drops, the minimum for three balls. Stratum b is drawn from q_b =
 // 0.05 p + 0.95 d_b, where d_b is aimed at bin b.
 //
-// Dice have a simpler pool (worker/worlds/dice/throw_stages.h) with one stratum and one choice: the
-// same S / (K g) without the terms for used drops.
+// Dice have a simpler pool (worker/worlds/dice/throw_stages.h) with one stratum and one choice. Its
+// weight is the same S / (K g), without the terms for used drops.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -62,7 +62,7 @@ class PooledToy {
   };
   struct Ground {
     std::vector<std::uint32_t> spots{};  ///< Spots of the pool's drops, stratum by stratum.
-    /// Place in the pool by ball, for a given state.
+    /// Each ball's place in the pool, for a given state.
     std::array<std::uint32_t, k_balls> retained{};
   };
   struct Prefix {

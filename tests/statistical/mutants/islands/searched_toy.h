@@ -1,4 +1,4 @@
-// The staged toy with everything that visits and searches of a run require of a world.
+// The staged toy, extended by everything that a run's visits and searches require of a world.
 #pragma once
 
 #include <cstdint>

@@ -55,7 +55,7 @@ std::vector<std::uint32_t> particles_at_points(const std::vector<double>& shares
   return found;
 }
 
-/// Rotates, so that place n gets the ancestor from `places` further on.
+/// Rotates the ancestors: place n gets the ancestor of place n + `places`.
 std::vector<std::uint32_t> turned(const std::vector<std::uint32_t>& ancestors,
                                   std::uint64_t places) {
   std::vector<std::uint32_t> result;
@@ -160,7 +160,8 @@ void ReferenceIslands::extend(Making& making, std::uint32_t stage, std::uint32_t
           ? k_toy.extend_as(setting_.guide, making.ground, *making.retained, stage, particle.prefix)
           : k_toy.extend(setting_.guide, making.ground, stage, particle.prefix, stream);
 
-  // Weigh by the choice, multiply by the new potential, and divide by the old one.
+  // Multiply the weight by the choice's weight and by the new potential, and divide it by the old
+  // one.
   const bool is_last = stage + 1 == Toy::k_stages;
   const double beta =
       makes(Mistake::temperature_forgotten) ? 1 : setting_.options.inverse_temperature;

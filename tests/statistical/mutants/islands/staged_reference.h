@@ -1,4 +1,4 @@
-// Islands and their chains reimplemented for the staged toy: slow, plain, and with a place for one
+// Reimplements islands and their chains for the staged toy, slowly and plainly, with an optional
 // mistake. Without a mistake, results equal those of the real code (worker/sampling/island.h,
 // particle_steps.h, worker/run/island_scan.h) bit by bit. So each mistake is one in the real
 // algorithm.
@@ -135,7 +135,7 @@ class ReferenceSteps {
   /// As sampling::conditional_step and independence_step.
   void conditional(std::uint64_t number, ReferenceChain& chain) const;
   void independent(std::uint64_t number, ReferenceChain& chain) const;
-  /// As sampling::metropolis_hastings_step; a new state makes Z stale.
+  /// Like sampling::metropolis_hastings_step(), and a new state makes Z stale.
   void local(std::uint64_t iteration, ReferenceChain& chain) const;
   /// As run::IslandScan::visit.
   void visit(std::uint64_t scan, ReferenceChain& chain) const;
