@@ -104,7 +104,8 @@ namespace {
 
 sampling::StopRule stop_of(const request::DirectionRequest& request,
                            const std::optional<request::Cut>& cut) {
-  // A cut of islands keeps the rule of solutions, because with it not all islands count.
+  // If a run with islands is cut, the rule of solutions stays, because under that rule not all
+  // islands count.
   const bool has_islands = request.sampler.method == request::Method::sequential;
   sampling::StopRule rule{.scans = request.stop.scans,
                           .rounds = request.stop.rounds,

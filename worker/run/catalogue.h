@@ -31,7 +31,7 @@ struct SimulationEnd {
   double log_constraint = 0;  ///< Valid only if the simulation was completed.
 };
 
-/// One world. Thread-safe. REQUIRES of each request: this world's binding read it.
+/// One world. Thread-safe. REQUIRES: this world's binding has read each request.
 class WorldEntry {
  public:
   virtual ~WorldEntry() = default;
@@ -48,7 +48,8 @@ class WorldEntry {
   /// The values that judge chains from a search. Empty if the world has no search.
   virtual std::vector<sampling::BurnInValue> burn_in_values(
       const request::DirectionRequest& request) const = 0;
-  /// The effort for solutions in the model's proportions so far, for display. Empty if unknown.
+  /// A sentence for display: how long solutions in the model's proportions took for similar
+  /// requests. Empty if unknown.
   virtual std::string past_effort(const request::DirectionRequest& request) const = 0;
   /// Names of stages for display, such as "ball 3 of 16". Empty if the world has no search.
   virtual std::vector<std::string> stage_names(const request::DirectionRequest& request) const = 0;

@@ -34,7 +34,7 @@ concept World = sampling::Target<W> &&
   { world.encode(state) } -> std::same_as<base::Bytes>;
   { world.decode(bytes) } -> std::same_as<std::optional<typename W::State>>;
   { world.outcome_values(outcome) } -> std::same_as<std::vector<double>>;
-  // Bytes that a state and its outcome own elsewhere, as a bound for all but a few bytes.
+  // Heap bytes of a state and its outcome: an upper bound, except for a few bytes.
   { world.owned_bytes(state, outcome) } -> std::same_as<std::size_t>;
 };
 
@@ -43,19 +43,20 @@ inline constexpr std::uint64_t k_hot_thin = 16;
 
 struct ChainWorkerOptions {
   std::uint32_t iterations_per_scan = 1;
-  /// Every thin-th scan's state is returned, counted from the first draw, besides satisfied states.
+  /// Interval of returned states, in scans from the first draw. Satisfied states are always
+  /// returned.
   std::uint64_t thin = 1;
   std::uint64_t first_draw = 0;
   /// Interval of stored states below inverse temperature 1; 0: none.
   std::uint64_t hot_thin = 0;
   /// Particles of the islands that end each scan (island_scan.h); 0: no islands.
   std::uint32_t particles = 0;
-  /// Chains start from a search: in each tour, or for the first replicas of a ladder.
+  /// Whether chains start from a search: each tour does, or the first replicas of a ladder.
   bool starts_by_search = false;
   /// The scan that ends a find's chain; 0: finds are not relaxed. Only that scan's state is
-  /// returned, and it satisfies if its motion until rest does.
+  /// returned. The state satisfies if its motion until rest does.
   std::uint32_t relax_scans = 0;
-  /// Records have the values by which a burn-in is judged.
+  /// Whether records have the values by which a burn-in is judged.
   bool is_judged = false;
   /// Memory for samples held for their replicas' next units; 0: none. Changes no result.
   std::size_t cache_bytes_max = k_cache_bytes_max;
@@ -122,7 +123,7 @@ class ChainWorker final : public plan::UnitWorker {
 
   plan::UnitResult searched(const plan::Unit& unit) const {
     if constexpr (StagedWorld<W>) {
-      // Chains that use the guide report its failures; without such chains the first start does.
+      // If chains use the guide, they report its failures; otherwise the first start does.
       const bool chains_tell = options_.particles > 0 || options_.starts_by_search;
       return search_unit(world_, guide(unit.seed), unit, !chains_tell);
     } else {
@@ -158,8 +159,8 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// Returns a chain's start from islands or a search. Empty if these fail, and for a ladder's
-  /// hottest replica and replicas that join later.
+  /// Returns a chain's start from islands or a search. Empty if islands or search fail. Also empty
+  /// for a ladder's hottest replica, and for replicas that join later.
   std::optional<Sample> start_in_stages(Walk& walk, std::uint64_t scan, double beta,
                                         Counts& counts) const {
     const bool by_search =
@@ -282,7 +283,7 @@ class ChainWorker final : public plan::UnitWorker {
     if (report.from_prior) walk.lineage = plan::lineage_from(unit.replica.replica, scan);
   }
 
-  /// Whether a scan's state satisfies; the end of a relaxed find must satisfy until rest.
+  /// Whether a scan's state satisfies. The last state of a relaxed find must also satisfy at rest.
   bool is_satisfied(std::uint64_t scan, const Sample& sample, Counts& counts) const {
     if (!world_.satisfied(sample.outcome)) return false;
     if constexpr (StagedWorld<W>) {

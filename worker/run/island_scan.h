@@ -20,10 +20,10 @@ namespace sleight::run {
 /// Free islands per scan.
 inline constexpr std::uint32_t k_free_islands = 3;
 /// Each scan has one island number for its conditional step and two for each independence step.
-/// Islands for starts have numbers far above.
+/// Islands for starts have far greater numbers.
 inline constexpr std::uint64_t k_islands_of_scan = 1 + 2 * k_free_islands;
 inline constexpr std::uint64_t k_first_start_island = std::uint64_t{1} << 48U;
-/// Maximum number of islands for a start; if all die, the chain starts otherwise.
+/// Maximum number of islands for a start. If all die, the chain starts in another way.
 inline constexpr std::uint32_t k_start_islands_max = 100;
 
 template <StagedWorld W>

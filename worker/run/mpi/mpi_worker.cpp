@@ -20,10 +20,12 @@ namespace sleight::run {
 namespace {
 
 constexpr int k_coordinator_rank = 0;
-/// Growth of the polling interval, so that a message waits at most a tenth of the time idled.
+/// Growth factor of the polling interval. A message waits at most a tenth of the idle time before
+/// it.
 constexpr double k_backoff_growth = 1.1;
 
-/// Messages in transit to rank 0. Waiting for a large one would spin on a core that could compute.
+/// Messages in transit to rank 0. Waiting for a large message would spin on a core that could
+/// compute.
 class Outbox {
  public:
   Outbox() = default;

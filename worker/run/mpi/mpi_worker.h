@@ -6,9 +6,9 @@
 
 namespace sleight::run {
 
-/// Sends hello, then serves. Idle, polls for messages with a back-off from 20 us to 2 ms, which
-/// uses under 2% of a core. Passes on the worker's exceptions; the caller reports them to rank 0.
-/// REQUIRES: MPI is initialised, and this rank is not 0.
+/// Sends hello, then serves. While idle, polls for messages at intervals that grow from 20 us to 2
+/// ms, which uses under 2% of a core. Passes on the worker's exceptions; the caller reports them to
+/// rank 0. REQUIRES: MPI is initialised, and this rank is not 0.
 void serve(const plan::BlockWorker& worker, const schema::Hello& hello);
 
 /// Reports to rank 0 that this rank can't serve, with the reason.
