@@ -7,7 +7,7 @@
 //   log w = sum over k of (beta_k - beta_{k-1}) l(x_{k-1}),    l = log p_c.
 //
 // The mean of w is an unbiased estimate of Z. Weighted means over last states estimate means under
-// the target. Each lane runs one ascent after another. The temperatures are a burn-in's, with
+// the target. Each lane runs one ascent after another. The temperatures come from a burn-in, with
 // `steps_per_level` equal steps between neighbouring levels. Not thread-safe.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Blind throws, with which found states are compared.
+// Blind throws, for comparison with found states.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace sleight::sampling {
 
-/// Returns log p_w of `count` states that `draw` makes, the same in every call.
+/// Returns log p_w of `count` states that `draw` makes. Every call returns the same values.
 template <class World, class Draw>
 std::vector<double> log_priors_of_throws(const World& world, std::size_t count, const Draw& draw) {
   std::vector<double> all;

@@ -28,7 +28,7 @@ FlowLevels levels_of(const plan::Block& block) {
           .inverse_temperatures = block.ladder->inverse_temperatures};
 }
 
-/// A running part of a ladder. Replicas and levels are counted from the part's first.
+/// A running part of a ladder. Replicas and levels are numbered from the part's first one.
 class PartRun {
  public:
   PartRun(const plan::UnitWorker& worker, const plan::Block& block)

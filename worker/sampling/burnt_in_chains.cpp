@@ -121,7 +121,7 @@ std::vector<plan::Solution> BurntInChains::solutions_between(std::uint64_t after
 std::vector<plan::EndedRound> BurntInChains::rounds_between(std::uint64_t after,
                                                             std::uint64_t until) const {
   std::vector<plan::EndedRound> all;
-  // Exclude the round after the burn-in's last one, which ladders prepare but never run.
+  // Exclude the last round, which ladders prepare after the burn-in but never run.
   for (const Chain& chain : chains_)
     std::ranges::copy(chain.burn_in.rounds_between(after, std::min(until, burn_in_scans_)),
                       std::back_inserter(all));

@@ -21,7 +21,7 @@ class Excursions final : public ChainPart {
   std::uint64_t scans() const override { return scan_; }
   std::uint64_t draws() const override { return scan_ - burn_in_.scans; }
   const Solutions& solutions() const override { return solutions_; }
-  /// Lineages count accepted excursions, because the ladder ends at the prior.
+  /// Each accepted excursion begins a lineage, because the ladder ends at the prior.
   std::vector<Row> rows() const override;
 
  private:

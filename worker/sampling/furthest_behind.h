@@ -13,7 +13,7 @@ namespace sleight::sampling {
 
 class FurthestBehind {
  public:
-  /// The conditions, besides its own results, on which a chain's work depends.
+  /// The conditions on which a chain's work depends, besides the chain's own results.
   struct Asked {
     std::uint64_t horizon = 0;  ///< Scans below this number may begin.
     bool splits = false;        ///< Whether a chain with work in progress may hand out more.
@@ -34,7 +34,8 @@ class FurthestBehind {
   void moved(std::size_t chain, std::uint64_t scans);
 
   /// Returns the first non-empty result of `next` over chains in order of (scans, chain). REQUIRES:
-  /// a chain without result has work in progress, or only another `asked` can give it work.
+  /// if `next` returns nothing for a chain, the chain has work in progress, or only another `asked`
+  /// can give it work.
   template <class Next>
   auto first(const Asked& asked, const Next& next) -> decltype(next(std::size_t{0})) {
     if (asked != asked_) {

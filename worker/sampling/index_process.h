@@ -21,7 +21,8 @@ class IndexProcess {
 
   struct Moment {
     std::uint64_t scan = 0;
-    /// Level by replica, up to the last replica with a level; 0 is the hottest, k_no_level: none.
+    /// Each replica's level, up to the last replica with a level. 0 is the hottest; k_no_level:
+    /// none.
     std::vector<std::uint16_t> level;
   };
 

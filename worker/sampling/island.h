@@ -21,8 +21,9 @@
 //
 // A conditional island keeps the path of a given state as particle 0. The other particles are drawn
 // from the distribution of an island given that this path was drawn from it. Drawing one of its
-// particles is a Markov chain step that leaves p_w p_c^beta invariant (particle Gibbs). Its Z is
-// the current state's Z in the independence sampler over islands (particle_steps.h).
+// particles is a Markov chain step that leaves p_w p_c^beta invariant (particle Gibbs). The
+// independence sampler over islands (particle_steps.h) uses the conditional island's Z as the
+// current state's Z.
 //
 // If a target can list its choices, an island's particles may choose together (joint). One pair per
 // particle is drawn from all pairs of a particle and an alternative, with probability proportional
@@ -75,7 +76,7 @@ struct Island {
   std::optional<Sample<T>> drawn{};
   double effective_size = 0;    ///< Effective size of the last stage's particles.
   std::uint32_t satisfied = 0;  ///< Number of particles whose final state satisfies.
-  /// There is no island, because a prefix of the retained state has psi = 0.
+  /// No island exists, because a prefix of the retained state has psi = 0.
   bool is_unreachable = false;
 };
 
@@ -106,7 +107,7 @@ class Islands {
 
   /// Makes the `number`-th island.
   Island<T> free(std::uint64_t number) const { return made(number, nullptr); }
-  /// Makes the `number`-th island with particles that choose together if choices can be listed.
+  /// Makes the `number`-th island. Its particles choose together if choices can be listed.
   Island<T> joint(std::uint64_t number) const {
     if constexpr (ListsChoices<T>) {
       Making making = begun(number, nullptr);
@@ -182,8 +183,9 @@ class Islands {
     }
   };
 
-  /// One choice per particle, drawn by weight times mass in systematic order: sort by sort,
-  /// particle by particle. log_mass is the log of the mean over particles of weight times mass.
+  /// One choice per particle. Choices are drawn in proportion to weight times mass, systematically:
+  /// sort by sort, and particle by particle. log_mass is the log of the mean over particles of
+  /// weight times mass.
   struct Chosen {
     std::vector<Choice> choices;
     double log_mass = k_log_zero;
@@ -212,7 +214,7 @@ class Islands {
     for (std::size_t i = 0; i < masses.size(); ++i) {
       const double begin = std::exchange(end, end + masses[i]);
       if (next >= end || chosen.choices.size() == particles) continue;
-      // Find the sort's alternatives at the next systematic steps.
+      // Choose the alternatives that the next systematic steps select.
       const auto n = static_cast<std::uint32_t>(i % particles);
       const std::vector<Alternative> all =
           target_->alternatives(*guide_, making.ground, stage, making.prefixes[n], i / particles);
@@ -244,7 +246,7 @@ class Islands {
         continue;
       }
       const Choice& choice = chosen.choices[n];
-      // Repeating a choice repeats its result.
+      // If the choice equals the previous one, copy its result.
       if (n > 0 && chosen.choices[n - 1].is_same(choice)) {
         prefixes.push_back(prefixes.back());
         log_potentials.push_back(log_potentials.back());
@@ -273,7 +275,7 @@ class Islands {
     weigh(making, stage, n, extension, prefix, making.log_potentials[n]);
   }
 
-  /// Updates a particle's weight after its extension: after the last stage by p_c.
+  /// Updates a particle's weight after its extension. After the last stage, p_c is the potential.
   void weigh(Making& making, std::uint32_t stage, std::uint32_t n, const Extension& extension,
              const typename T::Prefix& prefix, double& log_potential_before) const {
     told_(extension.simulation);

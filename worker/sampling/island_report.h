@@ -28,8 +28,8 @@ class IslandsOfChain {
   std::vector<std::size_t> ends_;  ///< By scan: number of estimates up to and including the scan's.
 };
 
-/// The scans of each chain whose islands count towards the odds: from `first` on, if earlier
-/// islands determined how many there are; before `end`, if islands decide on later scans.
+/// The scans of each chain whose islands count towards the odds. `first` is set if earlier islands
+/// determined the number of islands. `end` is set if islands decide on later scans.
 struct OddsScans {
   std::optional<std::uint64_t> first{};
   std::optional<std::uint64_t> end{};

@@ -11,7 +11,7 @@ namespace sleight::sampling {
 namespace {
 
 constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
-/// Maximum number of doublings of a tour's rounds; later rounds have the last length.
+/// Maximum number of times that a tour's rounds double. Later rounds keep the last length.
 constexpr std::uint32_t k_doublings_max = 24;
 
 }  // namespace
@@ -78,7 +78,7 @@ void JudgedChains::judge_rounds() {
     if (options_.independent_solutions && solutions_ >= *options_.independent_solutions)
       end_ = std::min(end_, round_end);
 
-    // Begin the next tour. A run store may have delivered its first values already.
+    // Begin the next tour. A run store may have delivered the tour's first values already.
     for (Chain& chain : chains_) {
       const auto done = static_cast<std::ptrdiff_t>(round_end - tour_begin_);
       for (auto& values : chain.values)

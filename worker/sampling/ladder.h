@@ -20,8 +20,9 @@
 namespace sleight::sampling {
 
 /// The power of first_ladder that makes the hottest of a dozen levels hot enough for narrow
-/// constraints. A ladder that starts too hot wastes a level. One that starts too cold costs rounds:
-/// a gap that rejects all swaps counts as a barrier of 1, so each respacing only halves it or so.
+/// constraints. A ladder that starts too hot wastes a level. A ladder that starts too cold costs
+/// rounds: a gap that rejects all swaps counts as a barrier of 1, so each respacing only about
+/// halves the gap.
 inline constexpr std::uint32_t k_first_power = 6;
 
 /// Returns the initial ladder, (i / (levels - 1))^power. With power 1, steps are equal and the
@@ -38,7 +39,8 @@ std::vector<double> annealing(double target, std::uint64_t anneal_scans, std::ui
 inline constexpr std::uint32_t k_levels_min = 2;
 inline constexpr std::uint32_t k_levels_max = 256;
 
-/// Returns twice the barrier plus one, with which neighbours swap about every second time.
+/// Returns twice the barrier plus one. With this many levels, neighbours swap about every second
+/// time.
 std::uint32_t levels_for(double barrier);
 
 /// Returns the communication barrier up to each level. `rejections` has one rate per gap.

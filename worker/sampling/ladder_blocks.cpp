@@ -65,8 +65,9 @@ std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon, std::uint3
   return anneal(chosen, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, scans_max)));
 }
 
-/// Returns the end scan of a block of the whole ladder: the end of a row, so that all levels can
-/// continue together, after as many rows as the limit allows, but at least one new row.
+/// Returns the end scan of a block of the whole ladder. All levels end at the same scan, so that
+/// they can continue together. The block has as many rows as the limit allows, but at least one new
+/// row.
 std::uint64_t LadderRun::whole_rows_end(std::span<const std::uint32_t> ready,
                                         std::uint64_t end_scan, std::uint64_t scans_max) const {
   std::uint64_t begin = 0;  // First row that no level has begun.
@@ -88,7 +89,8 @@ std::vector<std::uint32_t> LadderRun::ready_by_level(std::uint64_t horizon) cons
   return ready;
 }
 
-/// Extends a stretch from `level` to ready neighbours, from both sides in turns, up to `wanted`.
+/// Extends a stretch from `level` by ready neighbours, on both sides in turns, to at most `wanted`
+/// levels.
 LadderRun::Stretch LadderRun::joined(std::span<const std::uint32_t> ready, std::uint32_t level,
                                      std::uint64_t wanted) {
   Stretch stretch{.first = level, .end = level + 1};
@@ -121,8 +123,8 @@ std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
   if (waits_for_all && !is_whole && std::ranges::any_of(replicas_, &Replica::handed_out))
     return std::nullopt;
 
-  // Add neighbours: the whole ladder if the limit allows each level a scan, otherwise as many
-  // levels as fit a triangle of scans that loses a level on each side with each scan.
+  // Add neighbours. Take the whole ladder if the limit allows a scan of each level. Otherwise take
+  // as many levels as fit a triangle of scans, which loses a level on each side with each scan.
   const auto root = static_cast<std::uint64_t>(std::sqrt(2.0 * limits.block_scans_max));
   const std::uint64_t share =
       ladders >= limits.threads ? levels() : ladders * levels() / (2 * limits.threads);

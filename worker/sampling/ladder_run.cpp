@@ -233,7 +233,7 @@ std::vector<std::uint32_t> LadderRun::replicas_of_new_round() {
   const std::uint32_t stay = std::min(flow_.size(), levels());
   std::vector<std::uint32_t> at;
   while (at.size() + stay < levels()) {
-    // Take the lowest unused id. A run store may already have delivered its results.
+    // Take the lowest unused id. A run store may already have delivered results of this replica.
     const auto unborn = std::ranges::find(replicas_, false, &Replica::lives);
     const auto id = static_cast<std::uint32_t>(unborn - replicas_.begin());
     if (id == replicas_.size()) replicas_.emplace_back();

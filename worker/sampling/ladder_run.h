@@ -44,9 +44,9 @@ class LadderRun {
   /// Returns a unit of a replica that is furthest behind. Empty if no more can run. `horizon`:
   /// scans below this number may begin.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
-  /// Returns a block of such a unit and, within the limits, runnable units of neighbouring levels.
-  /// With at least one ladder per thread, a block has a whole ladder, so no swap waits and no state
-  /// travels. Otherwise a block has half a thread's share of the levels.
+  /// Returns a block. It consists of such a unit and, within the limits, of runnable units of
+  /// neighbouring levels. With at least one ladder per thread, a block has a whole ladder, so no
+  /// swap waits and no state travels. Otherwise a block has half a thread's share of the levels.
   std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits,
                                         std::size_t ladders = 1);
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
@@ -60,7 +60,7 @@ class LadderRun {
   std::uint64_t round_trips() const;
   const Solutions& solutions() const { return solutions_.front().since; }
   /// Solutions of lineages in scans from `first_scan` on. REQUIRES: replicas start from searches;
-  /// `first_scan` begins a round that has begun.
+  /// a round that has begun starts at `first_scan`.
   const Solutions& solutions_since(std::uint64_t first_scan) const;
   /// The first scan at which no level's state descends from a search's find, so all levels'
   /// lineages began with a prior draw. Equals scans() while some state descends from a find.
@@ -146,7 +146,7 @@ class LadderRun {
     std::uint64_t first_scan = 0;
     Solutions since{};
   };
-  /// Solutions from the start on; if replicas start from searches, also from each round on.
+  /// Solutions since the start and, if replicas start from searches, since the start of each round.
   std::vector<SolutionsSince> solutions_{1};
   std::uint64_t searched_until_ = 0;
 };

@@ -148,7 +148,8 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
   return report;
 }
 
-/// The same with an iteration's streams. REQUIRES: each iteration of a replica at most once.
+/// Like the function above, with the streams of an iteration. REQUIRES: each iteration of a replica
+/// at most once.
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     const ChainStreams& streams, std::uint64_t iteration,

@@ -1,5 +1,6 @@
-// Numbered work, dealt to lanes in turn: number n is scan n / lanes of lane n % lanes. A number's
-// result depends on nothing else. The lane that is furthest behind comes first. Not thread-safe.
+// Numbered work, dealt to lanes in turn: number n is scan n / lanes of lane n % lanes. The result
+// of an item depends only on its number. The lane that is furthest behind comes first. Not
+// thread-safe.
 #pragma once
 
 #include <cstdint>

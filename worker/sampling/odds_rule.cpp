@@ -22,7 +22,7 @@ void OddsRule::add(double log_satisfied) {
 void OddsRule::judge_pilot() {
   const math::IslandOdds odds = pilot_.odds();
   if (odds.islands % k_pilot_islands != 0) return;
-  // The share is NaN if all estimates are 0, which counts as wild.
+  // If all estimates are 0, the share is NaN and the pilot counts as wild.
   const bool is_wild = !(odds.largest_share <= k_pilot_share_max);
   if (is_wild && odds.islands < k_pilot_islands_max) return;
   if (!std::isfinite(odds.log_mean)) {
@@ -46,7 +46,7 @@ std::uint64_t OddsRule::needed() const {
   const std::uint64_t pilot = pilot_islands();
   if (is_sized()) return pilot + batch_islands_;
   if (is_over_) return pilot;
-  // A batch usually follows the pilot, whatever the pilot's length.
+  // A batch usually follows the pilot, so count the pilot's next part and the smallest batch.
   return pilot / k_pilot_islands * k_pilot_islands + k_pilot_islands + math::k_islands_min;
 }
 

@@ -4,13 +4,16 @@
 //           |-- pilot, p --|-- batch, n: estimates P --|-- extended by n / 2 ...
 //                     sizes the batch
 //
-// Pilot. 32 islands, and 32 more as long as one island exceeds a third of their sum, because their
-// spread is then unreliable; at most 1,024. If all are 0, the run ends.
-// Batch. Large enough for the requested error of log P if its relative variance is half as large
-// again as the pilot's, since small pilots mostly miss the largest islands; at least
-// math::k_islands_min.
-// Extension. If one island exceeds a tenth of the batch's sum, there is no error estimate. The
-// batch then grows by half of its first length, repeatedly, up to 32 times its first length.
+// The pilot has 32 islands. It grows by 32 islands at a time, up to 1,024, as long as one island
+// exceeds a third of the sum, because the spread is then unreliable. If all estimates are 0, the
+// run ends.
+//
+// The batch is large enough for the requested error of log P even if its relative variance is half
+// as large again as the pilot's, since small pilots mostly miss the largest islands. It has at
+// least math::k_islands_min islands.
+//
+// If one island exceeds a tenth of the batch's sum, there is no error estimate. The batch then
+// grows by half of its first length, repeatedly, up to 32 times its first length.
 //
 // The pilot determines the number of islands, so its islands must not count: a run that ends when
 // its own estimate looks good ends before the rare large islands appear, and underestimates P.
@@ -40,7 +43,7 @@ class OddsRule {
   void add(double log_satisfied);
 
   bool is_over() const { return is_over_; }
-  /// Number of islands that are needed in any case, as far as known; the total once is_over().
+  /// Number of islands known to be needed so far. Once is_over(), the total number.
   std::uint64_t needed() const;
   bool is_sized() const { return batch_islands_ > 0; }
   /// Number of the batch's first island. REQUIRES: is_sized().

@@ -2,8 +2,8 @@
 // archive. The draws are the states at inverse temperature 1.
 //
 // If replicas start from searches, the first rounds already contain solutions. The ladders then
-// burn in until a round ends in whose last scan no state descends from a search, so each replica
-// was redrawn from the prior. Earlier scans yield no draws, and their solutions and rounds are not
+// burn in until each replica has been redrawn from the prior: in the last scan of a round, no state
+// descends from a search. Earlier scans yield no draws, and their solutions and rounds are not
 // reported. A ladder whose swaps fail to bring all replicas to the hottest level never burns in.
 #pragma once
 
@@ -43,12 +43,12 @@ class ParallelTempering final : public plan::Plan {
   }
   std::vector<plan::Solution> solutions_between(std::uint64_t after,
                                                 std::uint64_t until) const override;
-  /// Rounds of each ladder, those of the burn-in included.
+  /// Each ladder's rounds, including those of the burn-in.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
                                                std::uint64_t until) const override;
   std::optional<std::uint64_t> round_trips() const override;
   std::uint64_t scans_consumed() const override;
-  /// Estimate with the current numbers of levels.
+  /// Estimated from the current numbers of levels.
   std::optional<std::uint64_t> scans_total() const override;
   /// Tables of rounds (barrier, round trips, log Z, log P(satisfied)) and of their levels.
   plan::Report report() const override;

@@ -1,6 +1,6 @@
-// A plan wrapped with the prior draws that archives store beside a run's samples. Draws are
-// numbered over lanes (plan::k_prior_lanes, numbered_lanes.h). While the plan searches, prior draws
-// only fill idle time. Afterwards units of the plan and of the prior alternate. Not thread-safe.
+// Adds prior draws to a plan. Archives store these draws beside a run's samples. Draws are numbered
+// over lanes (plan::k_prior_lanes, numbered_lanes.h). While the plan searches, prior draws only
+// fill idle time. Afterwards units of the plan and of the prior alternate. Not thread-safe.
 #pragma once
 
 #include <algorithm>

@@ -62,7 +62,7 @@ void RelaxedFinds::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
 
 void RelaxedFinds::begin_chains() {
   for (const plan::Find& find : lanes_.finds_between(known_starts_, lanes_.starts_done())) {
-    // Further finds would have no chain number of their own.
+    // No chain numbers are left for further finds.
     if (begun_ == plan::k_first_lane) break;
     Chain& next = chain(begun_);
     auto found = found_ahead_.extract(find.start);

@@ -6,10 +6,11 @@
 //     for and relaxed
 //
 // Only the state after a chain's last scan can be a take, so takes are never selected among scans.
-// The takes are the first ones in the order of finds, whichever worker makes them.
+// The takes are the first ones in the order of finds, regardless of which worker makes them.
 //
 // Takes are distributed almost like draws of the target; docs/MEASUREMENTS.md quantifies the
-// difference. The shares of kinds that chains seldom leave stay those of the search.
+// difference. If chains seldom leave a kind of animation, the kind's share remains that of the
+// search.
 //
 // Chain k starts from find k, both counted from 0. Not thread-safe.
 #pragma once

@@ -23,7 +23,7 @@ namespace sleight::sampling {
 /// Returns each new particle's ancestor. REQUIRES: shares are normalised, at least one above 0.
 std::vector<std::uint32_t> resampled(std::span<const double> shares, random::Stream& stream);
 
-/// The same conditioned on the first ancestor being 0. REQUIRES: shares[0] > 0.
+/// Like resampled(), conditioned on the first ancestor being 0. REQUIRES: shares[0] > 0.
 std::vector<std::uint32_t> resampled_with_first(std::span<const double> shares,
                                                 random::Stream& stream);
 

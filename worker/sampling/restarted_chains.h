@@ -53,8 +53,8 @@ class RestartedChains final : public plan::Plan {
                                                 std::uint64_t until) const override;
   std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
-  /// Reports the free islands of all scans but tours' first. If solutions end the run, only the
-  /// first tour's islands count towards the odds.
+  /// Reports the free islands of all scans except the first scan of each tour. If solutions end the
+  /// run, only the first tour's islands count towards the odds.
   plan::Report report() const override;
 
  private:

@@ -42,7 +42,7 @@ class RoundStatistics {
 
   const std::vector<double>& ladder() const { return ladder_; }
   std::uint64_t scans() const { return scans_; }
-  /// Length of the round, scans to come included.
+  /// Length of the round, including scans to come.
   std::uint64_t scans_wanted() const { return scans_wanted_; }
   /// The mean of 1 - min(1, swap ratio) between each level and the next. NaN before the first scan.
   std::vector<double> rejections() const;

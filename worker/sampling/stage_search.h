@@ -6,7 +6,7 @@
 //     after too many tries at one stage: take the last stage back
 //     after too many tries in total: give up
 //
-// The prior can produce each quantity of a find, but finds don't occur in the proportions of p_w
+// The prior can produce each quantity of a find. But finds don't occur in the proportions of p_w
 // p_c. Chains may start from finds, but no average, weight or odds may be computed from finds.
 //
 // A builder is a world together with its guide. Thread safety: as the builder's.

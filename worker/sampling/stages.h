@@ -1,6 +1,6 @@
 // Worlds that act in stages, such as balls that drop one after another, or dice that are thrown one
-// by one before they are thrown together. An outcome that one blind throw has with a probability of
-// 1e-52 is, stage by stage, a sequence of easy choices.
+// by one before they are thrown together. An outcome may have a probability of 1e-52 in one blind
+// throw, but be a sequence of easy choices stage by stage.
 //
 // A state consists of its ground, which no stage chooses (a box's offsets), and of one choice for
 // each stage. A prefix is the ground with the choices of the first stages, and the result of
@@ -13,8 +13,8 @@
 // last stage; after the last stage p_c itself counts. So weights are exact for any psi wherever psi
 // is positive. A state with a prefix of psi = 0 is never reached, and islands ignore it.
 //
-// Guide. Information that a world collects about itself (where lone balls land, how often a choice
-// succeeds) shapes q and psi. The guide is computed before sampling and then fixed.
+// The guide is information that a world collects about itself (where lone balls land, how often a
+// choice succeeds). The guide shapes q and psi. It is computed before sampling and then fixed.
 //
 // Invariants of a world that acts in stages
 //   1. extend draws a choice x from q(x | guide, ground, prefix) and returns
@@ -27,7 +27,7 @@
 //      drawn given that the state is the path of one particle. Weights equal extend's.
 //   4. Every function is a pure function of its arguments. Randomness comes from the stream.
 // Source: N. Chopin, O. Papaspiliopoulos, An introduction to sequential Monte Carlo (2020),
-// chapters 10 and 16. Thread safety: as of a target (target.h).
+// chapters 10 and 16. Thread safety: as for a target (target.h).
 #pragma once
 
 #include <concepts>

@@ -11,11 +11,11 @@
 // The steps are reversible, so only the surrogate's error remains in the ratio. Candidates that the
 // surrogate already rejects cost no simulation, and a walk of several steps costs only one.
 //
-// Anchors. Where the surrogate is wrong about x, its steps would try to "mend" parts of x that are
-// right already. Let F(x) be the parts of x that only the simulation gets right (say, balls that
-// reach their place because others push them). Each part is kept with some probability. The
-// surrogate takes the kept parts, the anchor A, for granted as long as its steps leave them alone.
-// The reverse move must have the same anchor. With P the probability to draw an anchor,
+// Anchors. If the surrogate is wrong about x, its steps would try to "mend" parts of x that are
+// already right. Let F(x) be the parts of x that only the simulation gets right (say, balls that
+// reach their place because others push them). Each part is kept with some probability. The kept
+// parts are the anchor A. The surrogate treats them as right as long as its steps don't change
+// them. The reverse move must have the same anchor. With P the probability to draw an anchor,
 //
 //   log ratio += log P(A | y) - log P(A | x),
 //
@@ -24,8 +24,8 @@
 // parts, or each part with probability 1/2.
 //
 // Exactness requires three things. The surrogate has the target's p_w. If l(x) > -infinity, then
-// l*(x) > -infinity with any anchor that x may have. F, as computed from
-// the surrogate's outcome, and so P, doesn't depend on the anchor with which that outcome was made.
+// l*(x) > -infinity with any anchor that x may have. F and P are computed from the surrogate's
+// outcome, but don't depend on the anchor with which that outcome was made.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,8 @@ namespace sleight::sampling {
 
 /// Share of iterations that are walks, for targets with walks.
 inline constexpr double k_walk_share = 0.25;
-/// Share of one-step transitions that keep all of F. The others keep each part with k_keep.
+/// Share of one-step transitions that keep all of F. The others keep each part with probability
+/// k_keep.
 inline constexpr double k_keep_all_share = 0.7;
 inline constexpr double k_keep = 0.5;
 

@@ -6,7 +6,7 @@
 //      and l and l' are log p_c of the hotter and the cooler level's state.
 //   3. Partners swap if log u < log ratio, with u uniform from (seed, chain, hotter level, scan).
 //
-// A swap depends on two densities and its place alone, so plan and worker decide it alike.
+// A swap depends only on two densities and its place, so plan and worker make the same decision.
 // swap_flow.h defines which replicas wait for each other.
 // Thread safety: pure functions. swap.cpp contains the formulas alone, so that a test program can
 // link wrong formulas instead (tests/unit/worker/sampling/replaced_formulas.h).

@@ -13,9 +13,10 @@
 //        s+1     a b c d         b and c swap; a leaves, d waits for the level that e has left
 //        s+2       b c
 //
-// So each replica waits for at most one other, and replicas on both sides of a slow one get ahead
-// of it. After a replica has left, later partners of its level wait until the end. Plans apply this
-// to whole ladders (ladder_run.h), and workers to the part in their block (block_runner.h).
+// So each replica waits for at most one other, and replicas on both sides of a slow one can run
+// ahead of it. After a replica has left, later partners of its level wait until the end. Plans
+// apply this to whole ladders (ladder_run.h), and workers to the part in their block
+// (block_runner.h).
 // Invariant: the flow is a function of the reported densities, not of the order of levels' reports.
 // Not thread-safe.
 #pragma once

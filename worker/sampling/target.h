@@ -30,7 +30,8 @@ struct Proposal {
   State candidate;
   double log_q_ratio = 0;  ///< log q(current|candidate) - log q(candidate|current).
   std::uint32_t kind = 0;  ///< The target's kind of proposal.
-  /// log_q_ratio is an upper bound; the ratio depends on the outcome (ProposesByOutcome).
+  /// If set, log_q_ratio is an upper bound, and the ratio depends on the outcome
+  /// (ProposesByOutcome).
   bool ratio_waits = false;
 };
 
@@ -87,8 +88,9 @@ bool is_refused(const SimulationReport& report) {
   return report.failure != nullptr && !GuessesOnFailure<T>;
 }
 
-/// A target with tunable proposals. `scales` has a factor for each kind, or is empty for 1. Kinds
-/// without a scale ignore their factor. Proposals must be correct for any constant factors.
+/// A target with tunable proposals. `scales` has a factor for each kind, or is empty if all factors
+/// are 1. Kinds without a scale ignore their factor. Proposals must be correct for any constant
+/// factors.
 template <class T>
 concept ScalesProposals = Target<T> &&
     requires(const T& target, const typename T::State& state, std::span<const double> scales,

@@ -11,7 +11,8 @@
 
 namespace sleight::sampling {
 
-/// Between the optima for one dimension, 0.44, and for many, 0.234 (Roberts and Rosenthal 2001).
+/// Target acceptance rate, between the optima for one dimension (0.44) and for many (0.234).
+/// Source: Roberts and Rosenthal 2001.
 inline constexpr double k_acceptance_target = 0.3;
 /// Kinds with fewer proposals in a round are not tuned.
 inline constexpr std::uint64_t k_proposals_min = 50;

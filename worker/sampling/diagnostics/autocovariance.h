@@ -1,10 +1,10 @@
 // Autocovariances at all lags by the fast Fourier transform, in O(n log n).
 //
 // Idea. By the Wiener-Khinchin theorem, the autocovariances of a series are the inverse transform
-// of its transform's squared moduli. As many appended zeros as values prevent wrap-around. Only the
-// sum over chains is needed, so the squared moduli are added before one inverse transform. Two real
-// chains share one transform as the real and imaginary part of z, because the real part of the
-// autocovariance of z is the sum of the two.
+// of its transform's squared moduli. Appending as many zeros as there are values prevents
+// wrap-around. Only the sum over chains is needed, so the squared moduli are added before one
+// inverse transform. Two real chains share one transform as the real and imaginary part of z,
+// because the real part of the autocovariance of z is the sum of the two.
 //
 // The transform is the standard one for powers of two (J. Cooley and J. Tukey, 1965). It uses
 // angles from common/math, so the bits are the same on every machine.

@@ -24,8 +24,8 @@ constexpr double k_r_hat_max = 1.01;
 /// error of a mean is 1/20 of the standard deviation.
 constexpr double k_ess_min = 400;
 
-/// Minimum effective sample size per chain, with more than four chains. The paper's 400 is 50 per
-/// half of four chains, below which R-hat and the sample sizes themselves are unreliable.
+/// Minimum effective sample size per chain, if there are more than four chains. The paper's 400 is
+/// 50 per half of four chains, below which R-hat and the sample sizes themselves are unreliable.
 constexpr double k_ess_per_chain_min = 100;
 
 /// Minimum draws per chain for an effective sample size: each half needs three.

@@ -17,7 +17,8 @@
 // NaN means one of: a draw is NaN or infinite (the middle draw of an odd number counts only where
 // stated); all draws are within 2.2e-16 of each other; a half has fewer than three draws (see
 // split_in_halves for two and three draws); the variance overflows.
-// REQUIRES, of all: the shape is that of Chains. Cost: O(n log n). Thread safety: pure functions.
+// All functions REQUIRE: the shape is that of Chains. Cost: O(n log n). Thread safety: pure
+// functions.
 #pragma once
 
 #include "worker/sampling/diagnostics/chains.h"
@@ -36,7 +37,8 @@ double ess_tail(const Chains& draws);
 double ess_mean(const Chains& draws);
 
 /// Returns the effective sample size of indicators that a draw is at most the quantile. NaN if all
-/// are true. Probability 1 means the quantile half a draw below. REQUIRES: probability in [0, 1].
+/// are true. For probability 1, the quantile half a draw below is used. REQUIRES: probability in
+/// [0, 1].
 double ess_quantile(const Chains& draws, double probability);
 
 }  // namespace sleight::sampling
