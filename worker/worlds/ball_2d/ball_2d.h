@@ -6,7 +6,8 @@
 //   `outcome`: where and when the ball lands on collision n + 1.
 //   `log p_c`: -1/2 ((x - target) / sigma)^2, so p_c is at most 1.
 //   `satisfied`: |x - target| <= tolerance.
-//   `proposal`: Algorithm 2.2 changes each normal, with a probability, by uniform(-w, w).
+//   `proposal`: Algorithm 2.2 changes each normal with some probability, by a uniform number
+//     in (-w, w).
 // Thread-safe: immutable after construction.
 #pragma once
 

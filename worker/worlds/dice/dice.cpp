@@ -24,8 +24,7 @@ physics::Tick tick_of(double time_s) {
   return physics::Tick{} + physics::ticks_after(time_s);
 }
 
-/// Whether a candidate may have something in common with a state: the table's key, and a die that
-/// starts alike.
+/// Whether a candidate has the same table key as a state, and at least one die with the same start.
 bool resembles(const State& candidate, const State& state) {
   if (candidate.table_key != state.table_key) return false;
   for (std::size_t die = 0; die < state.dice.size(); ++die) {

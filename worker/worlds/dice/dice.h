@@ -78,7 +78,7 @@ struct Outcome {
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
 
-/// A simulation's outcome, and what goals judge. Views are empty if there is no animation.
+/// A simulation's outcome, and the input of the goals. Views are empty if there is no animation.
 struct ViewedOutcome {
   Outcome outcome;
   Views views;
@@ -125,7 +125,8 @@ class Dice {
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
     return propose(state, std::span<const double>{}, stream);
   }
-  /// Has no collisions to choose from, so change_contact proposes the present state.
+  /// Without an outcome, change_contact has no collisions to choose from and proposes the present
+  /// state.
   sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
                                     random::Stream& stream) const {
     return dice::propose(parameters_, state, {}, scales, stream);

@@ -50,7 +50,7 @@ double log_density(double distance, double sigma) {
   return -0.5 * z * z;
 }
 
-/// The region in which the goal wants the centre. Nothing for other goals.
+/// The region in which the goal requires the centre. Nothing for other goals.
 std::optional<Region> area_of(const Goal& goal) {
   if (const auto* region = std::get_if<Region>(&goal.wanted)) return *region;
   if (const auto* place = std::get_if<Place>(&goal.wanted))
@@ -58,7 +58,7 @@ std::optional<Region> area_of(const Goal& goal) {
   return std::nullopt;
 }
 
-/// Distances between two regions: of the nearest and of the farthest points along each axis.
+/// Distances between two regions, from the nearest and from the farthest points along each axis.
 struct Apart {
   double least_m = 0;
   double most_m = 0;
@@ -71,7 +71,8 @@ Apart apart(const Region& a, const Region& b) {
   return {.least_m = math::norm(least), .most_m = math::norm(most)};
 }
 
-/// The angle by which two goals' wishes differ whatever the die does. Nothing for other goals.
+/// Returns the angle by which two goals contradict each other for any orientation of the die.
+/// Nothing for other goals.
 std::optional<double> turn_difference(const Goal& a, const Goal& b) {
   const auto* turn = std::get_if<Turn>(&a.wanted);
   const auto* face = std::get_if<FaceDirection>(&b.wanted);
@@ -213,7 +214,7 @@ Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& v
   const std::size_t dice = views.at_end.size();
   Judgement judgement{.numberings = std::vector<std::uint32_t>(dice, 0)};
 
-  // Goals of faces: each die's shown numbering, and the mean over all numberings.
+  // Evaluate goals of faces: choose each die's shown numbering, and average over all numberings.
   for (std::uint32_t die = 0; numbering == Numbering::free && die < dice; ++die) {
     std::array<double, k_numberings> logs{};
     bool has_faces = false;
@@ -232,7 +233,7 @@ Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& v
     judgement.log_constraint += sum.log_mean();
   }
 
-  // The other goals, and all distances.
+  // Evaluate the other goals, and compute all distances.
   for (const Goal& goal : goals) {
     const double distance = distance_of(goal, views, times, judgement.numberings.at(goal.die));
     judgement.distances.push_back(distance);

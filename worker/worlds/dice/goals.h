@@ -87,8 +87,8 @@ struct DieView {
   Vec3 velocity_mps{0, 0, 0};
 };
 
-/// What goals judge: the dice at the end, when they came to rest, and the dice at the times of
-/// goal_times.
+/// Input of the goals: the dice at the end, the times at which they came to rest, and the dice at
+/// the times of goal_times().
 struct Views {
   std::vector<DieView> at_end;
   std::vector<double> rest_s;     ///< time at which the die came to rest; the end if it didn't
@@ -102,8 +102,8 @@ struct Judgement {
   std::vector<double> distances{};          ///< by goal, with the numberings above
 };
 
-/// Returns, for people, why no throw of dice with these sides meets both goals. Empty if a
-/// contradiction isn't certain. Goals that would put dice on top of each other at the end are
+/// Returns a reason, for display, why no throw of dice with these sides meets both goals. Empty if
+/// a contradiction isn't certain. Goals that would put dice on top of each other at the end are
 /// refused too, because stacks aren't supported.
 std::string contradiction_of(const Goal& a, const Goal& b, double side_m);
 

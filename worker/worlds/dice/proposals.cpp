@@ -131,7 +131,7 @@ double share_of(const ContactShares& contacts, GridIndex index) {
 double reflected(double x, const Range& range) {
   const double width = range.high - range.low;
   CHECK_GT(width, 0);
-  // Reflect on a ring of twice the width, whose second half runs back.
+  // Map to a ring of twice the width, whose second half runs backwards.
   double along = x - range.low;
   along -= 2 * width * std::floor(along / (2 * width));
   if (along > width) along = 2 * width - along;

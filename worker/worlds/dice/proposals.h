@@ -1,8 +1,8 @@
 // Proposals that change throws of dice (thesis 2.4.4: one control point, one initial component, or
 // everything), with the ratios that make Algorithm 2.1 correct.
 //
-//   `change_all` draws a state from p_w, table and all. The log q ratio is log p_w of the present
-//     state minus log p_w of the candidate.
+//   `change_all` draws a state from p_w, including the table. The log q ratio is log p_w of the
+//     present state minus log p_w of the candidate.
 //   `change_die` draws the throw of one die, chosen uniformly. The ratio is that of change_all for
 //     this die.
 //   `change_start` adds a Gaussian to one random component of one die. An orientation is turned by

@@ -1,6 +1,6 @@
 // A bumpy table of random control points (thesis 2.4.4). Control points are computed only where
-// they are used, so a table of a hundred million points costs no more than the few tens that a
-// throw touches.
+// they are used, so a table of a hundred million points costs no more than the few tens of points
+// that a throw touches.
 //
 // Idea. Each control point (surface_controls.h) has a height N(0, height_sd), a restitution and a
 // friction. Restitution and friction are uniform in their ranges or constant, and all values are
@@ -10,8 +10,8 @@
 // changed.
 //
 // Frame: the world's. The table has `columns` points with i = -columns/2 ... (integer division),
-// and likewise `rows` points with j. Beyond the table lies a flat apron with height 0 and the mean
-// restitution and friction of the ranges.
+// and likewise `rows` points with j. The table is surrounded by a flat apron with height 0 and the
+// mean restitution and friction of the ranges.
 //
 // Invariants
 //   1. at() of two tables with the same key and parameters differs at most where overrides differ.

@@ -94,7 +94,7 @@ void bind_orientation(Binder& die, DieKeys& keys) {
     die.number(
         k_parts[i], keys.quaternion[i],
         {.minimum = -1, .maximum = 1, .help = "quaternion instead of up and yaw_deg, if fixed"});
-    // Judge by value, because a normalised request has every key.
+    // Compare values, because a normalised request has every key.
     gives_quaternion = gives_quaternion || keys.quaternion[i] != (i == 0 ? 1 : 0);
     square += keys.quaternion[i] * keys.quaternion[i];
   }
@@ -163,7 +163,7 @@ void bind_dice(Binder& world, WorldParameters& p) {
   }
 }
 
-// The table and everything else of the world.
+// Keys of the table and of the rest of the world.
 
 void bind_range(Binder& world, const std::string& name, Range& range, double maximum) {
   const std::string low = name + "_low";

@@ -17,7 +17,7 @@ constexpr std::size_t k_throws_per_number = 3;
 /// Factor by which g is widened to cover what the few throws don't show.
 constexpr double k_widened = 1.2;
 constexpr double k_variance_min = 1e-4;
-/// Relative to a component's mean. A smaller standard deviation counts as none.
+/// Relative to a component's mean. A smaller standard deviation counts as 0.
 constexpr double k_sd_min = 1e-9;
 
 double& at(DieThrow& one, std::size_t place) {

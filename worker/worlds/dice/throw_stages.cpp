@@ -125,14 +125,14 @@ sampling::Extension StagedDice::add(const Ground& ground, std::uint32_t stage, s
   prefix.state.dice.push_back(one.thrown);
   sampling::Extension extension{.log_weight = sampling::k_log_zero, .simulation = {}};
   if (stage == 0) {
-    // The pool has this outcome, and has reported its failure.
+    // The pool already has this outcome, and has reported its failure.
     prefix.outcome = ground.first_die_alone[place];
   } else {
     prefix.outcome = first(stage + 1).simulate(prefix.state);
     extension.simulation = sampling::report_of(first(stage + 1), prefix.outcome);
   }
-  // Dice that are all thrown at once and overlap do so whatever dice follow. If a die is thrown
-  // later, another die may have pushed away what it overlaps at its start.
+  // If all dice are thrown at once, dice that overlap still do so with further dice. If a die is
+  // thrown later, another die may push away the die that it would overlap.
   const bool is_last = stage + 1 == stages();
   if (!prefix.outcome.is_animation() && (is_last || thrown_at_once_)) return extension;
   extension.log_weight =

@@ -43,7 +43,7 @@
 
 namespace sleight::worlds::dice {
 
-/// Lone throws per die from which its map is learnt, each on a table of its own.
+/// Number of lone throws from which a die's map is learnt. Each throw has a different table.
 inline constexpr std::uint32_t k_throws_of_map = 100;
 
 /// Fixed before sampling starts.
@@ -51,9 +51,9 @@ struct ThrowGuide {
   std::vector<ThrowMap> maps;                    ///< by die
   std::vector<plan::FailurePointer> failures{};  ///< of the throws for the maps
   std::uint32_t throws_of_pool = 64;             ///< per die
-  /// Minimum log guess and log potential. If lower, a die that another die pushes to its goal
-  /// weighs so much that few islands hold most of Z. Measured with two dice: the largest of 300
-  /// islands held 18% of Z at -8 and 3% at -3.
+  /// Minimum log guess and log potential. With a lower minimum, a die that another die pushes to
+  /// its goal weighs so much that few islands hold most of Z. Measured with two dice: the largest
+  /// of 300 islands held 18% of Z at -8 and 3% at -3.
   double log_floor = -3;
 };
 
@@ -152,7 +152,7 @@ class ThrowBuilder {
   std::uint32_t stages() const { return world_->stages(); }
   /// Low limits, because each try is a walk of many simulations.
   sampling::SearchLimits limits() const { return {.tries_of_stage = 10, .turns_per_stage = 10}; }
-  /// Returns a table of the prior without dice.
+  /// Returns a table drawn from the prior, without dice.
   Prefix start(random::Stream& stream) const;
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
                                 sampling::SearchEffort& effort, random::Stream& stream) const;

@@ -256,8 +256,8 @@ class LastAnimations {
   }
 
  private:
-  /// Several times the animations stored per lineage. With twenty dice, the cache uses a few
-  /// megabytes.
+  /// Number of cached animations, several times the number stored per lineage. With twenty dice,
+  /// the cache uses a few megabytes.
   static constexpr std::size_t k_held = 16;
   struct Held {
     base::Bytes bytes;
@@ -268,13 +268,13 @@ class LastAnimations {
   std::size_t next_ = 0;
 };
 
-/// Access to the values of DiceReader::likeness.
+/// Named access to the values of DiceReader::likeness().
 class Likeness {
  public:
   Likeness(std::span<const double> numbers, std::size_t dice) : numbers_(numbers), dice_(dice) {}
 
   double touches() const { return numbers_[0]; }
-  /// Number of equally spaced times, without the end.
+  /// Number of equally spaced times, not counting the end.
   std::size_t times() const { return (numbers_.size() - 1) / (3 * dice_) - 1; }
   /// The die's place at the nth time, or its last place after the end.
   Eigen::Map<const Vec3> place_m(std::size_t nth, std::uint32_t die) const {
@@ -325,7 +325,7 @@ class DiceReader final : public archive::StateReader {
 
   bool is_unlike(std::span<const double> a, std::span<const double> b,
                  double distance) const override {
-    // The distance grows with the greatest distance between dice, so some of the times may suffice.
+    // More times can only increase the distance, so the first times may suffice.
     const Likeness left(a, world_.dice());
     const Likeness right(b, world_.dice());
     double most_m = 0;

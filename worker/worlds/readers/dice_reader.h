@@ -4,9 +4,9 @@
 // numbered die.
 //
 // Likeness distance of two animations: the greatest distance between a die's centres at the same
-// time (all dice, every sixtieth of a second), in sides of a die. The difference of the numbers of
-// collisions with the table, divided by the larger number, is added. Thread safety: readers may be
-// used from several threads.
+// time (all dice, every sixtieth of a second), in sides of a die. The distance also includes the
+// difference between the numbers of collisions with the table, divided by the larger number. Thread
+// safety: readers may be used from several threads.
 #pragma once
 
 #include <memory>

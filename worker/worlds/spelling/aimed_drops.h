@@ -1,5 +1,5 @@
 // Proposals that depend on the outcome: a ball that fills no designated bin is dropped near an
-// empty bin. The thesis has no aimed drops. Its drops (A.2.2) find the last empty bin once in
+// empty bin. The thesis has no aimed drops: a drop as in A.2.2 finds the last empty bin once in
 // thousands of times.
 //
 // The two kinds are each other's reverse. For an animation A, L(A) are the balls that fill no
@@ -10,7 +10,7 @@
 //   aim_ball      drops a uniform ball of L at x drawn from f_U:     q = aim / |L(A)| f_U(x)
 //   scatter_ball  drops a uniform ball of R as the prior draws it:   q = scatter / |R(A)| p_w(ball)
 //
-// An aimed ball that fills no bin has no reverse proposal, nor has a scattered ball that fills one:
+// If an aimed ball fills no bin, or a scattered ball fills one, there is no reverse proposal, and
 // the ratio is 0. So the ratio depends on the candidate's outcome. The ratio is known after the
 // simulation and bounded before. Thread safety: pure functions, and values.
 #pragma once
@@ -76,7 +76,7 @@ struct AimParameters {
   double scatter = 0;  ///< probability of scatter_ball among all kinds
 };
 
-/// Return a proposal whose ratio is an upper bound. Nothing if there is no such ball.
+/// Return a proposal whose ratio is an upper bound. Return nothing if there is no such ball.
 std::optional<sampling::Proposal<State>> aim_ball(const Prior& prior, const Windows& windows,
                                                   const AimParameters& parameters,
                                                   const State& state, const Filling& filling,

@@ -139,9 +139,9 @@ struct Bins::Builder {
       below[vertex] = added;
       return added;
     };
-    // Triangles would be slivers in line with a partition's end, or nearly in line for a thin
-    // partition. So the bottom vertex is below the middle of a bin, and deeper below thin
-    // partitions.
+    // Triangles are slivers if the bottom vertex is in line with a partition's end, or nearly in
+    // line with a thin partition's end. So the bottom vertex is below the middle of a bin, and
+    // deeper below thin partitions.
     const auto middle = [&](std::uint32_t bins_along) {
       return bins_along % 2 == 0 ? 0.5 * bins.pitch_m_ : 0.0;
     };

@@ -4,11 +4,11 @@
 // columns, y upwards along the rows (row 0 of a pattern has the largest y), z up.
 //
 // Idea. Floor domes, partition sides and partition tops form one closed surface, so that bodies
-// can't meet the surface from inside or meet an edge twice. Where two partitions cross, each of the
-// four corners of their tops is a vertex of its own (a "partition vertex"). With one vertex per
-// crossing, tops would stay level across, and balls would perch on them. A partition that meets the
-// box's wall ends in two vertices, half a thickness inside the wall's inner face. The walls are
-// blocks around the box.
+// can't meet the surface from inside or meet an edge twice. At a crossing of two partitions, their
+// tops have four corners. Each corner is a separate vertex (a "partition vertex"). With one vertex
+// per crossing, tops would stay level from side to side, and balls would stay on them. A partition
+// that meets the box's wall ends in two vertices, half a thickness inside the wall's inner face.
+// The walls are blocks around the box.
 //
 // Invariants
 //   1. Vertices 0 to vertex_count() - 1 of the mesh are the partition vertices, ordered by

@@ -1,7 +1,6 @@
 // The simulator's geometry of the box of bins, reused between simulations. Only moved partition
 // vertices are updated, since most proposals move few vertices or none.
-// Thread safety: a BoxGeometry isn't thread-safe; BoxGeometries may be used by several threads at
-// once.
+// Thread safety: BoxGeometry isn't thread-safe; BoxGeometries is.
 #pragma once
 
 #include <cstddef>
@@ -34,7 +33,7 @@ class BoxGeometry {
   /// The mesh stays unchanged until the next move.
   const std::shared_ptr<physics::TriangleMesh>& mesh() const { return mesh_; }
   const physics::NearFeatures& near() const { return near_; }
-  /// Reuses its memory from one simulation to the next.
+  /// The simulator, which reuses its memory from one simulation to the next.
   physics::Marbles& marbles() { return marbles_; }
 
  private:

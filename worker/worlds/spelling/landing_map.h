@@ -55,7 +55,7 @@ class Landings {
   std::vector<plan::FailurePointer> failures_{};
 };
 
-/// Balls per batch. Each ball is dropped anywhere, on one box of the prior per batch.
+/// Balls per batch. Each ball is dropped anywhere. Each batch draws one box from the prior.
 inline constexpr std::uint32_t k_landings_of_batch = 100;
 Landings landings_of_batch(const Spelling& world, std::uint64_t seed, std::uint64_t batch);
 /// Returns the sum of the first `batches` batches.

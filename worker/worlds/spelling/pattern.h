@@ -1,5 +1,5 @@
-// Patterns: which bins shall hold a ball, as a picture made from a word or from rows of '.' and
-// '#'.
+// A pattern is a picture of the bins that shall hold a ball, made from a word or from rows of '.'
+// and '#'.
 // Thread safety: values and pure functions.
 #pragma once
 

@@ -2,8 +2,8 @@
 //
 // Balls drop one after another, and later balls seldom move earlier ones. So ball i is dropped
 // where it would fill an empty bin alone: draw a drop from the map of landings or from a window
-// around the bin, then simulate the ball alone. The drop is kept if each of the balls 0 to i fills
-// a bin after it. Balls that reach their bin only with another ball's push are never tried. So
+// around the bin, then simulate the ball alone. The drop is kept if, after it, each of the balls 0
+// to i fills a bin. Balls that reach their bin only with another ball's push are never tried. So
 // finds are plausible, but don't occur in the model's proportions.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -32,7 +32,7 @@ class PouringBuilder {
 
   std::uint32_t stages() const { return world_->balls(); }
   sampling::SearchLimits limits() const { return {}; }
-  /// Returns a box of the prior without balls.
+  /// Returns a box drawn from the prior, without balls.
   Prefix start(random::Stream& stream) const;
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
                                 sampling::SearchEffort& effort, random::Stream& stream) const;

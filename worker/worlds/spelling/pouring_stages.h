@@ -19,7 +19,7 @@
 //   (1/2) / takes_part  S / (K g_j),   where K is the number of drops in the pool.
 //
 // The estimate is unbiased over pools. The probability of a sequence of drops times its weights is
-// the product of v_j s_j / K. Drops of a sequence are different drops of the pool, and so
+// the product of v_j s_j / K. A sequence uses each drop of the pool at most once, so its drops are
 // independent. Summed over the unused drops of a stratum, s_j / K gives (n / K) q_b; summed over
 // strata it gives q, and q v is p. n must be at least the number of balls, so that no stratum is
 // used up.
@@ -67,7 +67,7 @@ struct DropOdds {
 /// Drops per designated bin in an island's pool. A pool has at least one drop per bin and ball.
 inline constexpr std::uint32_t k_drops_per_bin_min = 40;
 /// Maximum drops per designated bin if a request wants only odds. Such pools have four drops per
-/// bin for each ball: all particles share what a pool lacks.
+/// bin for each ball, because all particles lack what their shared pool lacks.
 inline constexpr std::uint32_t k_drops_per_bin_max = 120;
 
 /// Fixed before sampling starts.
@@ -138,7 +138,8 @@ class StagedSpelling : public Spelling {
   std::uint32_t helped_balls(const State& state, const Outcome& outcome) const;
 
   std::uint32_t stages() const { return balls(); }
-  /// Returns a sentence for people about how long solutions in proportion took for similar words.
+  /// Returns a sentence for display: how long solutions in the model's proportions took for similar
+  /// words.
   std::string past_effort() const;
   /// Returns a name such as "ball 3 of 16".
   std::string stage_name(std::uint32_t stage) const;

@@ -5,14 +5,14 @@
 // other's reverse and have the same probability. So each pair of kinds preserves the target by
 // itself. Let N be the number of balls, n the active ones, and a the area of the drop region:
 //
-//   `change_all` draws from p_w, whatever the state was: log q ratio = log p_w of the present state
-//     - log p_w of the candidate.
+//   `change_all` draws from p_w independently of the state: log q ratio = log p_w of the present
+//     state - log p_w of the candidate.
 //   `change_vertices` adds an isotropic Gaussian to each vertex with a probability; symmetric.
 //   `change_ball` moves the drop place of one active ball, chosen uniformly, in a uniform direction
 //     by a Gaussian length, wrapped at the region's edges; symmetric.
-//   `disable_balls` disables each active ball with probability f. If it disables m balls, the way
-//     there has probability f^m (1-f)^(n-m), and the way back f^m (1-f)^(N-n) a^-m. So log q ratio
-//     = (N - 2 n + m) log(1-f) - m log a.
+//   `disable_balls` disables each active ball with probability f. If it disables m balls, the
+//     proposal has probability f^m (1-f)^(n-m), and its reverse f^m (1-f)^(N-n) a^-m. So log q
+//     ratio = (N - 2 n + m) log(1-f) - m log a.
 //   `enable_balls` is the mirror image: log q ratio = (2 n - N + m) log(1-f) + m log a.
 //
 // If a kind finds nothing to change, it proposes the present state.
@@ -24,7 +24,8 @@
 //     scores the isotropic Gaussian. The proposal counts as symmetric: log q ratio = 0. Chains
 //     start with such a draw.
 //   `change_vertices` adds a length N(0, vertex_sd) in a uniform direction; symmetric.
-//   `disable_balls` has log q ratio = m log a: the text has a for "a ball", so a^m for m of them.
+//   `disable_balls` has log q ratio = m log a: the text has a factor a for "a ball", so m balls
+//     give a^m.
 //   `enable_balls` has log q ratio = -m log a.
 //
 // So a^m and a^-m are exchanged, and the powers of 1-f are missing. The thesis kernel's results

@@ -375,7 +375,8 @@ constexpr std::uint32_t k_balls_by_islands_max = 20;
 /// Scans per tour of islands, and particles. docs/MEASUREMENTS has measurements with HI.
 constexpr std::uint32_t k_tour_scans = 16;
 constexpr std::uint32_t k_tour_particles = 32;
-/// Chains, one more than the usual number of solutions: of six draws of HI, five satisfy.
+/// Number of chains, one more than the usual number of solutions, because five of six draws of HI
+/// satisfy.
 constexpr std::uint32_t k_tour_chains = 6;
 
 void settle_log_lambda(request::Binder& constraint, Parameters& parameters, double chosen) {

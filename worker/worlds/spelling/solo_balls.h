@@ -41,7 +41,7 @@ class SoloBalls {
   /// A failed simulation leaves a usable guess.
   static constexpr bool k_guesses_on_failure = true;
 
-  /// A state that drops an anchored ball elsewhere, or doesn't drop it, isn't possible.
+  /// A state is possible only if it drops each anchored ball at the anchored place.
   SoloBalls(const Spelling& world, Anchor anchor) : world_(&world), anchor_(std::move(anchor)) {}
 
   State draw_prior(random::Stream& stream) const;

@@ -24,7 +24,7 @@ constexpr double k_slack_sds = 5;
 /// limit.
 constexpr std::uint64_t k_work_per_ball_max = 10'000;
 constexpr std::uint64_t k_work_to_rest = 5;
-/// Distance from the walls of dropped balls.
+/// Minimum distance of dropped balls from the walls.
 constexpr double k_clear_m = 1e-6;
 /// Maximum steps of a walk of balls that fall alone. If walks must be shorter than half this length
 /// to be accepted often enough, single steps do better.
@@ -32,12 +32,12 @@ constexpr double k_solo_walk_max = 60;
 constexpr double k_walk_scale_min = 0.5;
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
-/// Observes a ball now. `known`: the observation at this tick in the simulation of the ball's
-/// history, if there was a look.
+/// Observes a ball now. `known`: what the simulation that recorded the ball's history observed at
+/// this tick, if it looked.
 Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   if (const physics::MarbleHistory* history = marbles.replayed({ball})) {
-    // If the ball was left alone then and its further path is known, it isn't alone now: other
-    // balls may be in places that prevent it.
+    // If that simulation left the ball alone but its history continues, the ball isn't alone now:
+    // other balls may be in places that prevent that.
     if (known != nullptr && (!known->was_alone || history->is_alone_at(marbles.now())))
       return *known;
     if (history->stays && history->last.tick <= marbles.now()) {
@@ -52,7 +52,7 @@ Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   }
   const physics::Segment& segment = marbles.segment({ball});
   const bool rests = segment.mode == physics::MotionMode::resting;
-  // A ball that is left alone is trapped, and counts with the state in which that began.
+  // A ball that is left alone is trapped. Its state is that at which it was left alone.
   if (marbles.is_suspended({ball})) {
     return {.ball = {.centre_m = segment.flight.position_m,
                      .twist = {segment.flight.velocity_mps, segment.flight.angular_velocity_radps},
@@ -308,7 +308,7 @@ std::optional<physics::SceneError> Spelling::run(physics::Tick last_start, Engin
 }
 
 std::unique_ptr<BoxGeometry> Spelling::new_geometry() const {
-  // Any ball will do, since all are alike.
+  // Use any ball, since all balls have the same properties.
   State state{.offsets_m = std::vector<Vec3>(bins_.vertex_count(), Vec3::Zero()),
               .active = {1},
               .drops_m = {Vec2(0, 0)}};

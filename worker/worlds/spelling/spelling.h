@@ -216,7 +216,7 @@ class Spelling {
   /// Returns nothing if the history doesn't suffice.
   std::optional<Result> simulated_in(BoxGeometry& geometry, const State& state, Until until,
                                      bool records, const Known* known) const;
-  /// What of a similar state's history also holds for a new state.
+  /// The part of a similar state's history that also holds for a new state.
   struct InCommon {
     physics::MarbleHistories histories{};
     std::vector<physics::MarbleChange> changes{};
@@ -227,8 +227,8 @@ class Spelling {
   Result came_to(const State& state, std::span<const Traps::Ball> balls, const Traps& traps) const;
   Filling filling_of(const Result& result) const;
   static Result stopped(const physics::SceneError& error, const State& state);
-  /// The physics scene of a state in a box with this surface. Bodies::all contains all balls, of
-  /// which inactive ones never start.
+  /// The physics scene of a state in a box with this surface. Bodies::all contains all balls;
+  /// inactive balls never start.
   enum class Bodies : std::uint8_t { active, all };
   physics::Scene scene_in(const State& state, std::shared_ptr<const physics::TriangleMesh> surface,
                           Bodies bodies) const;

@@ -18,7 +18,8 @@
 
 namespace sleight::worlds::spelling {
 
-/// A ball's observed state: at the time of the look or, if it was left alone, when that began.
+/// A ball's state at a look. If the simulation has left the ball alone, the state at which that
+/// began.
 struct Seen {
   Traps::Ball ball;
   bool was_alone = false;
@@ -52,16 +53,15 @@ struct SpellingHistory {
 
 /// Whether a ball is active in both states and starts in the same place.
 bool starts_alike(const State& state, const State& candidate, std::size_t ball);
-/// Whether a candidate may have something in common with a state: a ball that starts alike, and at
-/// least half of the box. If less than half of the box is equal, balls differ from their first
-/// collision on.
+/// Whether a candidate and a state share at least one ball that starts alike and at least half of
+/// the box. If less than half of the box is equal, balls differ from their first collision on.
 bool resembles(const State& candidate, const State& state);
 
 /// Returns the histories of balls that start alike, which hold for the candidate too.
 physics::MarbleHistories histories_that_hold(const SpellingHistory& history, const State& state,
                                              const State& candidate);
 
-/// What depends on each partition vertex.
+/// The parts of the geometry that depend on each partition vertex.
 class Influence {
  public:
   /// `statics`: geometry of a physics scene whose only mesh is the bins' surface.
@@ -69,8 +69,8 @@ class Influence {
   /// Returns the edges of a moved surface that are flat although their vertices can move. Usually
   /// none.
   std::vector<std::uint32_t> flat_edges(const physics::TriangleMesh& surface) const;
-  /// Returns what differs between boxes with other offsets, including edges that were flat or are
-  /// flat now. The result refers to this object.
+  /// Returns the differences between two boxes with different offsets, including edges that are
+  /// flat in either box. The result refers to this object.
   std::vector<physics::MarbleChange> changes(std::span<const Vec3> before_m,
                                              std::span<const std::uint32_t> flat_before,
                                              std::span<const Vec3> after_m,
