@@ -7,9 +7,9 @@
 // Invariants
 //   1. The bits are the same for any instruction set, under the conditions in vector.h. Eigen's
 //      quaternion product, normalisation, rotation and AngleAxis are not used.
-//   2. Functions that take a Quat as a rotation REQUIRE its norm to be 1 to within some 1e-6. They
-//      don't renormalise, and their error grows with the deviation. Each composition in a chain
-//      loses about one ulp of norm; normalized() restores the norm.
+//   2. Functions that take a Quat as a rotation REQUIRE its norm to be 1 to within some 1e-6. These
+//      functions don't renormalise, and their error grows with the deviation. Each composition in a
+//      chain loses about one ulp of norm; normalized() restores the norm.
 // Thread safety: pure functions.
 #pragma once
 

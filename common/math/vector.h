@@ -9,8 +9,8 @@
 //
 // Invariants
 //   1. Every function yields the same bits for the same arguments whether compiled for SSE2 or for
-//      AVX2, given -ffp-contract=off (which all our targets have) and no FMA (elementary.h refuses
-//      it). tests/determinism/arithmetic builds both and compares.
+//      AVX2. This requires -ffp-contract=off, which all our targets have, and no FMA, which
+//      elementary.h refuses. tests/determinism/arithmetic builds both and compares.
 //   2. Results never use these members of Eigen: dot, norm, squaredNorm, normalized, cross, sum,
 //      prod, products of matrices or quaternions, inverse, and from Eigen/Geometry AngleAxis,
 //      Rotation2D and slerp (these call libm's sine). Results never use vectors of run-time size
@@ -34,7 +34,7 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
 /// A column of two or three doubles, or a sum, difference or scaling of such columns. The functions
-/// below evaluate such an expression only once.
+/// below evaluate an expression argument only once.
 template <class T>
 concept VectorExpression = std::same_as<typename T::Scalar, double> && T::ColsAtCompileTime == 1 &&
                            (T::RowsAtCompileTime == 2 || T::RowsAtCompileTime == 3);

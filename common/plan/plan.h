@@ -44,7 +44,7 @@ struct Finds {
   std::uint64_t wanted = 0;  ///< 0: no search.
   bool gave_up = false;      ///< Too many consecutive starts found nothing.
   /// After giving up: the stage at which the best starts were stuck, such as "ball 3 of 16". Empty
-  /// if all stages succeeded but the whole motion never satisfied.
+  /// if starts passed all stages but the whole motion never satisfied.
   std::string stuck_at{};
   bool is_all = false;  ///< No sampled chains follow the search.
   /// Number of takes.
@@ -99,8 +99,8 @@ class Plan {
   /// Like next_unit, for a block. Plans without swaps return blocks of one unit.
   virtual std::optional<Block> next_block(const BlockLimits& limits);
 
-  /// The state from which a replica starts. Empty if its first unit draws the start. REQUIRES: a
-  /// unit that starts the replica is handed out.
+  /// The state from which a replica starts. Empty if the replica's first unit draws the start.
+  /// REQUIRES: a unit that starts the replica is handed out.
   virtual base::BytesView start_state(ReplicaKey /*replica*/) const { return {}; }
 
   /// Consumes the results of scans [first_scan, first_scan + records.size()) of one replica.
@@ -122,8 +122,8 @@ class Plan {
   virtual std::uint64_t solutions_found() const = 0;
   virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
 
-  /// Solutions with after < decided <= until, ordered by (decided, chain, scan). They are a
-  /// function of the results before scan `until`. REQUIRES: until <= scans_common().
+  /// Solutions with after < decided <= until, ordered by (decided, chain, scan). These solutions
+  /// are a function of the results before scan `until`. REQUIRES: until <= scans_common().
   virtual std::vector<Solution> solutions_between(std::uint64_t after,
                                                   std::uint64_t until) const = 0;
 

@@ -1,10 +1,11 @@
 // Units of work: what a sampling method requests and a worker returns.
 //
 // A unit is one replica of one chain over consecutive scans, each at its own inverse temperature. A
-// replica's first scan draws its start from the prior, and so does every scan at inverse
-// temperature 0; each such draw begins a lineage. A unit's result is a pure function of (request,
-// unit, state before), so it can be computed anywhere, or again after a crash, with the same bits.
-// A unit's size may depend on measured cost, but no stored result does (docs/DETERMINISM).
+// replica's first scan draws its start from the prior. Every scan at inverse temperature 0 is a
+// prior draw too. Each of these draws begins a lineage. A unit's result is a pure function of
+// (request, unit, state before), so it can be computed anywhere, or again after a crash, with the
+// same bits. A unit's size may depend on measured cost, but no stored result does
+// (docs/DETERMINISM).
 #pragma once
 
 #include <compare>
@@ -165,7 +166,7 @@ class UnitWorker {
  public:
   virtual ~UnitWorker() = default;
   /// REQUIRES: `state` is the replica's state before unit.first_scan. For the first scan, `state`
-  /// is Plan::start_state's result.
+  /// is the result of Plan::start_state().
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
   /// Runs the unit from the sample that this worker holds for it. Empty if the worker holds none.
   virtual std::optional<UnitResult> run_from_held(const Unit&) const { return std::nullopt; }

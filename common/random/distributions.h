@@ -1,4 +1,4 @@
-// All distributions, and their common properties.
+// Includes all distributions, and states their common properties.
 //
 // Idea. A distribution is a small struct of parameters with two functions. draw(stream) returns an
 // exact draw, and log_density(x) the logarithm of the normalised density. Metropolis-Hastings needs

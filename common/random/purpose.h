@@ -1,4 +1,4 @@
-// All uses of random numbers in one list, so that two uses never share a stream.
+// Lists all uses of random numbers, so that two uses never share a stream.
 //
 // The numbers are part of the archive's meaning (the same seed yields the same animations). Never
 // change or reuse a number; a new purpose gets the next one. Stream refuses 0, a missing purpose.
