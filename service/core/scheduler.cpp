@@ -61,7 +61,7 @@ void Scheduler::take(Delivered& input) {
     ++counts_.refused;
     return;
   }
-  // A worker may have been replaced, but its results are right anyway.
+  // Results are right even if the worker has been replaced.
   const auto task = tasks_.find(given->second.task);
   std::optional<plan::Block> block;  // The block that the results complete.
   if (task == tasks_.end()) {

@@ -1,6 +1,6 @@
 // The scheduler decides which worker runs which block, as a pure state machine. Each step takes an
-// input and returns effects. The scheduler uses no network, disk, clock or thread. It knows the
-// plan's units, the versions of states, and which worker holds which state.
+// input and returns effects. The scheduler uses no network, disk, clock or thread. The scheduler
+// tracks the plan's units, the versions of states, and which worker holds which state.
 //
 // Idea. The scheduler requests blocks from the plan, gives each block to a worker, and accepts each
 // block's first result from any worker. A result is a pure function of its block, so several
