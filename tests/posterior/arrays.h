@@ -14,7 +14,7 @@ struct Array {
   sampling::OwnedChains draws;
 };
 
-/// Returns every kind in many shapes, from 1 to 8 chains of 1 to 2000 draws, for a seed.
+/// Returns arrays of every kind in many shapes, from 1 to 8 chains of 1 to 2000 draws, for a seed.
 std::vector<Array> arrays(std::uint64_t seed);
 
 }  // namespace sleight::posterior

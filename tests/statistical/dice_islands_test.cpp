@@ -26,7 +26,7 @@ sampling::ChainStreams streams_of(std::uint32_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
 }
 
-/// Two dice 40 mm apart that sometimes collide. Each die has one goal of place.
+/// Two dice 40 mm apart that sometimes collide. Each die has one goal, a place.
 StagedDice two_dice(double sigma_m, double tolerance_m) {
   Parameters parameters;
   parameters.world.dice.assign(2, {});
@@ -40,8 +40,8 @@ StagedDice two_dice(double sigma_m, double tolerance_m) {
 }
 
 TEST(DiceIslands, AgreeWithRejection) {
-  // Goal: islands and blind throws agree on Z and P(satisfied) of two dice. Method: islands with
-  // pools of eight throws, and prior draws, agree within 4 combined errors.
+  // Goal: islands and blind throws agree on Z and P(satisfied) of two dice. Method: compare islands
+  // with pools of eight throws with prior draws, within 4 combined errors.
   const StagedDice world = two_dice(0.02, 0.025);
   const int throws = property::long_run() ? 200'000 : 8'000;
   const std::uint32_t islands = property::long_run() ? 20'000 : 700;

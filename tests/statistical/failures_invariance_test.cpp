@@ -88,8 +88,8 @@ TEST(FailuresInvariance, StepsKeepTheRestrictedTarget) {
 }
 
 TEST(FailuresInvariance, DrawsAgainAreDrawsOfTheRestrictedPrior) {
-  // Goal: a draw repeated until success has the prior given success; a single draw doesn't. Method:
-  // compare counts with enumeration, with the single draw as a control.
+  // Goal: a draw that is repeated until success is distributed like the prior given success. A
+  // single draw isn't. Method: compare counts with enumeration, with the single draw as a control.
   const auto draw = [](const auto& ring, const auto& streams, auto& sample) {
     sample = sampling::draw_afresh(ring, streams, 1);
   };

@@ -16,7 +16,7 @@ namespace sleight::statistical::invariance_test {
 
 constexpr std::uint64_t k_seed = 415926;
 
-/// Number of draws that reveals each of the known bugs.
+/// Number of draws, enough to detect each of the known bugs.
 constexpr std::size_t k_draws_that_tell = 8000;
 
 using Columns = std::array<std::vector<double>, k_ball_functions>;

@@ -33,7 +33,7 @@ random::Stream stream_of(int run) {
   return {{.seed = k_seed, .purpose = random::Purpose::prior}, static_cast<std::uint64_t>(run)};
 }
 
-/// Returns the islands that count towards the odds of a run by the rule, in order.
+/// Returns the islands that count towards the odds of a run that follows the rule, in order.
 std::vector<double> told_by_the_rule(random::Stream& stream) {
   sampling::FreeIslands plan({.seed = k_seed, .log_error = k_odds});
   while (const auto unit = plan.next_unit(1)) {
@@ -101,13 +101,13 @@ class Coverage {
 };
 
 TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
-  // Goal: P is right on average over all runs, and the error is about as requested. Of the runs
-  // with an error, about 65% are within one error of the truth and 92% within two. Normal estimates
-  // have larger shares, but here the sum is skewed and its spread is estimated. Two rules bias P by
-  // less than a quarter of an error: the batch is extended if one island has a tenth of the sum,
-  // and no error is reported if this doesn't help. Method: make 1,000 runs of the plan itself. The
-  // shares may be lower by five binomial standard errors, and the mean may differ by four standard
-  // errors.
+  // Goal: P is right on average over all runs, and the error is about as requested. Among runs that
+  // report an error, about 65% are within one error of the truth and 92% within two. Normal
+  // estimates have larger shares, but here the sum is skewed and its spread is estimated. Two rules
+  // bias P by less than a quarter of an error: the batch is extended if one island has a tenth of
+  // the sum, and no error is reported if this doesn't help. Method: make 1,000 runs of the plan
+  // itself. The shares may be lower by five binomial standard errors, and the mean may differ by
+  // four standard errors.
   Coverage all;
   Coverage known;
   for (int run = 0; run < k_runs; ++run) {

@@ -94,7 +94,7 @@ TEST(Islands, EstimatesAreUnbiased) {
 }
 
 TEST(Islands, EstimatesOfParticlesThatChooseTogetherAreUnbiased) {
-  // Goal: joint islands are unbiased too. Method: as in EstimatesAreUnbiased.
+  // Goal: estimates of joint islands are unbiased. Method: as in EstimatesAreUnbiased.
   expect_unbiased([](const auto& islands) { return islands.joint(0); }, 20'000'000);
 }
 
@@ -234,8 +234,8 @@ Step mixed(const Setting& setting, AfterLocalMove after) {
 }
 
 TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
-  // Goal: local moves beside islands are right, even if a potential of 0 makes states reachable by
-  // local moves alone. Method: as above.
+  // Goal: local moves in addition to islands are right, even if a potential of 0 makes some states
+  // reachable only by local moves. Method: as above.
   const std::vector<Setting> settings{
       {.guide = {}, .options = {.particles = 2}},
       {.guide = {}, .options = {.particles = 8}},

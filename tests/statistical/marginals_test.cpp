@@ -102,8 +102,8 @@ TEST(Marginals, AgreeWithRejectionSamplingAndABrokenChainDoesNot) {
   // Goal: long chains have the right marginals, and the comparison can fail. Method: compare 56
   // statistics of 400 chains of 1,000 iterations with 100,000 exact draws. Standard errors come
   // from the spread of the chains' means, and are valid for any mixing. One of the 56 exceeds 4.5
-  // errors by chance once in 2,600 runs. Then make the same comparison with two bugs that still
-  // yield a stationary chain.
+  // errors by chance once in 2,600 runs. Make the same comparison with two bugs that still yield a
+  // stationary chain.
   const Ball ball{worlds::ball_2d::Parameters{}};
   const std::vector<BallSample> exact = exact_draws(ball);
   EXPECT_LT(largest_z(ball, Bug::none, exact), 4.5) << "seed " << k_seed;

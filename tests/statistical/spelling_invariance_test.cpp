@@ -90,8 +90,8 @@ TEST_P(SpellingInvariance, ExactDrawsStayExact) {
 }
 
 TEST_P(SpellingInvariance, AimedDropsKeepExactDrawsExact) {
-  // Goal: proposals by outcome, whose ratio is known after the simulation, are right. Method: as in
-  // the first test, with mostly such proposals.
+  // Goal: proposals whose ratio depends on the outcome, and is known only after the simulation, are
+  // right. Method: as in the first test, with mostly such proposals.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_aims()), beta, steps);
   std::printf("aimed, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);

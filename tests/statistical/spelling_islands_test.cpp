@@ -218,8 +218,8 @@ struct Seen {
 TEST(SpellingIslands, StepsKeepExactDrawsExact) {
   // Goal: both particle steps leave p_w p_c of two balls invariant: the number of active balls, the
   // number of filled bins, and the places of drops. Method: compare exact draws (by rejection)
-  // after five steps with as many other exact draws; eight p-values above 1e-5. Bins far apart and
-  // few drops make the pool's strata and places matter as much as possible.
+  // after five steps with as many other exact draws. All eight p-values are above 1e-5. Bins far
+  // apart and few drops make the pool's strata and places matter as much as possible.
   auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   const StagedSpelling world(parameters);

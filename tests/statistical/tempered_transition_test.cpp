@@ -21,11 +21,12 @@ sampling::ChainStreams streams_of(std::uint64_t chain) {
 }
 
 TEST(TemperedTransition, KeepsADiscreteDistribution) {
-  // Goal: exact draws stay exact, and a transition is as likely as its reverse. Method: many
-  // enumerated draws at two inverse temperatures, with excursions that end at the prior or above
-  // it. After one transition and after ten, compare with enumeration by chi-square. For the first
-  // transition, compare the counts from i to j with those from j to i. 24 p-values are above 1e-6.
-  // Some transitions connect parts of the ring that no plain step connects.
+  // Goal: exact draws stay exact, and a transition is as likely as its reverse. Method: make many
+  // enumerated draws at two inverse temperatures, and move them by excursions that end at the prior
+  // or at an inverse temperature above 0. After one transition and after ten, compare with
+  // enumeration by chi-square. For the first transition, compare the counts from i to j with those
+  // from j to i. 24 p-values are above 1e-6. Some transitions connect parts of the ring that no
+  // plain step connects.
   struct Way {
     double beta;
     std::vector<double> below;

@@ -1,4 +1,5 @@
-// Parallel tempering as users run it: modes, evidence and round trips against closed forms.
+// Tests parallel tempering as users run it. Compares modes, evidence and round trips with closed
+// forms.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -86,11 +87,12 @@ TEST(TwoModesWorld, IsNotCrossedByPlainChains) {
 
 TEST(Evidence, HasHonestErrorBars) {
   // Goal: an adapting ladder's log Z and log P(satisfied) are right, and their errors equal their
-  // spread. Method: z-scores of the last round in 300 seeds of an off-centre bullseye with known
-  // values. With the jackknife's 20 parts, z has about Student's distribution with 19 degrees of
-  // freedom (sd 1.06, kurtosis 3.4). 5 standard errors over 300 are 0.31 for the mean and, with
-  // sqrt(2.4 / 1200) = 4.5% each, 22% for the sd. Neighbouring parts of a round are slightly
-  // correlated, which makes errors too small. The test accepts errors that are up to 10% too small.
+  // spread. Method: compute z-scores of the last round for 300 seeds, on an off-centre bullseye
+  // with known values. With the jackknife's 20 parts, z has about Student's distribution with 19
+  // degrees of freedom (sd 1.06, kurtosis 3.4). 5 standard errors over 300 are 0.31 for the mean
+  // and, with sqrt(2.4 / 1200) = 4.5% each, 22% for the sd. Neighbouring parts of a round are
+  // slightly correlated, which makes errors too small. The test accepts errors that are up to 10%
+  // too small.
   constexpr int k_repeats = 300;
   Bullseye world;
   world.target = 1.5;
@@ -130,8 +132,8 @@ TEST(RoundTrips, AreAsManyAsPredicted) {
   // Goal: with perfect exploration, the observed rate is 1 / (2 + 2 sum r / (1 - r)). Method: run
   // adapting ladders with workers that draw exactly from each tempered distribution, on narrow and
   // wide targets, near and far. Observed and predicted rates of the last round differ by at most
-  // 10%. At least 2,500 trips, no more variable than a Poisson process, make this 5 standard errors
-  // or more.
+  // 10%. There are at least 2,500 trips, and they vary at most like a Poisson process, so 10% is at
+  // least 5 standard errors.
   for (const auto& [target, sigma] : {std::pair{0.0, 0.3}, {1.0, 0.02}, {3.0, 0.1}, {0.0, 0.005}}) {
     Bullseye world;
     world.target = target;

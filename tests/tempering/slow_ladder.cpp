@@ -108,7 +108,7 @@ SlowLadder slow_ladder(const LadderOptions& options, const plan::UnitWorker& wor
     states[scan.replica] = done.state_after;
     const plan::ScanRecord& record = done.scans.front();
     lineages[scan.replica] = record.lineage;
-    // A ladder's ends are at 0 and 1. Replicas that are still annealing don't count as being there.
+    // A ladder's ends are at 0 and 1. Scans of annealing don't count as visits to an end.
     if (scan.scan < options.anneal_scans) return record;
     if (scan.inverse_temperature == 0) visits[scan.replica].push_back({scan.scan, false});
     if (scan.inverse_temperature == 1) {

@@ -50,8 +50,9 @@ TEST_P(RightCode, PassesTheCheck) {
 class CheapCheck : public testing::TestWithParam<Check> {};
 
 TEST_P(CheapCheck, HasUniformPValues) {
-  // Goal: the cheaper half of the checks have calibrated p-values. Method: compare p-values of the
-  // right code over many seeds with uniform. Checks that are `certain` pass with each of ten seeds.
+  // Goal: the p-values of the cheaper half of the checks are calibrated. Method: compare p-values
+  // of the right code over many seeds with the uniform distribution. Checks that are `certain` pass
+  // with each of ten seeds.
   const Check& check = GetParam();
   const std::uint64_t seeds = check.certain ? 10 : uniformity_seeds();
   std::vector<std::vector<double>> p(check.count);

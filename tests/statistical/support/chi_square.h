@@ -9,8 +9,8 @@
 
 namespace sleight::statistical {
 
-/// Returns the probability that a right sampler deviates as much or more. Cells with fewer than 10
-/// expected counts are merged. A count in a cell of probability 0 yields 0.
+/// Returns the probability that a right sampler deviates as much or more. Cells with an expected
+/// count below 10 are merged. A count in a cell of probability 0 yields 0.
 inline double chi_square_p(const std::vector<double>& counts,
                            const std::vector<double>& probabilities) {
   double total = 0;

@@ -11,7 +11,7 @@ namespace sleight::statistical {
 /// asymptotic series with the small-sample correction of Stephens (1970).
 double kolmogorov_smirnov_p(std::span<const double> a, std::span<const double> b);
 
-/// Like kolmogorov_smirnov_p, against the uniform distribution on (0, 1).
+/// Like kolmogorov_smirnov_p(), against the uniform distribution on (0, 1).
 double uniformity_p(std::span<const double> values);
 
 /// Returns a stationary series' effective sample size, by Geyer's initial monotone sequence (1992).

@@ -204,7 +204,7 @@ class ExactStarts final : public plan::UnitWorker {
   const plan::UnitWorker& rest_;
 };
 
-/// A worker whose every scan is an independent exact draw, as perfect exploration.
+/// A worker with perfect exploration: every scan is an independent exact draw.
 template <class World>
 class ExactScans final : public plan::UnitWorker {
  public:

@@ -23,8 +23,8 @@ struct IslandCheck {
 
 /// A p-value below this limit rejects.
 inline constexpr double k_rejects_below = 1e-5;
-/// With the suite's seed, p-values of mutants are below this limit, so mutants fail with other
-/// seeds too.
+/// With the suite's seed, p-values of mutants must be below this limit. Mutants then fail with
+/// other seeds too.
 inline constexpr double k_mutants_below = 1e-9;
 
 /// Settings for the comparison of the reference with the real code, and for some checks.

@@ -20,7 +20,7 @@ constexpr std::array<Spots, PooledToy::k_bins> k_aimed{Spots{0.5, 0.4, 0.1, 0, 0
                                                        Spots{0, 0, 0.7, 0.2, 0.1}};
 constexpr double k_prior_share = 0.05;
 
-/// The bin that a ball falls into if all bins are empty; k_bins is elsewhere.
+/// The bin that a ball falls into if all bins are empty. k_bins means elsewhere.
 constexpr std::array<std::uint32_t, PooledToy::k_spots> k_alone{0, 0, 1, 2, 2};
 
 /// q of a stratum.

@@ -10,8 +10,8 @@
 // A pool has two strata of three drops, the minimum for three balls. Stratum b is drawn from q_b =
 // 0.05 p + 0.95 d_b, where d_b is aimed at bin b.
 //
-// Dice have a simpler pool (worker/worlds/dice/throw_stages.h) with one stratum and one choice. Its
-// weight is the same S / (K g), without the terms for used drops.
+// Dice have a simpler pool (worker/worlds/dice/throw_stages.h) with one stratum and one choice. The
+// dice's weight is the same S / (K g), without the terms for used drops.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -49,7 +49,8 @@ class PooledToy {
   static constexpr std::uint32_t k_choices = 1 + k_spots;
   static constexpr std::uint32_t k_states = k_choices * k_choices * k_choices;
 
-  /// The balls' choices as digits, the first ball first. 0 means no part; otherwise 1 + spot.
+  /// The balls' choices as digits, starting with the first ball. A digit is 0 if the ball takes no
+  /// part, otherwise 1 + spot.
   using State = std::uint32_t;
   struct Outcome {
     std::array<bool, k_bins> is_full{};

@@ -135,7 +135,7 @@ class ReferenceSteps {
   /// As sampling::conditional_step and independence_step.
   void conditional(std::uint64_t number, ReferenceChain& chain) const;
   void independent(std::uint64_t number, ReferenceChain& chain) const;
-  /// Like sampling::metropolis_hastings_step(), and a new state makes Z stale.
+  /// Like sampling::metropolis_hastings_step(). If the state changes, Z becomes stale.
   void local(std::uint64_t iteration, ReferenceChain& chain) const;
   /// As run::IslandScan::visit.
   void visit(std::uint64_t scan, ReferenceChain& chain) const;
