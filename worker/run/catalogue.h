@@ -1,4 +1,4 @@
-// This program's worlds, each with its request keys, its worker, and its reader of states.
+// Lists this program's worlds, each with its request keys, its worker, and its reader of states.
 #pragma once
 
 #include <cstddef>
@@ -40,7 +40,8 @@ class WorldEntry {
       const request::DirectionRequest& request, const WorkerResources& resources = {}) const = 0;
   virtual std::unique_ptr<archive::StateReader> make_reader(
       const request::DirectionRequest& request) const = 0;
-  /// Simulates a state as a run's worker does. Empty if the bytes are no state of this world.
+  /// Simulates a state as a run's worker does. Empty if the bytes aren't a valid state of this
+  /// world.
   virtual std::optional<SimulationEnd> simulate(const request::DirectionRequest& request,
                                                 base::BytesView state) const = 0;
   /// By kind of proposal: whether it has a tunable scale.
@@ -68,7 +69,8 @@ class Catalogue {
   std::vector<std::unique_ptr<WorldEntry>> worlds_;
 };
 
-/// Returns the plan of a request's sampling method. With a cut, the run ends there instead.
+/// Returns the plan of a request's sampling method. If there is a cut, the run ends at the cut
+/// instead.
 std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
                                       const WorldEntry& world,
                                       const std::optional<request::Cut>& cut = {});

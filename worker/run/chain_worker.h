@@ -38,7 +38,7 @@ concept World = sampling::Target<W> &&
   { world.owned_bytes(state, outcome) } -> std::same_as<std::size_t>;
 };
 
-/// Interval of the scans whose hot states are stored, for inspection.
+/// Interval of the scans whose states below inverse temperature 1 are stored, for inspection.
 inline constexpr std::uint64_t k_hot_thin = 16;
 
 struct ChainWorkerOptions {
@@ -131,7 +131,7 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// A failed simulation here is no failure of the run. Its draw has log p_c = -infinity.
+  /// A failed simulation here is no failure of the run. The failed draw has log p_c = -infinity.
   plan::UnitResult drawn_from_prior(const plan::Unit& unit) const {
     plan::UnitResult result{
         .unit = unit, .scans = {}, .state_after = {}, .simulations = unit.scans};

@@ -21,7 +21,7 @@
 
 namespace sleight::run {
 
-/// A world that acts in stages and has a search. Its guide depends only on the run's seed.
+/// A world that acts in stages and has a search. The guide depends only on the run's seed.
 template <class W>
 concept StagedWorld = sampling::ActsInStages<W> &&
     requires(const W& world, std::uint64_t seed, const typename W::Guide& guide,
@@ -32,7 +32,8 @@ concept StagedWorld = sampling::ActsInStages<W> &&
   requires sampling::StageBuilder<decltype(world.builder(guide))>;
   /// Outcome of the whole motion until rest. In a find, this outcome must satisfy too.
   { world.simulate_to_rest(state) } -> std::same_as<typename W::Outcome>;
-  /// The values by which chains from a search are judged (burn_in_judge.h), and a state's values.
+  /// The values by which the burn-in of chains from a search is judged (burn_in_judge.h), and a
+  /// state's numbers for these values.
   { world.burn_in_values() } -> std::same_as<std::vector<sampling::BurnInValue>>;
   { world.burn_in_values_of(state, outcome) } -> std::same_as<std::vector<double>>;
   /// Name for display, such as "ball 3 of 16".

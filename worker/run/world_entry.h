@@ -1,4 +1,4 @@
-// A catalogue entry, from a world's class and its request_binding and make_state_reader.
+// Makes a catalogue entry from a world's class and its request_binding() and make_state_reader().
 #pragma once
 
 #include <memory>

@@ -65,7 +65,8 @@ base::Result<schema::Message, std::string> receive(const MPI_Status& status) {
   return schema::wire::decode(bytes);
 }
 
-/// Returns a message that has arrived. With `waits`, waits for one without occupying the core.
+/// Returns a message that has arrived. If `waits` is set, waits for a message without occupying the
+/// core.
 std::optional<base::Result<schema::Message, std::string>> next_message(bool waits) {
   double backoff_s = schema::wire::k_poll_interval_s_min;
   while (true) {
