@@ -1,9 +1,9 @@
 // Judges whether chains that started from searches (stage_search.h) have burnt in.
 //
-// Such chains all lack what searches seldom produce, such as helped balls. They agree from the
-// first scan on, so R-hat, which measures agreement, is no sufficient test by itself. The judge
-// looks at the second half of a tour's scans, over all chains together, and excludes no chain for
-// its values. The chains have burnt in if both conditions hold for each value:
+// All these chains lack what searches seldom produce, such as helped balls. So the chains agree
+// from the first scan on, and R-hat, which measures agreement, is no sufficient test by itself. The
+// judge looks at the second half of a tour's scans, over all chains together, and excludes no chain
+// for its values. The chains have burnt in if both conditions hold for each value:
 //
 //   - Split R-hat is at most k_burnt_in_r_hat. Means of half chains then differ by at most 0.66
 //     standard deviations of a draw, as if each half held some 2.3 effective draws. Then the
@@ -26,7 +26,8 @@ inline constexpr double k_burnt_in_r_hat = 1.2;
 /// A value by which a world's burn-in is judged.
 struct BurnInValue {
   const char* name;
-  /// Every chain starts at one end of the value's range. The value fails if no draw differs.
+  /// Every chain starts at one end of the value's range. The value fails if no draw differs from
+  /// the starts.
   bool starts_at_one_end = false;
 };
 

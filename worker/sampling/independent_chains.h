@@ -24,8 +24,8 @@ struct IndependentChainsOptions {
   std::uint64_t round_scans = 64;  ///< Length of the first round.
   /// Number of initial scans of simulated annealing, in equal steps; they belong to no round.
   std::uint64_t anneal_scans = 0;
-  /// Number of burn-in scans after the annealing. They yield no draws or solutions and belong to no
-  /// round.
+  /// Number of burn-in scans after the annealing. Burn-in scans yield no draws or solutions and
+  /// belong to no round.
   std::uint64_t burn_in_scans = 0;
   bool has_islands = false;  ///< Each scan ends with islands.
   StopRule stop;

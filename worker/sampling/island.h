@@ -107,7 +107,7 @@ class Islands {
 
   /// Makes the `number`-th island.
   Island<T> free(std::uint64_t number) const { return made(number, nullptr); }
-  /// Makes the `number`-th island. Its particles choose together if choices can be listed.
+  /// Makes the `number`-th island. The island's particles choose together if choices can be listed.
   Island<T> joint(std::uint64_t number) const {
     if constexpr (ListsChoices<T>) {
       Making making = begun(number, nullptr);

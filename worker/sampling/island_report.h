@@ -12,7 +12,7 @@
 
 namespace sleight::sampling {
 
-/// The free islands of one chain's scans, in order. Scan 0, the start, has none.
+/// The free islands of one chain's scans, in order. Scan 0, the start, has no islands.
 class IslandsOfChain {
  public:
   /// Adds the next scan's islands, or its only island.

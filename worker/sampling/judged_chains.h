@@ -6,7 +6,8 @@
 //       judged over all chains, is independent of the starts (burn_in_judge.h)
 //     each chain that satisfied in that round has one solution: a satisfying scan drawn by the seed
 //
-// The scans of the rounds that passed are the draws. Earlier scans and unfinished tours yield none.
+// The scans of the rounds that passed are the draws. Earlier scans and unfinished tours yield no
+// draws.
 //
 // Invariants
 //   1. A tour's result is a function of its scans. All chains wait for each other at round ends.

@@ -150,7 +150,7 @@ void LadderRun::settle(std::vector<std::uint32_t>& ready) {
       const std::uint64_t scan = replica.next_scan++;
       const std::uint32_t level = std::exchange(replica.level, k_nobody);
       replica.lineage = replica.waiting.front().lineage;
-      // The worker ran the scan at this level, alone or with its neighbours.
+      // Verify that the worker ran the scan at this level, as a unit or in a block.
       CHECK_EQ(replica.waiting.front().inverse_temperature, ladder()[level]);
       const double log_constraint = replica.waiting.front().log_constraint;
       row(scan).result[level] = std::move(replica.waiting.front());

@@ -41,10 +41,10 @@ class LadderRun {
  public:
   explicit LadderRun(const LadderOptions& options);
 
-  /// Returns a unit of a replica that is furthest behind. Empty if no more can run. `horizon`:
-  /// scans below this number may begin.
+  /// Returns a unit of a replica that is furthest behind. Empty if no more replicas can run.
+  /// `horizon`: scans below this number may begin.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
-  /// Returns a block. It consists of such a unit and, within the limits, of runnable units of
+  /// Returns a block, which consists of such a unit and, within the limits, of runnable units of
   /// neighbouring levels. With at least one ladder per thread, a block has a whole ladder, so no
   /// swap waits and no state travels. Otherwise a block has half a thread's share of the levels.
   std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits,

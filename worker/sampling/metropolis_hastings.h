@@ -27,7 +27,7 @@
 
 namespace sleight::sampling {
 
-/// The address of a chain's random numbers: all of a stream's address but purpose and iteration.
+/// The address of a chain's random numbers: a stream's address without purpose and iteration.
 struct ChainStreams {
   std::uint64_t seed = 0;
   base::ChainId chain;

@@ -4,13 +4,13 @@
 //           |-- pilot, p --|-- batch, n: estimates P --|-- extended by n / 2 ...
 //                     sizes the batch
 //
-// The pilot has 32 islands. It grows by 32 islands at a time, up to 1,024, as long as one island
-// exceeds a third of the sum, because the spread is then unreliable. If all estimates are 0, the
-// run ends.
+// The pilot has 32 islands. The pilot grows by 32 islands at a time, up to 1,024, as long as one
+// island exceeds a third of the sum, because the spread is then unreliable. If all estimates are 0,
+// the run ends.
 //
 // The batch is large enough for the requested error of log P even if its relative variance is half
-// as large again as the pilot's, since small pilots mostly miss the largest islands. It has at
-// least math::k_islands_min islands.
+// as large again as the pilot's, since small pilots mostly miss the largest islands. The batch has
+// at least math::k_islands_min islands.
 //
 // If one island exceeds a tenth of the batch's sum, there is no error estimate. The batch then
 // grows by half of its first length, repeatedly, up to 32 times its first length.

@@ -9,9 +9,9 @@
 // potentials leads to it. Local moves have to reach such states.
 //
 // An accepted local move makes the island's Z stale, because this Z belongs to another state. The
-// next independence step then draws a conditional island, and uses only its Z. It must not use that
-// island's draw. Staleness depends on the state, and steps chosen by the state don't leave the
-// target invariant (a test shows this).
+// next independence step then draws a conditional island, and uses only its Z. The step must not
+// use that island's draw. Staleness depends on the state, and steps chosen by the state don't leave
+// the target invariant (a test shows this).
 // Source: Andrieu, Doucet, Holenstein (island.h), sections 2.4.2 and 2.4.3.
 #pragma once
 

@@ -6,8 +6,9 @@
 //   log Z = sum over levels of log E_{beta_i}[exp((beta_{i+1} - beta_i) l)]
 //   log P(satisfied) = log Z + log E_1[1{satisfied} / p_c]
 //
-// Errors are jackknife errors over k_batches equal parts of the round. They include correlations
-// between replicas and over time, as long as a part is longer than the correlation time.
+// Errors are jackknife errors over k_batches equal parts of the round. These errors include
+// correlations between replicas and over time, as long as a part is longer than the correlation
+// time.
 #pragma once
 
 #include <array>

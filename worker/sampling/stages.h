@@ -9,20 +9,21 @@
 //
 //   p_w(A) = p(ground) prod_i p(choice i | ground, choices before i)
 //
-// A potential psi_i >= 0 rates how promising a prefix of i stages is. It replaces p_c before the
-// last stage; after the last stage p_c itself counts. So weights are exact for any psi wherever psi
-// is positive. A state with a prefix of psi = 0 is never reached, and islands ignore it.
+// A potential psi_i >= 0 rates how promising a prefix of i stages is. The potential replaces p_c
+// before the last stage; after the last stage p_c itself counts. So weights are exact for any psi
+// wherever psi is positive. A state with a prefix of psi = 0 is never reached, and islands ignore
+// it.
 //
 // The guide is information that a world collects about itself (where lone balls land, how often a
-// choice succeeds). The guide shapes q and psi. It is computed before sampling and then fixed.
+// choice succeeds). The guide shapes q and psi; it is computed before sampling and then fixed.
 //
 // Invariants of a world that acts in stages
 //   1. extend draws a choice x from q(x | guide, ground, prefix) and returns
 //      log p(x | ground, prefix) - log q(x | guide, ground, prefix), or -infinity if no
 //      choice is left or the simulation failed. q > 0 for every x with p > 0 and psi > 0.
 //   2. draw_ground draws a ground from p, possibly with auxiliary random numbers for extend (such
-//      as drops that an island's particles share). Invariant 1 then holds on average over these:
-//      the mean product of weights, over auxiliary numbers and choices, stays the same.
+//      as drops that an island's particles share). Invariant 1 then holds on average over these
+//      numbers: the mean product of weights, over auxiliary numbers and choices, stays the same.
 //   3. ground_given and extend_as are draw_ground and extend given the state. Auxiliary numbers are
 //      drawn given that the state is the path of one particle. Weights equal extend's.
 //   4. Every function is a pure function of its arguments. Randomness comes from the stream.

@@ -1,8 +1,8 @@
 // Decides when a run ends: by scans, by rounds, or by independent solutions at the ends of rounds.
 //
 // Rounds double: round r, from 1, has round_scans * 2^(r-1) scans of every chain (or ladder).
-// Solutions are judged at round ends only, so all chains wait there for the last one. The other
-// rules need no barrier.
+// Solutions are judged at round ends only, so all chains wait there for the slowest chain. The
+// other rules need no barrier.
 // Invariant: a judge's results are a function of the results before the last round end that it has
 // passed.
 #pragma once

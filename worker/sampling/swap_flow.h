@@ -64,8 +64,8 @@ class SwapFlow {
 
   void sit(std::uint32_t level, std::uint32_t replica, std::uint64_t scan);
 
-  /// Reports that a level's scan is made. Returns the replicas, at most two, that can then
-  /// continue, valid until the next call. REQUIRES: the level's seat may run.
+  /// Reports that a level's scan is made. Returns the replicas (at most two) that can now continue.
+  /// The result is valid until the next call. REQUIRES: the level's seat may run.
   std::span<const GoesOn> made(std::uint32_t level, double log_constraint);
 
  private:

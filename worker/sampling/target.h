@@ -63,7 +63,8 @@ concept MayFail = Target<T> && requires(const T& target, const typename T::Outco
   { target.starts_overlap(outcome) } -> std::same_as<bool>;
 };
 
-/// A surrogate whose failures are reported, but count as guesses and reject no candidate.
+/// A surrogate whose failed simulations still yield guesses. Failures are reported, but don't
+/// reject a candidate.
 template <class T>
 concept GuessesOnFailure = MayFail<T> && T::k_guesses_on_failure;
 

@@ -49,7 +49,7 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                                     const ChainStreams& streams, std::uint64_t scan,
                                     Sample<T>& current, const Told& told) {
   CHECK_LT(2 * excursion.below.size() * excursion.steps, k_excursion_steps_max);
-  // Use iteration numbers of this excursion alone, above those of plain iterations.
+  // Use iteration numbers that only this excursion has, above those of plain iterations.
   std::uint64_t iteration = (std::uint64_t{1} << 63U) + scan * k_excursion_steps_max;
   Sample<T> candidate = current;
   double log_ratio = 0;

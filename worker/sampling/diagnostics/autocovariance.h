@@ -6,8 +6,8 @@
 // inverse transform. Two real chains share one transform as the real and imaginary part of z,
 // because the real part of the autocovariance of z is the sum of the two.
 //
-// The transform is the standard one for powers of two (J. Cooley and J. Tukey, 1965). It uses
-// angles from common/math, so the bits are the same on every machine.
+// The transform is the standard one for powers of two (J. Cooley and J. Tukey, 1965). Its angles
+// come from common/math, so the bits are the same on every machine.
 // Thread safety: pure functions.
 #pragma once
 

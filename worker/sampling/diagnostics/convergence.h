@@ -25,7 +25,7 @@ constexpr double k_r_hat_max = 1.01;
 constexpr double k_ess_min = 400;
 
 /// Minimum effective sample size per chain, if there are more than four chains. The paper's 400 is
-/// 50 per half of four chains, below which R-hat and the sample sizes themselves are unreliable.
+/// 50 per half of four chains. Below 50, R-hat and the sample sizes themselves are unreliable.
 constexpr double k_ess_per_chain_min = 100;
 
 /// Minimum draws per chain for an effective sample size: each half needs three.
@@ -54,9 +54,9 @@ Convergence convergence_of(const Chains& draws);
 double ess_wanted(std::size_t chains);
 
 /// Returns the reasons to believe that chains have not mixed. Each sentence opens with the
-/// quantity's name and has no line break. Empty without a reason, and for a constant quantity. If
-/// r_hat is NaN because all distances from the median are equal, r_hat_bulk decides. An ess_tail of
-/// NaN is ignored, because such a quantity has few values and no tail.
+/// quantity's name and has no line break. Empty if there is no reason, or if the quantity is
+/// constant. If r_hat is NaN because all distances from the median are equal, r_hat_bulk decides.
+/// An ess_tail of NaN is ignored, because such a quantity has few values and no tail.
 std::vector<std::string> complaints(std::string_view name, const Convergence& convergence);
 
 }  // namespace sleight::sampling

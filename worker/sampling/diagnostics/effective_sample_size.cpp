@@ -22,7 +22,7 @@ struct Autocorrelations {
   std::size_t end = 0;  ///< Even. at_lag[end] has half a pair: 0 unless positive.
 };
 
-/// Geyer's initial positive sequence: pairs as long as their sums stay positive.
+/// Geyer's initial positive sequence: take pairs as long as their sums are positive.
 template <class AtLag>
 Autocorrelations positive_pairs(const AtLag& rho, std::size_t draws) {
   Autocorrelations kept{.at_lag = std::vector<double>(draws, 0.0)};

@@ -49,7 +49,7 @@ OwnedChains split_in_halves(const Chains& draws);
 /// other scores are then meaningless.
 OwnedChains normal_scores(const Chains& draws);
 
-/// Returns distances from the median of all draws. All are NaN if one draw is NaN.
+/// Returns distances from the median of all draws. If one draw is NaN, all distances are NaN.
 OwnedChains folded(const Chains& draws);
 
 }  // namespace sleight::sampling
