@@ -17,7 +17,7 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// Interval of the test whether all dice are at rest.
+/// Interval at which the simulation tests whether all dice are at rest.
 constexpr double k_look_every_s = 0.1;
 
 physics::Tick tick_of(double time_s) {

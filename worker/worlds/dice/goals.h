@@ -13,10 +13,9 @@
 // p_c, so p_c is at most 1. A goal is met if d <= tolerance.
 //
 // Numbering (numbering.h). With Numbering::fixed, each die keeps the numbering that it starts with.
-// With Numbering::free, a throw consists of unnumbered cubes. Each cube stands for 24 dice that are
-// equally likely before the throw, so the constraint is that of a die whose numbering is unknown,
-//
-//   p_c(x) = 1/24 sum over numberings s of p_c(x, s).
+// With Numbering::free, a throw consists of unnumbered cubes. Each cube represents 24 dice that are
+// equally likely before the throw. So the constraint is that of a die with unknown numbering,
+// p_c(x) = 1/24 sum over numberings s of p_c(x, s).
 //
 // The sum is the exact marginal at beta = 1, and at most 1, so p_w p_c^beta is a path to the
 // target. The program shows the numbering with the greatest p_c(x, s), or the least of equal ones.

@@ -17,13 +17,13 @@
 // throw is used twice.
 //
 // Given a state (ground_given), the ground has the state's table, and the state's throws come first
-// in their pools. The other throws are drawn as usual. A throw's place in its pool doesn't matter,
-// since all throws of a pool are drawn alike. So conditional islands keep the table; local moves
-// change it.
+// in their pools. The other throws of the pools are drawn as usual. A throw's place in its pool
+// doesn't matter, since all throws of a pool are drawn alike. So conditional islands keep the
+// table; local moves change it.
 //
 // Potential: p_c of the goals of the dice so far, but at least e^log_floor. So the potential is
-// above 0, and every state can be reached, even one whose last die pushes another die to its goal.
-// Thread safety: const functions may be called from several threads at once.
+// above 0, and every state can be reached, even a state whose last die pushes another die to its
+// goal. Thread safety: const functions may be called from several threads at once.
 #pragma once
 
 #include <cstddef>

@@ -44,7 +44,7 @@ class Landings {
   std::uint64_t total() const { return total_; }
   std::uint64_t count(std::size_t cell) const { return counts_[cell]; }
   double pitch_m() const { return pitch_m_; }
-  /// Failures of balls in the simulator, which count as landed nowhere.
+  /// Failed simulations of balls. Such balls count as landed nowhere.
   const std::vector<plan::FailurePointer>& failures() const { return failures_; }
   void add_failure(plan::FailurePointer failure) { failures_.push_back(std::move(failure)); }
 

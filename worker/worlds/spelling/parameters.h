@@ -1,8 +1,8 @@
 // Parameters of the balls that spell (thesis 2.4.3, A.2). Lengths are in metres.
 //
 // The thesis specifies the bins, the box, the drop height and the uncertainty. The other values
-// come from the spelling scene in the project's speed comparison: glass marbles of 16 mm, one each
-// 0.15 s, restitution 0.6, friction 0.2.
+// come from the spelling scene in the project's speed comparison: glass marbles of 16 mm, dropped
+// every 0.15 s, with restitution 0.6 and friction 0.2.
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,7 @@
 
 namespace sleight::worlds::spelling {
 
-/// Lone balls simulated before a try counts as failed.
+/// Number of lone balls that are simulated before a try counts as failed.
 inline constexpr std::uint32_t k_lone_tries_max = 200;
 
 class PouringBuilder {

@@ -20,8 +20,8 @@
 //
 // The estimate is unbiased over pools. The probability of a sequence of drops times its weights is
 // the product of v_j s_j / K. A sequence uses each drop of the pool at most once, so its drops are
-// independent. Summed over the unused drops of a stratum, s_j / K gives (n / K) q_b; summed over
-// strata it gives q, and q v is p. n must be at least the number of balls, so that no stratum is
+// independent. The sum of s_j / K over the unused drops of a stratum gives (n / K) q_b. The sum
+// over strata gives q, and q v is p. n must be at least the number of balls, so that no stratum is
 // used up.
 //
 // Given a state (ground_given), its drops' places in the pool are drawn one after another. First
@@ -133,8 +133,8 @@ class StagedSpelling : public Spelling {
   /// chain starts without any.
   std::vector<sampling::BurnInValue> burn_in_values() const;
   std::vector<double> burn_in_values_of(const State& state, const Outcome& outcome) const;
-  /// Counts the balls that fill a bin which they wouldn't fill alone. A ball whose lone simulation
-  /// fails counts as helped, since its simulation isn't a sample.
+  /// Counts helped balls: those that fill a bin which they wouldn't fill alone. A ball whose lone
+  /// simulation fails counts as helped, since its simulation isn't a sample.
   std::uint32_t helped_balls(const State& state, const Outcome& outcome) const;
 
   std::uint32_t stages() const { return balls(); }
@@ -152,9 +152,9 @@ class StagedSpelling : public Spelling {
                                 std::uint32_t stage, Prefix& prefix) const;
   /// Returns the guide for islands whose particles choose together. Particles that choose together
   /// are resampled at each stage, so a ball elsewhere needs a potential of about what it may still
-  /// contribute. Otherwise all prefixes with such a ball are lost, and with them all animations in
-  /// which a later ball pushes it into its bin. With two or three balls, such animations are a
-  /// tenth of all solutions.
+  /// contribute. Otherwise all prefixes with a ball elsewhere are lost, and so are all animations
+  /// in which a later ball pushes that ball into its bin. With two or three balls, such animations
+  /// are a tenth of all solutions.
   Guide for_odds(Guide guide) const;
   /// Number of sorts of alternatives: those of DropOdds, then leaving the ball out. Alternatives
   /// are numbered like the pool's drops.

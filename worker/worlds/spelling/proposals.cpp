@@ -37,7 +37,7 @@ double wrapped(double x, double half) {
   return std::clamp(x - turns * (2 * half), -half, half);
 }
 
-/// Maximum flip probability. It is below 1 so that both directions are possible.
+/// Maximum flip probability. The maximum is below 1, so that both directions are possible.
 constexpr double k_flip_probability_max = 0.9;
 
 /// Disables active balls, or enables inactive ones, each with a probability. Returns log q ratio.

@@ -66,7 +66,7 @@ enum class Kind : std::uint8_t {
   enable_balls,
   aim_ball,  ///< see aimed_drops.h, also for scatter_ball
   scatter_ball,
-  // Compound proposals that balls falling alone judge before all balls are simulated
+  // Compound proposals that are judged by simulations of lone balls, before all balls are simulated
   // (solo_balls.h).
   solo_walk,  ///< several steps
   solo_step   ///< one step, which uses what is known of the state

@@ -400,9 +400,9 @@ void settle_odds(request::Settled& settled, std::uint32_t balls,
   settled.count("particles", sampler.particles, particles_for_odds(balls));
 }
 
-/// Settings for chains of islands. For solutions, chains restart for each one; otherwise they
-/// continue. Islands find too few helped balls, which have large weights; further steps of a tour
-/// add more.
+/// Settings for chains of islands. If solutions are requested, chains restart for each solution;
+/// otherwise they continue. Islands find too few helped balls, which have large weights; further
+/// steps of a tour add more.
 void settle_islands(request::Settled& settled, std::uint32_t balls, const request::StopRule& stop,
                     request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;

@@ -14,7 +14,7 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Interval of the test whether all balls stay, after the last drop.
+/// Interval at which the simulation tests whether all balls stay, after the last drop.
 constexpr double k_look_every_s = 0.1;
 /// Bounding volumes of the partitions allow for offsets of this many standard deviations.
 constexpr double k_slack_sds = 5;
@@ -26,8 +26,8 @@ constexpr std::uint64_t k_work_per_ball_max = 10'000;
 constexpr std::uint64_t k_work_to_rest = 5;
 /// Minimum distance of dropped balls from the walls.
 constexpr double k_clear_m = 1e-6;
-/// Maximum steps of a walk of balls that fall alone. If walks must be shorter than half this length
-/// to be accepted often enough, single steps do better.
+/// Maximum steps of a walk that simulates balls alone. If walks must be shorter than half this
+/// length to be accepted often enough, single steps do better.
 constexpr double k_solo_walk_max = 60;
 constexpr double k_walk_scale_min = 0.5;
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
@@ -36,8 +36,8 @@ constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 /// this tick, if it looked.
 Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   if (const physics::MarbleHistory* history = marbles.replayed({ball})) {
-    // If that simulation left the ball alone but its history continues, the ball isn't alone now:
-    // other balls may be in places that prevent that.
+    // If that simulation left the ball alone but the ball's history continues, the ball isn't alone
+    // now, because of the places of other balls.
     if (known != nullptr && (!known->was_alone || history->is_alone_at(marbles.now())))
       return *known;
     if (history->stays && history->last.tick <= marbles.now()) {
@@ -52,7 +52,7 @@ Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   }
   const physics::Segment& segment = marbles.segment({ball});
   const bool rests = segment.mode == physics::MotionMode::resting;
-  // A ball that is left alone is trapped. Its state is that at which it was left alone.
+  // A ball that is left alone is trapped. Its state is from the moment when it was left alone.
   if (marbles.is_suspended({ball})) {
     return {.ball = {.centre_m = segment.flight.position_m,
                      .twist = {segment.flight.velocity_mps, segment.flight.angular_velocity_radps},

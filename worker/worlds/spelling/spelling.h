@@ -16,8 +16,8 @@
 // elsewhere, and so is a ball that still moves at the time limit and isn't trapped.
 //
 // Deciding early. A trapped ball isn't simulated further until another ball comes near. When all
-// balls are trapped or at rest, the outcome is decided. A decided outcome equals that of the whole
-// simulation, which simulate_to_rest runs.
+// balls are trapped or at rest, the outcome is decided. A decided outcome equals the outcome of the
+// whole simulation, which simulate_to_rest() runs.
 //
 // Invariants
 //   1. An animation is a function of the state and the parameters.
@@ -200,7 +200,7 @@ class Spelling {
                                          const AllStay& all_stay) const;
   physics::Tick limit_after(physics::Tick last_start) const;
   physics::Tick start_of(std::size_t ball) const;
-  /// An outcome, and the balls that stay with their places.
+  /// An outcome, and the places of the balls that stay.
   struct Result {
     Outcome outcome{};
     std::vector<std::uint32_t> staying{};  ///< balls

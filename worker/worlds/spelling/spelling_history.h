@@ -18,8 +18,8 @@
 
 namespace sleight::worlds::spelling {
 
-/// A ball's state at a look. If the simulation has left the ball alone, the state at which that
-/// began.
+/// A ball's state at a look. If the simulation has left the ball alone, the ball's state at that
+/// moment.
 struct Seen {
   Traps::Ball ball;
   bool was_alone = false;
@@ -57,7 +57,7 @@ bool starts_alike(const State& state, const State& candidate, std::size_t ball);
 /// the box. If less than half of the box is equal, balls differ from their first collision on.
 bool resembles(const State& candidate, const State& state);
 
-/// Returns the histories of balls that start alike, which hold for the candidate too.
+/// Returns the histories of balls that start alike. These histories hold for the candidate too.
 physics::MarbleHistories histories_that_hold(const SpellingHistory& history, const State& state,
                                              const State& candidate);
 
