@@ -1,7 +1,7 @@
-// Batch systems that run attempts of jobs: Slurm, or any other through a program
-// (program_backend.h). The interface is small, so a new engine takes little work. The conformance
-// suite (tests/programs/backend_conformance.py) tests an engine. For attempts on this machine, the
-// daemon needs no backend (daemon/local_attempts.h).
+// Interface to batch systems, which run attempts of jobs: Slurm, or any other system through a
+// program (program_backend.h). The interface is small, so a new engine takes little work. The
+// conformance suite (tests/programs/backend_conformance.py) tests an engine. The daemon needs no
+// backend for attempts on this machine (daemon/local_attempts.h).
 //
 //   `launch(order)`   submits the attempt, unless the system has or had it already.
 //   `state(name)`     is waiting, running, gone, or absent: the system never had it, or forgot it.
@@ -13,12 +13,14 @@
 // keeper's record in the job's folder (service/keeper/attempt_record.h).
 //
 // Invariants
-//   1. (daemon, job, epoch) names an attempt. However often this process or a later one
-//      launches the attempt, its command is carried out once. launch() searches for the name first.
-//      If an answer was lost, the command must detect the repetition, as a keeper does (keep.h).
-//   2. `gone` is final: no process of the attempt runs any more. `absent` reveals nothing about the
-//      past.
-//   3. A system that doesn't answer is `Away`, which is never an end.
+//   1. (daemon, job, epoch) names an attempt. If this process or a later one launches an attempt
+//      again, the attempt's command still takes effect once. launch() first searches the system for
+//      the name. If the system's answer to a launch was lost, the command may start twice and must
+//      detect that, as a keeper does (keep.h).
+//   2. `gone` is final: no process of the attempt runs any more. An `absent` attempt may have run
+//      or not.
+//   3. If the system doesn't answer, functions throw `Away`, which doesn't mean that an attempt
+//      ended.
 //   4. Daemons that use the same system don't see each other's attempts.
 //
 // Calls block for a bounded time. Thread safety: one thread at a time.
@@ -121,12 +123,13 @@ class Backend {
   virtual bool signal(const AttemptName& name, keeper::Stop how) = 0;
   /// All attempts of the daemon that the system has or remembers.
   virtual std::map<AttemptName, Seen> list(const std::string& daemon) = 0;
-  /// Whether list() answers from a cache and queries the system only at intervals.
+  /// Returns whether list() answers from a cache and queries the system only at intervals.
   virtual bool are_lists_cheap() const { return false; }
-  /// The end of the attempt's log; empty: no log. `folder`: the folder of its order.
+  /// Returns the last `bytes_max` bytes of the attempt's log. Empty: no log. `folder`: the folder
+  /// of its order.
   virtual std::string log(const AttemptName& name, const std::string& folder,
                           std::size_t bytes_max) = 0;
-  /// Makes a pending query end soon with Away, for a daemon that stops. Callable from any thread.
+  /// Makes a pending query throw Away soon, so that the daemon can stop. Callable from any thread.
   virtual void end_soon() {}
   /// The system's name for people, such as "Slurm".
   virtual std::string title() const = 0;

@@ -22,7 +22,7 @@ Json parsed(std::string_view text) {
   return json;
 }
 
-/// The key's value, or `otherwise` if the key is missing. Throws if the type is wrong.
+/// Returns the key's value, or `otherwise` if the key is missing. Throws if the type is wrong.
 template <class T>
 T value_of(const Json& json, const char* key, T otherwise) {
   const auto* found = json.find(key);
@@ -57,7 +57,7 @@ Seen seen_in(const Json& json) {
   return {.state = *state,
           .id = value_of<std::string>(json, "id", ""),
           .words = value_of<std::string>(json, "words", ""),
-          // A cause added by a later version is ignored.
+          // Ignore a cause that a later version added.
           .cause = cause.value_or(Cause::itself)};
 }
 

@@ -1,7 +1,7 @@
 // The interface of backend.h as JSON, for engines that are programs. docs/BACKENDS.md specifies it.
 //
-// `PROGRAM VERB` reads one object, {"version": 1, ...}, and prints one. Exit code 0: done; 75: the
-// system doesn't answer; other: refused, with the reason on stderr.
+// `PROGRAM VERB` reads one object, {"version": 1, ...}, and prints one. Exit code 0 means done, and
+// 75 that the system doesn't answer. Any other code means refused, with the reason on stderr.
 //
 // Readers ignore unknown keys and use defaults for missing ones.
 //
@@ -24,7 +24,7 @@ inline constexpr int k_exit_away = 75;
 inline constexpr std::size_t k_message_bytes_max = std::size_t{64} << 20U;
 inline constexpr std::size_t k_log_bytes_most = 64U << 10U;
 
-/// A question for any verb; only the fields that the verb needs are written.
+/// The input of any verb. Only the fields that the verb needs are written.
 struct Question {
   Order order{};  ///< launch: all; state, signal, log: the name; list: the name's daemon
   keeper::Stop how = keeper::Stop::in_order;  ///< for signal

@@ -1,5 +1,5 @@
-// A backend for any other system, by a program in any language. docs/BACKENDS.md specifies the
-// program's questions and answers; messages.h has the JSON. Not thread-safe.
+// A backend that runs a program, in any language, for systems other than Slurm. docs/BACKENDS.md
+// specifies the program's questions and answers; messages.h has the JSON. Not thread-safe.
 #pragma once
 
 #include <atomic>

@@ -49,7 +49,7 @@ keeper::ToolEnd SlurmBackend::run(const std::vector<std::string>& command) {
   }
 }
 
-/// `afresh`: queries now; otherwise the queue may be up to list_every_s old.
+/// Returns the queue. `afresh`: query Slurm now; otherwise the queue may be up to list_every_s old.
 const SlurmQueue& SlurmBackend::queue(bool afresh) {
   const double now_s = clock_.now_s();
   if (!afresh && asked_s_ && now_s - *asked_s_ < settings_.list_every_s) return queue_;
@@ -100,7 +100,7 @@ std::map<AttemptName, Seen> SlurmBackend::list(const std::string& daemon) {
 
 Seen SlurmBackend::launch(const Order& order) {
   check_order(order);
-  // Search first: an earlier submission may exist.
+  // Search the queue first, because an earlier launch may have submitted the attempt.
   Seen before = seen_in(queue(unsure_.contains(order.name)), order.name);
   if (before.state == State::absent) {
     submit(order);
@@ -163,7 +163,8 @@ bool SlurmBackend::signal(const AttemptName& name, keeper::Stop how) {
     const bool is_told = how == keeper::Stop::in_order && job.seen.state != State::waiting;
     std::vector<std::string> command{settings_.scancel};
     if (is_told) command.insert(command.end(), {"--signal=USR1", "--batch"});
-    // --state=PENDING spares a job that has begun since. A later signal reaches its keeper.
+    // --state=PENDING spares a job that has begun in the meantime. A later signal reaches that
+    // job's keeper.
     if (how == keeper::Stop::in_order && !is_told) command.emplace_back("--state=PENDING");
     command.push_back(job.id);
     const keeper::ToolEnd end = run(command);

@@ -1,4 +1,4 @@
-// Slurm as a backend, by a user's commands sbatch, squeue and scancel.
+// Slurm as a backend, used through the commands sbatch, squeue and scancel.
 //
 //   `launch`   searches the queue for an earlier submission with the comment NAME, then runs sbatch
 //              --parsable --no-requeue --comment=NAME ... direct.sbatch --attempt COMMAND.
@@ -8,12 +8,13 @@
 //   `log`      reads the output of Slurm and the keeper in the job's folder.
 //
 // No Slurm job number is stored: an attempt is found by its name, which is its Slurm job's comment.
-// So a restarted daemon finds its attempts again, even if sbatch was killed before it answered. A
-// lost answer can lead to two Slurm jobs for one attempt. Only one of them starts the program,
-// because the second keeper finds that the attempt has begun (keep.h).
+// So a restarted daemon finds its attempts again, even if sbatch was killed before it printed the
+// job number. If sbatch's answer is lost, there may be two Slurm jobs for one attempt. Only one of
+// them starts the program, because the second keeper finds that the attempt has begun (keep.h).
 //
-// Slurm keeps ended jobs in its queue for MinJobAge (default 300 s). Afterwards these jobs are
-// absent, and the keeper's record has their end. sacct isn't used, because many sites lack it.
+// Slurm keeps ended jobs in its queue for MinJobAge (default 300 s). After that time the jobs are
+// absent, and the keeper's records show how they ended. sacct isn't used, because many sites lack
+// it.
 //
 // Not thread-safe.
 #pragma once
@@ -37,7 +38,7 @@ struct SlurmSettings {
   Options defaults{};    ///< defaults for jobs' options (slurm_options.h)
   double list_every_s = 10;
   double tool_s_max = 60;  ///< maximum for a Slurm command, which is then killed
-  // Names on PATH, or absolute paths.
+  // Slurm's commands, as names on PATH or absolute paths.
   std::string sbatch = "sbatch";
   std::string squeue = "squeue";
   std::string scancel = "scancel";

@@ -23,22 +23,24 @@ struct SlurmJob {
   bool operator==(const SlurmJob&) const = default;
 };
 
-/// Slurm jobs by attempt, in ascending number. A lost answer can lead to several jobs per attempt.
+/// Slurm jobs by attempt, in ascending number. An attempt may have several jobs if sbatch's answer
+/// was lost.
 using SlurmQueue = std::map<AttemptName, std::vector<SlurmJob>>;
 
 /// Ignores unreadable rows.
 SlurmQueue slurm_queue_of(std::string_view text);
 
-/// The attempt's most informative job: running, else waiting, else newest. REQUIRES: not empty.
+/// Returns the attempt's running job, or else a waiting one, or else the newest. REQUIRES: not
+/// empty.
 const SlurmJob& telling_one(const std::vector<SlurmJob>& jobs);
 
-/// Translates a Slurm state into an attempt's state.
+/// Translates a Slurm job's state into an attempt's state.
 Seen seen_of_slurm(std::string_view state, std::string_view reason);
 
-/// The job number in the output of `sbatch --parsable`. Empty: none.
+/// Returns the job number in the output of `sbatch --parsable`. Empty: none.
 std::string slurm_number_in(std::string_view text);
 
-/// Whether a Slurm command's error means that its controller doesn't answer.
+/// Returns whether a Slurm command's error message means that Slurm's controller doesn't answer.
 bool says_away(std::string_view words);
 
 }  // namespace sleight::backend

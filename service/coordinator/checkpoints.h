@@ -1,18 +1,18 @@
 // Checkpoints: archives of a run so far, for people who watch the run.
 //
-// A separate thread derives checkpoints, so that nothing waits. The first checkpoint is made as
-// soon as a search has its finds, or with the first solution. Later checkpoints are made at
-// intervals of `every_s`, or longer ones, so that they take at most k_checkpoint_share_max of the
-// workers' time. Simulating the motions of kept animations isn't counted, because each motion is
-// simulated once for all archives.
+// A separate thread derives checkpoints, so that the run never waits for them. The first checkpoint
+// is made as soon as a search has its finds, or with the first solution. Later checkpoints are made
+// at intervals of at least `every_s`. Intervals are longer if checkpoints would take more than
+// k_checkpoint_share_max of the workers' time. That time doesn't include simulating the motions of
+// kept animations, because each motion is simulated once for all archives.
 //
 // The thread runs at normal priority, because a slow reader of the store prevents SQLite from
-// shortening its log. At SCHED_IDLE, a run's log grew by 1.2 GB in 90 s.
+// shortening its log. When the thread ran at SCHED_IDLE, a run's log grew by 1.2 GB in 90 s.
 //
 // If a checkpoint can't be written, a warning is logged once and the checkpoint is tried again
 // later. The run continues, and derives an archive at its end in any case.
 //
-// Thread safety: one thread calls it.
+// Thread safety: one thread calls the class.
 #pragma once
 
 #include <atomic>
@@ -29,9 +29,9 @@
 
 namespace sleight::coordinator {
 
-/// Maximum share of the workers' time between two checkpoints that one checkpoint takes.
+/// Maximum time for a checkpoint, as a share of the workers' time between two checkpoints.
 inline constexpr double k_checkpoint_share_max = 0.01;
-/// No checkpoint before this time: a run that ends earlier writes its archive anyway.
+/// Time before the first checkpoint, because a run that ends earlier writes its archive anyway.
 inline constexpr double k_checkpoint_after_s = 0.5;
 /// Delay before another try if the first checkpoint failed or shows no solution.
 inline constexpr double k_checkpoint_retry_s = 1;
@@ -42,8 +42,8 @@ class Checkpoints {
     bool archive = false;  ///< false: there are no draws and no finds yet
     double motions_s = 0;  ///< processor time that new motions took
   };
-  /// Derives the archive of the given cut, in the thread. Throws DeriveStopped (derive.h) soon
-  /// after `stop` becomes true, or any other exception on failure.
+  /// Derives the archive of the given cut. Called in the checkpoints' thread. Throws DeriveStopped
+  /// (derive.h) soon after `stop` becomes true, or any other exception on failure.
   using Derive = std::function<Made(const request::Cut& reached, const std::atomic<bool>& stop)>;
 
   /// Borrows the clock, which must be thread-safe. `every_s` 0: no checkpoints. `has_archive`: an

@@ -1,4 +1,5 @@
-// A crew computes a run's blocks: threads of this process, or these and the ranks of an MPI job.
+// A crew computes a run's blocks. It consists of threads of this process, and in an MPI job of the
+// other ranks too.
 //
 // A crew only carries messages: plans, stores and scheduling are elsewhere. One thread drives it.
 #pragma once
@@ -12,7 +13,7 @@
 
 namespace sleight::coordinator {
 
-/// Messages between this process and others; zero without other processes.
+/// Counts messages between this process and others. Zero without other processes.
 struct Traffic {
   std::uint64_t messages = 0;  ///< in both directions
   std::uint64_t bytes = 0;
@@ -22,7 +23,7 @@ class Crew {
  public:
   virtual ~Crew() = default;
 
-  /// The members that exist from the beginning.
+  /// Returns the members that exist from the beginning.
   virtual std::vector<core::Joined> members() const = 0;
   virtual void send(core::WorkerId worker, schema::Assignment assignment) = 0;
   virtual void send(core::WorkerId worker, const schema::Ping& ping) = 0;

@@ -20,7 +20,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Passes data on, and checks for a stop between batches.
+/// Forwards an archive to another sink, and checks for a stop between batches.
 class StoppableSink final : public archive::Sink {
  public:
   StoppableSink(archive::Sink& sink, std::function<void()> ask)
@@ -59,7 +59,7 @@ auto timed(double* total_s, const Work& work) {
   return result;
 }
 
-/// Measures the simulations that run once per run.
+/// Measures the processor time for simulating motions, which happens once per run.
 class TimedReader final : public archive::ForwardingReader {
  public:
   TimedReader(const archive::StateReader& reader, double* motions_s)
@@ -73,17 +73,17 @@ class TimedReader final : public archive::ForwardingReader {
   double* motions_s_;
 };
 
-/// What saved motions depend on besides their states.
+/// Returns text of everything besides the states that saved motions depend on.
 std::string owner_of_motions(const request::DirectionRequest& request) {
   return fmt::format("{}\n{}", base::version(), request::identity_text(request));
 }
 
-/// An id that is equal for all archives of a run, whatever their cut and deriving process.
+/// Returns an id that all archives of a run share, for any cut and any process that derives them.
 std::string run_id(const request::DirectionRequest& request, const std::string& results_version) {
   return hash::sha256_hex(fmt::format("{}\n{}", run_identity(request), results_version));
 }
 
-/// Feeds the plan only the scans of the cut, from which the method learns again.
+/// Passes the scans of the cut to a fresh plan, which learns from them again.
 void teach(plan::Plan& learner, const store::StoredRun& view, const std::function<void()>& ask,
            const archive::HearWriting& hear) {
   archive::WritingProgress now{.part = archive::WritingProgress::Part::learning};

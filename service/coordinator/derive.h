@@ -1,8 +1,9 @@
 // Derives archives from a run's store: at the end of a session, periodically while it runs, and for
 // `sleight archive derive`, which may run concurrently or later.
 //
-// Deriving depends only on the store. Rows of a cut never change, and a fresh plan learns again
-// what a method learned from them. So a cut's archive is the same for any time and process.
+// Deriving depends only on the store. Rows of a cut never change, and from them a fresh plan learns
+// again what the run's method had learned. So a cut's archive is the same whenever and in whichever
+// process it is derived.
 //
 // Thread safety: one archive at a time per process (hdf5/writer.h), in any thread.
 #pragma once
@@ -21,26 +22,26 @@
 namespace sleight::coordinator {
 
 /// Identifies what determines a run's stored results. Requests with the same identity can share a
-/// run store, so that one resumes the other's run. [stop] and the kept animations may differ.
-/// `thin` may not differ, because only every thin-th scan's state is stored.
+/// run store, so that one resumes the other's run. Such requests may differ in [stop] and in the
+/// kept animations, but not in `thin`, because only every thin-th scan's state is stored.
 std::string run_identity(const request::DirectionRequest& request);
 
 /// Inputs that are borrowed for the call.
 struct DeriveInputs {
   const request::DirectionRequest& request;
   const archive::StateReader& reader;
-  /// A fresh plan of the run that ends at a cut.
+  /// Returns a fresh plan of the run that ends at a cut.
   const std::function<std::unique_ptr<plan::Plan>(const request::Cut& cut)>& plan_of;
   base::FileSystem& files;
   /// Results version of the program that made the run's results.
   const std::string& results_version;
-  /// The processor time in seconds for simulating new motions is added here. May be null.
+  /// Processor seconds for simulating new motions are added to this number. May be null.
   double* motions_s = nullptr;
   /// The connection for reading; on a network disk, the writer's (RunStore::to_read). Null: open a
   /// new one.
   std::shared_ptr<store::SharedDatabase> store{};
-  /// Called between batches and before renaming. Throws if the run may be another process's. May be
-  /// empty.
+  /// Called between batches and before renaming. Throws if another process may have taken over the
+  /// run. May be empty.
   std::function<void()> fence{};
   /// Receives the progress of writing. May be empty.
   archive::HearWriting hear{};
@@ -51,11 +52,11 @@ struct DeriveStopped {};
 
 /// Writes the archive of a cut of the run in `folder` to a temporary file and renames it to
 /// `output`. Returns the archive's digest. While the run is in its burn-in and has found nothing,
-/// returns an empty digest and writes nothing. Sets `cut` to what the archive contains: no scans if
-/// none are draws yet. Motions are saved in the folder (store/stored_motions.h). Throws base::Error
-/// if the store can't be read or the archive can't be written. Throws DeriveStopped soon after
-/// `stop` returns true, at most one simulation or one batch later. `stop` is called in this thread
-/// and may be empty. REQUIRES: the cut is committed.
+/// returns an empty digest and writes nothing. Sets `cut` to what the archive contains, which is no
+/// scans if no scan is a draw yet. Motions are saved in the folder (store/stored_motions.h). Throws
+/// base::Error if the store can't be read or the archive can't be written. Throws DeriveStopped at
+/// most one simulation or one batch after `stop` returns true. `stop` is called in this thread and
+/// may be empty. REQUIRES: the cut is committed.
 std::string derive_archive(const DeriveInputs& inputs, const std::string& folder,
                            const std::string& output, request::Cut& cut,
                            const std::function<bool()>& stop = {});

@@ -37,7 +37,8 @@ struct Standing {
   std::size_t workers = 1;  ///< computing threads
 };
 
-/// Most units take milliseconds, and a person should not wait longer.
+/// Default wait for blocks in progress after a stop: most units take milliseconds, and a person
+/// should not wait longer.
 inline constexpr double k_stop_grace_s = 2;
 
 struct DriveOptions {
@@ -49,17 +50,17 @@ struct DriveOptions {
   std::function<void()> stopping{};        ///< called once, at a stop request; may be empty
   std::function<void(const events::Progress&)> report{};  ///< may be empty
   double log_natural_throw = 0;                           ///< as WorldLayout has it
-  /// Receives the run's state every report_every_s, and on a search's last find. Must be quick. May
-  /// be empty.
+  /// Receives the run's state every report_every_s, and when a search has its last find. Must be
+  /// quick. May be empty.
   std::function<void(const Standing&)> standing{};
   /// Receives all results: first those of earlier sessions, then each new result before it is put
-  /// into the store. The results of each replica come in order. May be empty. `standing` can use
+  /// into the store. The results of each replica arrive in order. May be empty. `standing` can use
   /// what the plan derived from them.
   std::function<void(const plan::ReplicaKey&, base::ScanIndex first_scan,
                      std::span<const plan::ScanRecord>)>
       consumed{};
-  /// Receives simulations that failed in this session, once each; at most a few per unit. May be
-  /// empty.
+  /// Receives simulations that failed in this session, each once, and at most a few per unit. May
+  /// be empty.
   std::function<void(const plan::ReplicaKey&, const plan::FailedSimulation&)> failed{};
   bool strict = false;  ///< a failed simulation, even of an earlier session, ends the run
 };
@@ -74,8 +75,8 @@ struct DriveOutcome {
 };
 
 /// Runs the plan from the store's state until it is finished or stopped. On return, all received
-/// results are committed. The crew may still be computing after stop_grace_s. REQUIRES: `plan` is
-/// fresh.
+/// results are committed. If a stop took longer than stop_grace_s, the crew may still be computing.
+/// REQUIRES: `plan` is fresh.
 DriveOutcome drive(plan::Plan& plan, store::RunStore& store, Crew& crew, const base::Clock& clock,
                    const DriveOptions& options);
 

@@ -8,13 +8,13 @@
 namespace sleight::coordinator {
 namespace {
 
-/// The number of a start or an island, or of a scan as in archives.
+/// Number of a start or an island, or of a scan as archives count scans.
 std::uint64_t place_of(const plan::ReplicaKey& replica, std::uint64_t scan) {
   if (plan::is_search_lane(replica.chain)) return plan::start_number(replica.chain, scan);
   return plan::is_island_lane(replica.chain) ? plan::island_number(replica.chain, scan) : scan;
 }
 
-/// An event of the chains, and the number of scans of all chains after which it is known.
+/// An event of the chains. The event is known once all chains have made `scans` scans.
 struct Known {
   std::uint64_t scans = 0;
   std::uint32_t sort = 0;  ///< failures, solutions, rounds
@@ -48,7 +48,7 @@ void EventSequence::consumed(const plan::ReplicaKey& replica, base::ScanIndex fi
 
 void EventSequence::remember(Waiting& waiting, const FailurePlace& place) const {
   waiting.insert(place);
-  // Later failures than these are never reported.
+  // Drop the last failure if more failures wait than may still be reported.
   if (waiting.size() > k_failures_told_max - told_.failures)
     waiting.erase(std::prev(waiting.end()));
 }
@@ -118,7 +118,7 @@ void EventSequence::advance_chains(const plan::Plan& plan, std::vector<events::R
                                                           .swaps = round.swaps,
                                                           .round_trips = round.round_trips}}});
   }
-  // Events of one sort are already in order.
+  // Use a stable sort, because events of one sort are already in order.
   std::ranges::stable_sort(known, {},
                            [](const Known& one) { return std::tuple(one.scans, one.sort); });
   for (Known& one : known)

@@ -3,25 +3,26 @@
 // Events follow from results in logical order, not in the order of arrival:
 //
 //   The search's starts 0, 1, 2, ... come first. Each start has its failures, then its find.
-//   Scans 1, 2, ... of all chains follow. Once all chains have made a scan, it has:
+//   Scans 1, 2, ... of all chains follow. The events of a scan that all chains have made are:
 //     - failures, by (chain, replica, kind);
 //     - solutions that the scan decides, by (chain, scan);
 //     - rounds that end with the scan, by chain.
 //
-// So the chains' events wait until the search is over. Search and chains are computed concurrently,
-// but the search goes first and takes little of a run.
+// So the chains' events are reported only after the search is over. Search and chains are computed
+// concurrently, but the search goes first and takes little of a run.
 //
 // Invariants
-//   1. The events up to a frontier are a function of the results up to it. Events don't depend on
-//      the frontier's steps, nor on threads, ranks, deaths or earlier sessions.
+//   1. The events up to a frontier are a function of the results up to that frontier. Events don't
+//      depend on how the frontier advances, nor on threads, ranks, killed processes or earlier
+//      sessions.
 //   2. Reported events are final: a frontier only advances. A longer [stop] adds events. With a
 //      shorter [stop] or fewer requested finds, there are no events until the run passes the
 //      frontier. With more requested finds, the search resumes at its frontier, so its new finds
 //      follow the chains' events that were reported before.
-//   3. A failure is reported once per scan and kind, for the first k_failures_told_max of a run.
-//      Further failures are counted in progress and summaries.
+//   3. A failure is reported once per scan and kind, up to k_failures_told_max failures per run.
+//      Progress and summaries also count the failures beyond this maximum.
 //
-// A failure's file isn't a result: of many failures, the first to arrive get a file
+// Which failures have a file isn't a result: the first failures to arrive get one
 // (failure_files.h). Pure, and not thread-safe.
 #pragma once
 
@@ -46,21 +47,22 @@ inline constexpr std::uint64_t k_failures_told_max = 1000;
 
 class EventSequence {
  public:
-  /// The file of the first failure of a kind in a scan. Empty: no file is stored.
+  /// Returns the file of the first failure of a kind in a scan. Empty: no file is stored.
   using FileOf = std::function<std::string(const plan::ReplicaKey& replica, base::ScanIndex scan,
                                            plan::FailureKind kind)>;
 
   /// Resumes at a frontier.
   explicit EventSequence(const store::ToldFrontier& told, FileOf file_of = {});
 
-  /// Accepts results, including those of earlier sessions, before the plan's frontier passes them.
+  /// Accepts results, including those of earlier sessions. Call before the plan's frontier passes
+  /// the results.
   void consumed(const plan::ReplicaKey& replica, base::ScanIndex first_scan,
                 std::span<const plan::ScanRecord> records);
 
   /// Returns the new events up to the plan's frontier, without numbers, and advances frontier().
   std::vector<events::RunEvent> advance(const plan::Plan& plan);
 
-  /// All events that follow from results up to here are reported.
+  /// Returns the place up to which all events are reported.
   const store::ToldFrontier& frontier() const { return told_; }
 
  private:
@@ -71,11 +73,11 @@ class EventSequence {
     plan::FailureKind kind{};
     friend auto operator<=>(const FailurePlace&, const FailurePlace&) = default;
   };
-  /// Failures that no frontier has passed; at most as many as can still be reported.
+  /// Failures that no frontier has passed, at most as many as may still be reported.
   using Waiting = std::set<FailurePlace>;
 
   void remember(Waiting& waiting, const FailurePlace& place) const;
-  /// The next failure to report, among those before `end`.
+  /// Removes and returns the next failure to report, among those before `end`.
   std::optional<events::Failure> next_failure(Waiting& waiting, std::uint64_t end);
   void advance_search(const plan::Plan& plan, std::vector<events::RunEvent>& events);
   void advance_chains(const plan::Plan& plan, std::vector<events::RunEvent>& events);

@@ -1,7 +1,7 @@
 // Writes failed simulations as files in `<output>.run/failures`, for `sleight replay`.
 //
-// A file's name is the simulation's place in the run, so a repeated result is written once. Not
-// thread-safe.
+// A file's name is the simulation's place in the run, so a failure that arrives twice is written
+// once. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace sleight::coordinator {
 
-/// Maximum files of a run; later failures are only counted.
+/// Maximum failure files of a run. Later failures are only counted.
 inline constexpr std::size_t k_failure_files_max = 10;
 
 class FailureFiles {
@@ -22,16 +22,17 @@ class FailureFiles {
   /// Borrows the file system. REQUIRES: `run_folder` exists.
   FailureFiles(const std::string& run_folder, std::string request_text, base::FileSystem& files);
 
-  /// Returns the file that repeats a failure. None: there are k_failure_files_max files already.
-  /// Throws base::Error if the disk fails.
+  /// Writes the file with which `sleight replay` repeats a failure, and returns its path. None: the
+  /// run has k_failure_files_max files already. Throws base::Error if the disk fails.
   std::optional<std::string> keep(const plan::ReplicaKey& replica,
                                   const plan::FailedSimulation& failed);
 
-  /// The file of a scan's first failure of a kind, from any session. Empty: there is no file.
+  /// Returns the path of the file of a scan's first failure of a kind, from any session. Empty:
+  /// there is no file.
   std::string path_of(const plan::ReplicaKey& replica, base::ScanIndex scan,
                       plan::FailureKind kind) const;
 
-  /// Deletes the files of an earlier run that --fresh deletes.
+  /// Deletes all failure files of an earlier run, for --fresh.
   static void remove_all(const std::string& run_folder, base::FileSystem& files);
 
  private:

@@ -17,9 +17,9 @@ namespace sleight::coordinator {
 
 inline constexpr core::WorkerId k_local_worker{0};
 
-/// Each thread takes the oldest assignment. send and receive are for one driving thread. The
-/// threads start with the first assignment, so that the process may fork before, to read untrusted
-/// files.
+/// Each thread takes the oldest assignment. Only the driving thread calls send() and receive(). The
+/// threads start with the first assignment, so that the process may fork before that, to read
+/// untrusted files.
 class LocalCrew final : public Crew {
  public:
   /// Borrows the worker. REQUIRES: threads >= 1.
@@ -33,8 +33,8 @@ class LocalCrew final : public Crew {
   void send(core::WorkerId worker, schema::Assignment assignment) override;
   void send(core::WorkerId worker, const schema::Ping& ping) override;
   std::vector<core::Input> receive(double timeout_s) override;
-  /// Whether a thread is running a block. If a run ends without waiting for the block, the program
-  /// should exit without destroying the crew, because the destructor waits for the block.
+  /// Returns whether a thread is running a block. If a run ends while a block is running, the
+  /// program should exit without destroying the crew, because the destructor waits for the block.
   bool is_busy();
 
  private:

@@ -24,7 +24,7 @@ void refuse_unusable_place(const std::string& output, base::FileSystem& files) {
         fmt::format("{}: the folder is the run store of another output; choose another folder",
                     output));
   }
-  // The archive is written to a temporary file with such a name. Try the longest suffix.
+  // The archive's temporary file has a name of this form. Try the longest suffix.
   const std::string trial = output + ".tmp.4194304";
   if (const auto file = files.create(trial); !file) {
     throw base::Error(fmt::format("{}: can't write the file: {}", output, file.error().message()));

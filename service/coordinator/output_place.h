@@ -1,5 +1,5 @@
-// Checks the output path of an archive: whether it is writable, and which file is already there.
-// Thread safety: that of the file system. A separate process reads the existing file.
+// Checks an archive's output path: whether it is writable, and which file is already there. Thread
+// safety: that of the file system. A separate process reads the existing file.
 #pragma once
 
 #include <string>
@@ -10,16 +10,17 @@
 
 namespace sleight::coordinator {
 
-/// Throws base::Error now, rather than after an hour of computing, if no archive can be written
-/// there. ExitCode::usage: `output` names no file.
+/// Throws base::Error if no archive can be written to `output`, so that a run fails at its start
+/// and not after an hour of computing. ExitCode::usage: `output` names no file.
 void refuse_unusable_place(const std::string& output, base::FileSystem& files);
 
-/// Returns how the request in an archive of this run may begin, also with only finds.
+/// Returns the texts with which the request in an archive of this run may begin, including archives
+/// with only finds.
 std::vector<std::string> beginnings_of(const request::DirectionRequest& request);
 
 /// Throws base::Error(conflict) if the file is not an archive, or if its request begins with none
-/// of `beginnings`, because somebody else put the file there. Throws base::Error(environment) if
-/// the file can't be read. REQUIRES: the file exists.
+/// of `beginnings`: somebody else put that file there. Throws base::Error(environment) if the file
+/// can't be read. REQUIRES: the file exists.
 void refuse_foreign_file(const std::string& output, const std::vector<std::string>& beginnings);
 
 }  // namespace sleight::coordinator

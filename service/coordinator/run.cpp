@@ -86,7 +86,7 @@ void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& 
            : "the maximum number of failure files is reached"));
 }
 
-/// Explains the wait for blocks in progress.
+/// Logs why the run waits for blocks in progress.
 void say_stopping() {
   logging::info(
       fmt::format("stopping: waiting up to {:g} s for results, then writing the archive; the next "
@@ -94,7 +94,7 @@ void say_stopping() {
                   k_stop_grace_s));
 }
 
-/// Reports that the new archive has fewer scans than the store, if an earlier session had more.
+/// Reports if the new archive has fewer scans than the store, because an earlier session made more.
 void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
                           std::uint64_t scans) {
   std::optional<std::uint64_t> stored;
@@ -108,7 +108,7 @@ void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
                   output, scans, *stored));
 }
 
-/// Stores failures as files and reports only the first one; progress and summary count all.
+/// Stores failures as files, and logs only the first one. Progress and summary count all failures.
 class FailureNotes {
  public:
   FailureNotes(const std::string& folder, const std::string& request_text, base::FileSystem& files)
@@ -123,7 +123,7 @@ class FailureNotes {
                       plan::FailureKind kind) const {
     return files_.path_of(replica, scan, kind);
   }
-  /// Empty: there was no failure, or it has no file.
+  /// Returns the file of the first failure. Empty: there was no failure, or it has no file.
   const std::string& first_path() const { return first_path_; }
 
  private:
@@ -238,7 +238,7 @@ events::End end_of(const RunSummary& summary) {
   return events::End::simulation_failed;
 }
 
-/// A sentence for people. Empty for ends that need no explanation.
+/// Returns a sentence for people that explains the end. Empty for ends that need none.
 std::string words_of(const RunSummary& summary) {
   if (summary.is_archive_given_up)
     return "stopped while writing the archive; any previous archive is unchanged";
@@ -308,7 +308,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   base::FileSystem& files = inputs.files;
   const std::string folder = run_folder(options.output);
 
-  // Take the output for this process and this request.
+  // Reserve the output for this process and this request.
   refuse_unusable_place(options.output, files);
   if (files.exists(options.output) && !files.exists(folder)) {
     claim_output(options.output, folder, options.fresh,

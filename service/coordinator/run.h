@@ -1,10 +1,10 @@
-// One run from request to archive on this machine: takes the output, resumes an earlier session's
-// run, drives the plan and derives the archive.
+// Carries out one run, from request to archive, on this machine: reserves the output, resumes an
+// earlier session's run, drives the plan and derives the archive.
 //
 // A run with output `ball.h5` has two parts: the archive `ball.h5`, which is derived and replaced
 // atomically, and the folder `ball.h5.run` with the run store and the failed simulations
-// (failure_files.h). A deleted archive can be derived again. If the folder is deleted, the run
-// can't be resumed, and only the archive's contents remain.
+// (failure_files.h). A deleted archive can be derived again. A run whose folder was deleted can't
+// be resumed, and only the archive's contents remain.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@
 
 namespace sleight::coordinator {
 
-/// The objects that a program's main provides, borrowed for the call.
+/// Objects that a program's main function lends for the call.
 struct RunInputs {
   const request::DirectionRequest& request;
   const archive::StateReader& reader;
@@ -34,7 +34,7 @@ struct RunInputs {
   std::function<std::unique_ptr<plan::Plan>(const request::Cut& cut)> plan_of;
   Crew& crew;
   const base::Clock& clock;
-  /// For the output and the archive. SQLite has its own file access for the run store.
+  /// File access for the output and the archive. SQLite accesses the run store's files by itself.
   base::FileSystem& files;
   /// The program's results version. Only the version that began a run can resume it.
   std::string results_version;
@@ -52,7 +52,7 @@ struct RunOptions {
   double checkpoint_every_s = 60;
   bool strict = false;  ///< a failed simulation ends the run
   /// Receives the session's end once, after the store has saved it or failed to. May be empty. Not
-  /// called if the session is refused before it opens the store.
+  /// called if the session is refused before opening the store.
   std::function<void(const events::RunEnd&)> ended{};
 };
 
@@ -73,7 +73,7 @@ struct RunSummary {
 /// a running process or an unknown owner; environment if the disk fails.
 RunSummary run_request(const RunInputs& inputs, const RunOptions& options);
 
-/// The exit code of a program whose run ended in this way.
+/// Returns the exit code of a program whose run ended in this way.
 base::ExitCode exit_code_of(DriveEnd end);
 
 std::string run_folder(const std::string& output);

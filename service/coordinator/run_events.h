@@ -9,8 +9,8 @@
 //
 // Invariants
 //   1. A numbered event is reported after it and its results are committed.
-//   2. The driving thread never waits for the log. Lines that a slow disk does not accept in time
-//      are left out; readers restore numbered ones from the store (store/told_events.h).
+//   2. The driving thread never waits for the log. The log omits lines that a slow disk does not
+//      accept in time. Readers restore the numbered lines from the store (store/told_events.h).
 //   3. The listener is called only in the thread that calls this class.
 //   4. The log's thread starts with the first event, after the listener has received it.
 //
@@ -37,9 +37,9 @@
 
 namespace sleight::coordinator {
 
-/// Interval of progress in the log; the listener receives all progress.
+/// Interval at which progress is logged. The listener receives all progress.
 inline constexpr double k_progress_logged_every_s = 1;
-/// Maximum lines that wait for the log.
+/// Maximum lines that wait to be written to the log.
 inline constexpr std::size_t k_lines_waiting_max = 10'000;
 
 class RunEvents {
@@ -58,13 +58,13 @@ class RunEvents {
   void show(const events::Progress& progress);
   void archive_written(events::ArchiveWritten archive);
 
-  /// Like EventSequence's functions: receive results in the order in which they are put into the
-  /// store, then the plan's progress with these results.
+  /// Like EventSequence's functions. Call consumed() with results in the order in which they are
+  /// put into the store, then advance() with the plan that has consumed them.
   void consumed(const plan::ReplicaKey& replica, base::ScanIndex first_scan,
                 std::span<const plan::ScanRecord> records);
   void advance(const plan::Plan& plan);
 
-  /// Reports the session's end. The store is closed, with `number` as this event's number.
+  /// Reports the session's end. `number`: this event's number, as the closed store returned it.
   void ended(std::uint64_t number, const events::RunEnd& end);
 
   /// Waits until the log is complete. No event may follow.

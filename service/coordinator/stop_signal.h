@@ -1,24 +1,24 @@
 // Ctrl-C, SIGTERM and SIGUSR1 as a flag that a loop polls. The first signal requests a clean end of
-// the run. A later one ends the process at once, without losing anything reported as done. A signal
-// soon after the first is an echo: batch systems signal mpirun and the ranks, and mpirun passes it
-// on.
+// the run. A later signal ends the process at once, without losing any result that was reported as
+// done. A signal soon after the first is an echo: batch systems signal both mpirun and the ranks,
+// and mpirun forwards its signal to the ranks.
 //
-// SIGUSR1 is for batch systems. mpirun ends the job on SIGTERM, but only passes SIGUSR1 on, so the
-// run has enough time (`sbatch --signal=B:USR1@60`).
+// SIGUSR1 is for batch systems. On SIGTERM mpirun ends the job, but it only forwards SIGUSR1, so
+// the run has enough time to stop (`sbatch --signal=B:USR1@60`).
 #pragma once
 
 namespace sleight::coordinator {
 
-/// A signal this soon after the first is its echo.
+/// A signal counts as an echo of the first for this time.
 inline constexpr double k_echo_s = 0.5;
 
-/// Installs the handlers. Call once, from the main thread.
+/// Installs the signal handlers. Call once, from the main thread.
 void catch_stop_signals();
 
-/// For ranks whose rank 0 tells them when to exit.
+/// For ranks other than 0, which exit when rank 0 requests it.
 void ignore_stop_signals();
 
-/// Whether a stop signal has arrived. Thread-safe.
+/// Returns whether a stop signal has arrived. Thread-safe.
 bool stop_requested();
 
 }  // namespace sleight::coordinator

@@ -1,8 +1,8 @@
 // Describes the progress of writing an archive for people: "writing the archive: 1,200 of 5,000
 // draws (24%)  0:12 left  310 draws/s".
 //
-// Messages are at least k_writing_said_every_s apart, so a short part may have none, and a terminal
-// can show each message in place of the previous one. Not thread-safe.
+// Messages are at least k_writing_said_every_s apart, so a short part may have no message. Not
+// thread-safe.
 #pragma once
 
 #include <functional>

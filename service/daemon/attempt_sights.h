@@ -1,5 +1,5 @@
-// Reads a job's folder and reports the job's attempts to the machine of jobs: how a run progresses,
-// how it ended, and what hinders it. Thread safety: all on the loop's thread.
+// Reads jobs' folders and creates the reports on attempts for the machine of jobs: a run's
+// progress, its end, and what prevents it from continuing. Thread safety: all on the loop's thread.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@
 
 namespace sleight::daemon {
 
-/// Memory of a job's process besides its cache.
+/// Memory of a job's process without its cache.
 inline constexpr std::uint64_t k_process_bytes = std::uint64_t{256} << 20U;
-/// Intervals of looks at a run before its first commit, and at any other run.
+/// Intervals at which runs are inspected: before a run's first commit, and later.
 inline constexpr double k_look_young_s = 0.1;
 inline constexpr double k_look_s = 1;
-/// Interval of reports of a running job to the machine.
+/// Interval of reports to the machine about a running job.
 inline constexpr double k_tell_running_s = 5;
-/// Interval of measuring the size of a job's folder.
+/// Interval at which the size of a job's folder is measured.
 inline constexpr double k_measure_s = 10;
 
 /// A running job as it was last seen.
@@ -53,7 +53,7 @@ class AttemptSights {
 
   WatchedRun watch(jobs::JobId job, bool is_found);
   jobs::Running running(jobs::JobId job, WatchedRun& run);
-  /// Returns the report on a run if a look is due and the machine needs the report.
+  /// Returns a report on the run if an inspection is due and the machine needs the report.
   std::optional<jobs::Running> news(jobs::JobId job, WatchedRun& run, double now_s);
 
   /// REQUIRES: the record has an end.
@@ -64,8 +64,8 @@ class AttemptSights {
   jobs::LaunchFailed launch_failed(jobs::JobId job, jobs::Attempt attempt,
                                    const std::string& words) const;
 
-  /// Returns a note for the machine if the programs were replaced since the last look. The first
-  /// look always returns a note.
+  /// Returns a note for the machine if the programs were replaced since the last call. The first
+  /// call always returns a note.
   std::optional<jobs::BackendNote> look_at_programs();
 
  private:

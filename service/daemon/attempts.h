@@ -1,9 +1,9 @@
-// The daemon's side of a backend: carries out the machine's effects on attempts, and reports what
-// is seen of them. There are two implementations. local_attempts.h is for this machine and notices
+// The daemon's side of a backend: carries out the machine's effects on attempts, and reports the
+// attempts' states. There are two implementations. local_attempts.h is for this machine and notices
 // a keeper's end at once. system_attempts.h is for batch systems, which it queries periodically.
 //
 //   `Launch` writes request.toml and starts a keeper. Once the keeper has its record: Launched.
-//   `Look` leads to a Sight, now or soon.
+//   `Look` produces a Sight, at once or soon.
 //   `Stop` sends a signal to the keeper.
 //
 // Thread safety: all on the loop's thread. launch, stop and look never call `hear` directly.
@@ -20,7 +20,7 @@
 
 namespace sleight::daemon {
 
-/// The data of a job that a launch needs besides its id.
+/// A job's data for a launch.
 struct LaunchText {
   std::string request{};
   bool strict = false;
@@ -39,10 +39,11 @@ class Attempts {
   virtual void stop(const jobs::Stop& stop) = 0;
   virtual void look(const jobs::Look& look) = 0;
 
-  /// A note on programs replaced since the last look (AttemptSights::look_at_programs).
+  /// Returns a note if programs were replaced since the last call
+  /// (AttemptSights::look_at_programs).
   virtual std::optional<jobs::BackendNote> look_at_programs() = 0;
 
-  /// Number of attempts that are being awaited.
+  /// Returns the number of attempts whose end is awaited.
   virtual std::size_t running() const = 0;
 };
 

@@ -97,7 +97,7 @@ void AuditLog::tell_more(double now_s) {
   }
 }
 
-/// Opens the file. After a failure, each further line tries again.
+/// Opens the file. After a failure, each further line calls this again.
 void AuditLog::open_file() {
   const std::string path = folder_ + "/audit.log";
   // O_NONBLOCK: opening a pipe would block the daemon.
@@ -125,7 +125,8 @@ void AuditLog::write(const std::string& line) {
   if (lost_ > 0)
     whole = text_of({{"time", time_now()}, {"call", "lines were lost"}, {"times", lost_}});
   whole += line;
-  // A single call: a killed daemon leaves whole lines, except for the last one.
+  // Write a line with one call, so that a killed daemon leaves only whole lines, except perhaps the
+  // last one.
   const ssize_t put = file_ ? ::write(file_.get(), whole.data(), whole.size()) : -1;
   if (put == static_cast<ssize_t>(whole.size())) {
     lost_ = 0;

@@ -9,9 +9,9 @@
 //   `token` is absent for calls over the Unix socket.
 //   `outcome` is "done", or the refusal's kind and sentence.
 //
-// When `audit.log` is full, it is renamed to `audit.old.log`. A rate limit keeps users from pushing
-// out older lines. Per call, a user can write k_audit_burst lines at once, then one per ten
-// seconds. Further lines are counted, and the count is logged periodically as
+// When `audit.log` is full, it is renamed to `audit.old.log`. A rate limit prevents users from
+// pushing out older lines. For each kind of call, a user can cause k_audit_burst lines at once,
+// then one per ten seconds. Further lines are only counted, and the count is logged periodically as
 // {"call":"pin","user":1000,"more":812}.
 //
 // Logins with wrong tokens are logged at most once per second, with their count. If the file can't
@@ -37,7 +37,7 @@ inline constexpr std::uint64_t k_audit_bytes_max = 16U << 20U;  ///< of each of 
 
 class AuditLog {
  public:
-  /// Creates the file with the first line.
+  /// The first logged line creates the file.
   AuditLog(std::string folder, const base::Clock& clock,
            std::uint64_t bytes_max = k_audit_bytes_max);
   ~AuditLog();
@@ -47,11 +47,11 @@ class AuditLog {
   void note(const rpc::Caller& caller, const rpc::AuditLine& line);
   /// Logs a login with a wrong token.
   void note_stranger(const std::string& address);
-  /// Logs pending counts: of wrong tokens, and of lines beyond the rate limit.
+  /// Logs the pending counts of wrong tokens and of lines beyond the rate limit.
   void flush();
 
  private:
-  /// How many lines a user can still write for one call.
+  /// The lines that a user can still cause with one kind of call.
   struct Share {
     double lines = k_audit_burst;
     double since_s = 0;      ///< time for which `lines` holds
@@ -76,7 +76,7 @@ class AuditLog {
   double strangers_told_s_ = -1e9;
 };
 
-/// Accepts whoever `inner` accepts, and logs each attempt.
+/// Accepts the peers that `inner` accepts, and logs each login.
 class AuditedAuthority final : public rpc::Authority {
  public:
   AuditedAuthority(rpc::Authority& inner, AuditLog& audit) : inner_(inner), audit_(audit) {}

@@ -12,7 +12,7 @@
 
 namespace sleight::daemon {
 
-/// A job with its request's data except for the text.
+/// A job, and its request's data without the text.
 struct Posted {
   jobs::Job job{};
   StoredRequest asked{};      ///< without its text
@@ -24,15 +24,15 @@ class Board {
   Board() = default;
   explicit Board(const StoredJobs& stored);
 
-  /// Applies a durable save. Returns the jobs that it changed.
+  /// Applies a durable save. Returns the jobs that the save changed.
   std::vector<jobs::JobId> take(const Save& save);
 
   /// Null: the job doesn't exist or is being deleted.
   const Posted* find(jobs::JobId job) const;
   const std::map<jobs::JobId, Posted>& all() const { return posted_; }
-  /// Jobs of the group, in order. Empty: there is no such group.
+  /// Returns the group's jobs, in order. Empty: there is no such group.
   std::vector<jobs::JobId> group(jobs::GroupId group) const;
-  /// Whether the id was ever given to a job.
+  /// Returns whether a job ever had this id.
   bool was_there(jobs::JobId job) const { return job.value > 0 && job.value < next_id_; }
 
  private:

@@ -23,7 +23,7 @@ rpc::Refusal not_there(rpc::JobId job, bool was_there) {
           .what_to_do = "`sleight list` shows existing jobs."};
 }
 
-/// Whether the list request selects the job.
+/// Returns whether the list request selects the job.
 bool matches(const rpc::ListAsk& ask, const Posted& posted) {
   const jobs::Job& job = posted.job;
   if (ask.group && job.group.value != ask.group->value) return false;
@@ -81,7 +81,7 @@ Calls::Calls(rpc::Loop& loop, JobRunner& runner, Tokens& tokens, ServerFacts fac
                  .sleight = runner.options().programs.sleight}) {}
 
 bool Calls::is_operator(const rpc::Caller& caller) const {
-  // A token with fewer scopes also sees less.
+  // Require the scope, so that a restricted token of an operator doesn't see all jobs.
   return caller.scopes.has(rpc::Scope::operate) && (caller.user == 0 || caller.user == ::geteuid());
 }
 
@@ -159,7 +159,8 @@ void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
     submissions.push_back(
         {.submit = {.token = 0,
                     .user = jobs::UserId{caller.user},
-                    // Each job of a group has its own key, so that each can be recognised.
+                    // Give each job of a group its own key, so that the machine recognises each one
+                    // in a repeated submission.
                     .client_key = submission.key.empty() ? std::string()
                                   : is_group             ? fmt::format("{}/{}", submission.key, i)
                                                          : submission.key,
@@ -173,7 +174,7 @@ void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
          .request = std::move(stored)});
   }
   auto owed = std::make_shared<rpc::Reply<rpc::Submitted>>(std::move(reply));
-  // The board has the jobs only after they are durable.
+  // The board shows jobs only once they are durable.
   const std::size_t count = submissions.size();
   being_submitted_[caller.token_id] += count;
   const auto done = [this, token = caller.token_id, count] {
@@ -230,7 +231,7 @@ void Calls::list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::Jo
   reply.answer(std::move(page));
 }
 
-/// `with_progress` adds an active run's progress, which may cost a look at its log.
+/// `with_progress` adds an active run's progress, for which its log may have to be read.
 rpc::JobView Calls::view(const Posted& posted, bool with_progress) {
   const events::Progress* progress = nullptr;
   if (with_progress && jobs::is_active(posted.job.state)) {
@@ -313,7 +314,8 @@ void Calls::logs(const rpc::Caller& caller, rpc::LogAsk ask, rpc::Reply<rpc::Log
   }
 }
 
-/// Returns the request of an extended job. None: the machine no longer has the job and refuses.
+/// Returns the request of an extended job. None: the machine no longer has the job, and will refuse
+/// the change.
 base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
     jobs::JobId job, const rpc::Extension& extension) const {
   const jobs::Job* known = runner_.machine().find(job);
@@ -336,8 +338,8 @@ base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
   return std::optional(std::move(longer).value());
 }
 
-/// Changes each job and answers when all changes are durable. A single job's refusal refuses the
-/// call; in a group, each job has its own answer.
+/// Changes each job and answers when all changes are durable. If the target is a single job, its
+/// refusal refuses the call. In a group, each job has its own answer.
 void Calls::change(const rpc::Caller& caller, rpc::ChangeAsk ask,
                    rpc::Reply<std::vector<rpc::Touched>> reply) {
   const auto found = jobs_of(caller, ask.target);

@@ -65,13 +65,13 @@ class Calls final : public rpc::Handler {
   void revoke_token(const rpc::Caller& caller, std::string id,
                     rpc::Reply<rpc::TokenView> reply) override;
 
-  /// Sets the TCP address that clients are shown.
+  /// Sets the server's TCP address, for clients that request it.
   void listens_at(std::string address, std::string fingerprint);
 
  private:
   bool is_operator(const rpc::Caller& caller) const;
   bool sees(const rpc::Caller& caller, const Posted& posted) const;
-  /// Returns the job as the board has it, or a refusal if the caller can't see the job.
+  /// Returns the job as the board shows it, or a refusal if the caller can't see the job.
   base::Result<const Posted*, rpc::Refusal> look_up(const rpc::Caller& caller,
                                                     rpc::JobId job) const;
   base::Result<std::vector<jobs::JobId>, rpc::Refusal> jobs_of(const rpc::Caller& caller,

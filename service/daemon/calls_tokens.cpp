@@ -1,4 +1,4 @@
-// Part of calls.h: limits of tokens, and the calls for tokens.
+// Implements the part of calls.h about tokens: their limits, and the calls that manage tokens.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,8 @@
 
 namespace sleight::daemon {
 
-/// Refuses `more` unfinished jobs beyond the token's limit. The user's limits apply as well.
+/// Refuses `more` further unfinished jobs if they exceed the token's limit. The user's limits apply
+/// as well.
 std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::size_t more) const {
   if (caller.token_jobs_max == 0) return std::nullopt;
   const auto being = being_submitted_.find(caller.token_id);
@@ -27,8 +28,8 @@ std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::
       .what_to_do = "Wait until some jobs end, or use a token with a higher limit."};
 }
 
-/// For a token with limits: refuses to resume or extend other tokens' jobs, or more jobs than the
-/// limit. The token's own jobs already respect its limit of cores.
+/// For a token with limits: refuses to resume or extend jobs of other tokens, and more jobs than
+/// its limit allows. The token's own jobs already respect its limit of cores.
 std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
                                                   const std::vector<jobs::JobId>& jobs) const {
   if (caller.token_jobs_max == 0 && caller.token_cores_max == 0) return std::nullopt;
@@ -47,7 +48,8 @@ std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
   return revived == 0 ? std::nullopt : beyond_token(caller, revived);
 }
 
-/// Gives a job without a wish the token's maximum of cores.
+/// Applies the token's maximum of cores to a job: refuses a higher wish, and sets a missing wish to
+/// the maximum.
 std::optional<rpc::Refusal> Calls::fit_to_token(const rpc::Caller& caller, rpc::JobAsk& ask) {
   const std::uint32_t cores_max = caller.token_cores_max;
   if (cores_max == 0) return std::nullopt;

@@ -36,7 +36,7 @@ void make_state_folder(const std::string& state) {
   }
 }
 
-/// Returns the state folder's name in batch systems, which is drawn once.
+/// Returns the state folder's name in batch systems, which is drawn at random the first time.
 std::string daemon_id_of(const std::string& state) {
   base::PosixFileSystem files;
   const std::string path = state + "/daemon.id";
@@ -64,7 +64,8 @@ std::string daemon_id_of(const std::string& state) {
 void run_daemon(const DaemonOptions& options) {
   make_state_folder(options.runner.state);
   const std::unique_ptr<store::RunLock> lock = lock_state_folder(options.runner.state);
-  // The audit log must outlive all objects that hold replies, because it records the last of these.
+  // The audit log must outlive all objects that hold replies, because dropping a reply writes to
+  // the log.
   base::SteadyClock clock;
   AuditLog audit(options.runner.state, clock);
   rpc::Loop loop;
@@ -81,7 +82,7 @@ void run_daemon(const DaemonOptions& options) {
   Tokens tokens(files, options.runner.state + "/tokens.json", wall_s);
   Calls calls(loop, runner, tokens, options.facts, options.read, [&] { loop.stop(); });
   AuditedAuthority authority(tokens, audit);
-  // Calls are answered only after the jobs have been taken over.
+  // Listen only after the jobs have been taken over.
   runner.begin();
   server = std::make_unique<rpc::Server>(
       loop, options.socket, calls,

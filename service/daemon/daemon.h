@@ -1,7 +1,7 @@
-// The whole daemon: its own state folder, the jobs in it, and the socket on which it answers.
+// The whole daemon: its state folder with its jobs, and the socket on which it answers.
 //
 //   State folder (0700):
-//     `lock`          is held while the daemon lives: one daemon per folder.
+//     `lock`          is held while the daemon lives, so that a folder has one daemon.
 //     `socket`        is where the daemon answers (0600); a socket for a group (0660) is elsewhere.
 //     `jobs.sqlite`   is the job store (job_store.h).
 //     `jobs/17/`      is a job's folder (job_folder.h, service/keeper).
@@ -11,9 +11,10 @@
 //     `tokens.json`   has access tokens of peers over TCP (tokens.h).
 //     `tls/`          has a self-signed certificate for TCP, unless another one is configured.
 //
-// A killed daemon loses nothing that it answered; its jobs run on, and the next daemon takes over.
+// A killed daemon loses nothing that it has answered. Its jobs continue, and the next daemon takes
+// them over.
 //
-// Thread safety: run() belongs to one thread; signals end it cleanly.
+// Thread safety: run() belongs to one thread. SIGTERM and SIGINT end it cleanly.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // The feeds of jobs (job_feed.h): created on demand, dropped after a time without use.
 //
-// A job's feed is read while its run is active, frequently while somebody watches the job. Network
-// disks don't notify of changes, so the daemon polls a watched run's log every k_watched_s. A poll
-// checks an open file's size, which takes a few microseconds.
+// A job's feed reads its run's events while the run is active, and frequently while somebody
+// watches the job. Network disks don't notify of changes, so the daemon polls a watched run's log
+// every k_watched_s. A poll checks an open file's size, which takes a few microseconds.
 //
 // Thread safety: one thread.
 #pragma once
@@ -18,7 +18,7 @@
 
 namespace sleight::daemon {
 
-/// Interval of looks at watched runs: k_watched_each_s per watched run, but at least k_watched_s.
+/// Interval of polls of watched runs: k_watched_each_s per watched run, but at least k_watched_s.
 inline constexpr double k_watched_s = 0.02;
 inline constexpr double k_watched_each_s = 0.0002;
 /// A job counts as watched for this time after a request for its events. A watch without news
@@ -29,7 +29,7 @@ inline constexpr double k_feed_idle_s = 60;
 
 class Feeds {
  public:
-  /// `news` is called for each job whose feed has something new, whatever caused the reading.
+  /// `news` is called for each job whose feed has found new events, whichever function read them.
   Feeds(const JobFolders& folders, const base::Clock& clock, std::function<void(jobs::JobId)> news);
 
   /// Returns the job's feed, which is created and read on first use.
@@ -42,7 +42,7 @@ class Feeds {
 
   /// Returns the watched jobs; drops unused feeds.
   std::vector<jobs::JobId> watched_now();
-  /// Time until the next look at the watched jobs. 0: none is watched.
+  /// Returns the interval of polls of the watched jobs. 0: no job is watched.
   double watch_every_s() const;
 
  private:

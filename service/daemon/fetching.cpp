@@ -26,7 +26,7 @@ rpc::Refusal refusal(rpc::RefusalKind kind, std::string sentence, std::string wh
   return {.kind = kind, .sentence = std::move(sentence), .what_to_do = std::move(what_to_do)};
 }
 
-/// The program's last line of output, without its name and the job's folder.
+/// Returns the program's last line of output, without the program's name and the job's folder.
 std::string last_line(const keeper::ToolEnd& end) {
   const std::string text =
       end.words.empty() ? end.why() : end.words.substr(end.words.find_last_of('\n') + 1);
@@ -92,7 +92,7 @@ void Fetching::fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string s
        std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
 }
 
-/// Runs besides the jobs' cores, at most until the daemon ends.
+/// Runs the program, which isn't counted among the jobs' cores and is killed when the daemon ends.
 keeper::ToolEnd Fetching::run_maker(const std::vector<std::string>& command) const {
   return keeper::run_tool(command, {.seconds_max = k_make_s_max,
                                     .environment = keeper::program_environment(),
@@ -158,8 +158,8 @@ std::vector<Fetching::Found> Fetching::failures(jobs::JobId job, const std::stri
   return found;
 }
 
-/// Links the file to a name of its own and hashes it. So the file keeps its hashed contents even if
-/// another file is renamed to its first name. Throws base::Error.
+/// Creates another link to the file and hashes the contents. The link still has these contents if
+/// another file replaces the first name. Throws base::Error.
 Fetching::Hashed Fetching::hashed(Found file, const std::string& beside) {
   const std::string own = beside + "-" + file.name;
   std::error_code reason;
@@ -190,7 +190,7 @@ Fetching::Files Fetching::find(const rpc::FetchAsk& ask, const std::string& segm
   return newest(job, beside + ".h5");
 }
 
-/// Finds or derives the files and hashes them, in the worker's thread.
+/// Finds or derives the files and hashes them, in a worker's thread.
 void Fetching::make(std::uint32_t user, const rpc::FetchAsk& ask, const std::string& segments,
                     std::shared_ptr<rpc::Reply<rpc::Fetched>> reply) {
   const std::string beside = fmt::format("{}/{}", parts_.folders.fetched(), ++made_);
@@ -253,7 +253,8 @@ std::unique_ptr<rpc::Source> Fetching::held(const std::string& sha256) {
   }
 }
 
-/// Holds the file's link for a while. Of files derived for one name, holds only the newest.
+/// Stores the file's link for a while. Stores only the newest of the files that were derived for
+/// one name.
 void Fetching::hold(const std::string& sha256, const Found& file) {
   const auto [at, is_new] = held_.try_emplace(
       sha256, Held{.path = file.path, .name = file.name, .is_ours = file.is_ours});

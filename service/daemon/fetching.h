@@ -2,7 +2,7 @@
 // of kept animations, and failed simulations.
 //
 // Hashing and deriving are slow, so worker threads do them. An announced file stays open for a
-// while. A client can then fetch the rest later, even if the run has written a newer file.
+// while. So a client can fetch the rest of the file later, even if the run has written a newer one.
 //
 // Thread safety: all on the loop's thread; `folders`, `loop` and `worker` must outlive the object.
 #pragma once
@@ -25,12 +25,12 @@
 
 namespace sleight::daemon {
 
-/// Maximum files held open for clients that return.
+/// Maximum files held for clients that return after losing their connection.
 inline constexpr std::size_t k_held_files_max = 16;
-/// Maximum derived files held per name: an active job's archive is different each time.
+/// Maximum derived files per name, because an active job's archive is different each time.
 inline constexpr std::size_t k_held_made_max = 2;
 inline constexpr double k_held_for_s = 600;
-/// A user's maximum unfinished fetches, which continue when their client leaves.
+/// Maximum unfinished fetches of a user. A fetch continues if its client disconnects.
 inline constexpr std::size_t k_fetches_of_user_max = 32;
 /// Maximum time for deriving an archive or recordings.
 inline constexpr double k_make_s_max = 900;
@@ -45,7 +45,7 @@ class Fetching {
     std::string sleight{};  ///< the program that makes archives and recordings
   };
   explicit Fetching(Parts parts);
-  /// Waits for the work that both workers have begun, because it uses this object.
+  /// Waits for the current work of both workers, which uses this object.
   ~Fetching();
   Fetching(const Fetching&) = delete;
   Fetching& operator=(const Fetching&) = delete;

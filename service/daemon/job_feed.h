@@ -1,12 +1,12 @@
-// A cache of a job's run events: the newest progress for lists, the newest events for watchers.
+// Caches a job's newest run events: progress for lists of jobs, and all kinds for watchers.
 //
 // The run writes its events into its folder (common/store/told_events.h), and the feed follows
 // them. If a watcher is missing more events than the feed holds, the events are read from the
 // folder. So the feed's size is bounded, and nothing depends on its contents.
 //
 // Marks number the unnumbered events, so that a watcher gets the newest event of each kind once.
-// Marks begin at the wall clock's microseconds. So a later feed, even of another daemon, usually
-// recognises earlier marks as past. An unknown mark returns the newest event of every kind.
+// A feed's first mark is the wall clock's microseconds, so a later feed, even of another daemon,
+// usually has higher marks. For an unknown mark, a feed returns the newest event of every kind.
 //
 // Thread safety: one thread.
 #pragma once
@@ -35,8 +35,8 @@ class JobFeed {
   /// events that are missing in the log. An unreadable folder has no new events.
   bool read(bool thoroughly);
 
-  /// Numbered events from `after` + 1 on, at most `count_max`, and the newest unnumbered event of
-  /// each kind that is newer than `mark`.
+  /// Numbered events from `after` + 1 on, at most `count_max`; then, for each kind, the newest
+  /// unnumbered event if it is newer than `mark`.
   struct News {
     std::vector<events::RunEvent> events{};
     std::uint64_t mark = 0;

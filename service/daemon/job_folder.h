@@ -31,9 +31,10 @@ class JobFolders {
   /// Highest job id of any job folder, whether or not the job is known. 0: there are no folders.
   std::uint64_t highest() const;
 
-  /// Moves the folder aside for clear_away() to delete. Returns whether the folder existed.
+  /// Renames the folder, so that clear_away() deletes it. Returns whether the folder existed.
   bool set_aside(jobs::JobId job) const;
-  /// Deletes folders that any daemon set aside, as far as possible. Slow for large folders.
+  /// Deletes all folders that were set aside by this or an earlier daemon, as far as possible. Slow
+  /// for large folders.
   void clear_away() const;
 
   /// Total size of the job's files that are readable.

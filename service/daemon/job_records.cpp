@@ -22,7 +22,7 @@ void counts_fields(Visit& visit, Counts& counts) {
   visit("failures", counts.failures);
 }
 
-// Each list of fields serves both writing and reading, so the two can't differ.
+// Each list of fields is used for both writing and reading, so the two can't differ.
 
 template <class Visit, class Job>
 void job_fields(Visit& visit, Job& job) {
@@ -95,7 +95,7 @@ std::string line_of(const Value& value, const Fields& fields) {
   json::Value json = json::Value::object();
   json::FieldWriter writer(json, json::None::left_out);
   fields(writer, value);
-  // A program's words may contain any bytes.
+  // A program's messages may contain any bytes.
   return json.dump();
 }
 

@@ -1,7 +1,8 @@
 // Jobs, changes and usages as lines of JSON, as the job store saves them.
 //
 // A missing field has its type's default, and an unknown field is ignored, because a later build of
-// the store format may add fields. For lines that weren't written here, readers return none.
+// the store format may add fields. Readers return none for lines that these functions did not
+// write.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -70,7 +70,8 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const st
         JobStore store(store_path(options_.state), lock);
         to_read_ = store.to_read();
         StoredJobs stored = store.load();
-        // If somebody deleted the store, folders remain. New ids skip the ids of these folders.
+        // If somebody deleted the store, job folders remain. New jobs must not reuse the ids of
+        // these folders.
         if (const std::uint64_t highest = folders_.highest(); highest >= stored.next_id) {
           logging::warn(
               fmt::format("{}: job folders up to {} are missing from the job store; new jobs are "
@@ -278,7 +279,7 @@ void JobRunner::plan_tick() {
 }
 
 void JobRunner::look_at_room() {
-  // Check the programs before announcing room, so that no unchecked program starts.
+  // Check the programs before reporting Room, so that no unchecked program starts.
   if (auto note = attempts_->look_at_programs()) hear(*std::move(note));
   hear(jobs::Room{.cores = options_.cores,
                   .memory_bytes = options_.memory_bytes,

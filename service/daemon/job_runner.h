@@ -4,9 +4,9 @@
 //   calls, sights, time ──▶ machine ──▶ Save ──▶ store (a thread) ──▶ board, answers, attempts
 //
 // Invariants
-//   1. A decision of the machine is durable before anybody sees it and before anything is started
-//      or stopped. All effects are carried out in the order of their steps.
-//   2. A request's text becomes durable together with its job or its revision.
+//   1. A decision of the machine is durable before anybody sees it and before any program is
+//      started or stopped because of it. All effects are carried out in the order of their steps.
+//   2. A request's text becomes durable in the same save as its job or its revision.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -51,7 +51,7 @@ struct RunnerOptions {
       daemon_id{};  ///< the state folder's name in the batch system (backend::is_daemon_name)
 };
 
-/// Interval of measuring the free disk and folder sizes while jobs run or wait.
+/// Interval at which free disk space and folder sizes are measured while jobs run or wait.
 inline constexpr double k_room_every_s = 2;
 
 class JobRunner {
@@ -73,11 +73,11 @@ class JobRunner {
     jobs::Submit submit{};
     StoredRequest request{};
   };
-  /// Submits all jobs or, if one is refused, none. `answered` gets all answers in order, once
-  /// durable.
+  /// Submits all jobs or, if one is refused, none. `answered` receives all answers in order, once
+  /// the changes are durable.
   void submit(std::vector<Submission> submissions,
               std::function<void(const std::vector<jobs::Answer>&)> answered);
-  /// `request`: the new revision's request, for an extend.
+  /// `request`: if jobs are extended, the new revision's request.
   void ask(jobs::Ask ask, Answered answered, std::optional<StoredRequest> request = {});
   void drain(bool on);
 
@@ -93,7 +93,7 @@ class JobRunner {
   jobs::GroupId next_group() const { return jobs::GroupId{next_id_}; }
   /// Why saving currently fails. Empty: saving works.
   const std::string& stalled() const { return stalled_; }
-  /// Delivers the job's events with little delay from now on.
+  /// From now on, delivers the job's events with little delay.
   void watch(jobs::JobId job);
 
  private:

@@ -103,7 +103,7 @@ Place place_of_asked(jobs::JobId job, std::uint64_t revision) {
 
 namespace {
 
-/// Runs `work`. If the file is damaged, adds advice for job stores to the error.
+/// Runs `work`. Adds advice for job stores to the error if the file is damaged.
 template <class Work>
 auto with_advice(const std::string& path, const Work& work) {
   try {

@@ -8,7 +8,7 @@
 //
 // Invariants
 //   1. A save is one transaction. A save is durable when `save` returns, and otherwise has no
-//   effect.
+//      effect.
 //   2. Every row has a checksum that covers its key too. Reading refuses a row that a disk or a
 //      person changed, and leaves the store untouched. A store of another format is refused too.
 //   3. Erasing a job erases its requests.
@@ -37,7 +37,7 @@ namespace sleight::daemon {
 /// Format of the tables; a store of another format is refused.
 inline constexpr std::int64_t k_job_store_format = 1;
 
-/// A revision of a job's request. Lists of jobs read only the fields beside the text.
+/// A revision of a job's request. Lists of jobs don't read the text.
 struct StoredRequest {
   jobs::JobId job{};
   std::uint64_t revision = 1;
@@ -51,7 +51,7 @@ struct StoredRequest {
   bool operator==(const StoredRequest&) const = default;
 };
 
-/// One transaction. REQUIRES: each new revision of a job, also its first, has its request.
+/// One transaction. REQUIRES: each new revision of a job, including its first, has its request.
 struct Save {
   jobs::Save jobs{};
   std::vector<StoredRequest> requests{};

@@ -12,8 +12,8 @@ class LeaseWatch {
   /// `run_folder`: the run store's folder, which may be missing.
   explicit LeaseWatch(std::string run_folder) : run_folder_(std::move(run_folder)) {}
 
-  /// Returns false if there is no lease, if its holder released it or is known to be dead, or if no
-  /// look has seen a renewal for the length of a lease. Returns true if the disk can't be read.
+  /// Returns false if there is no lease, if its holder released it or is known to be dead, or if
+  /// calls have seen no renewal for the length of a lease. Returns true if the disk can't be read.
   bool may_live(double now_s);
 
  private:

@@ -64,7 +64,8 @@ void LocalAttempts::await_begin(jobs::JobId job, jobs::Attempt attempt) {
       parts_.loop.call_later(k_again_s, [this, job, attempt] { await_begin(job, attempt); });
 }
 
-/// Returns whether the attempt has a record. `see` reports a folder of another attempt.
+/// Returns whether the attempt has a record. `see` reports the error if the folder is another
+/// attempt's.
 bool LocalAttempts::look_whether_begun(jobs::JobId job, jobs::Attempt attempt) {
   try {
     return parts_.backend
@@ -79,7 +80,7 @@ void LocalAttempts::stop(const jobs::Stop& stop) {
   const keeper::Stop how =
       stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   try {
-    // The keeper's own handle works even before the keeper has a record.
+    // The handle from launching the keeper works even before the keeper has written a record.
     const auto run = running_.find(stop.job);
     if (run != running_.end() && run->second.attempt == stop.attempt) {
       run->second.keeper->stop(how);
@@ -96,7 +97,8 @@ void LocalAttempts::look(const jobs::Look& look) {
   see(look.job, look.attempt);
 }
 
-/// Reports the folder's state of the attempt, and awaits the keeper if it runs.
+/// Reports the attempt's state according to its folder. If its keeper runs, starts to await the
+/// keeper.
 void LocalAttempts::see(jobs::JobId job, jobs::Attempt attempt) {
   const std::string folder = parts_.folders.folder(job);
   const auto number = static_cast<std::uint32_t>(attempt.value);
@@ -109,7 +111,7 @@ void LocalAttempts::see(jobs::JobId job, jobs::Attempt attempt) {
         if (auto keeper = parts_.backend.adopt(folder, number)) {
           follow(job, attempt, *std::move(keeper), true);
         } else {
-          // The keeper has just started or just exited. A look a moment later shows which.
+          // The keeper has just started or just exited, so look again a moment later.
           again_[job] =
               parts_.loop.call_later(k_again_s, [this, job, attempt] { see(job, attempt); });
           return;

@@ -1,4 +1,4 @@
-// Attempts on this machine. The daemon awaits their keepers (service/keeper/backend.h).
+// Attempts on this machine. The daemon awaits the attempts' keepers (service/keeper/backend.h).
 //
 //   `Launch` writes request.toml and starts a keeper. Once the keeper has its record: Launched.
 //   `Look` reads the folder's record: Sight. A running keeper is awaited from then on.

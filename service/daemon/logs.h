@@ -1,8 +1,8 @@
 // The output of a job's programs, in pieces. The keeper's two log files
 // (service/keeper/bounded_log.h) form one text with numbered bytes.
 //
-// Numbers count from the oldest byte that existed when the daemon first read the job's log. When
-// `log` replaces `log.old`, the lost bytes keep their numbers.
+// Byte 0 is the oldest byte that existed when the daemon first read the job's log. When `log`
+// replaces `log.old`, the lost bytes still count.
 //
 // Thread safety: one thread.
 #pragma once

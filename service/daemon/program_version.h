@@ -7,11 +7,11 @@
 
 namespace sleight::daemon {
 
-/// A stamp that changes when the file is replaced or written. Empty: there is no file.
+/// Returns a stamp that changes when the file is replaced or written. Empty: there is no file.
 std::string stamp_of(const std::string& program);
 
-/// The version in the line "results ..." of `program --version`. None if the program can't be run
-/// or doesn't print the line within k_version_s_max.
+/// Returns the version in the line "results ..." of `program --version`. None if the program can't
+/// be run or doesn't print the line within k_version_s_max.
 std::optional<std::string> results_version_of(const std::string& program);
 inline constexpr double k_version_s_max = 10;
 

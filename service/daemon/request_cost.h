@@ -1,11 +1,12 @@
-// The minimum cost of a request, computed before the run. A request that would take years, or more
-// memory than there is, is refused with its cost.
+// The minimum cost of a request, computed before the run. A request that would run for years or
+// exceed the memory is refused, and the refusal shows the cost.
 //
 //   `states`       are chains x temperatures, or x particles of an island. Each state is stored in
 //                  memory, in the run store and in the archive.
 //   `simulations`  are states x iterations per scan x scans, if [stop] limits the scans. Annealing
-//                  and other work besides scans isn't counted. Stop rules that depend on results
-//                  (solutions, odds) have no known cost; core-hour and byte limits bound such runs.
+//                  and other work besides scans isn't counted. The cost isn't known for stop rules
+//                  that depend on results (solutions, odds); limits on core-hours and bytes bound
+//                  such runs.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -29,7 +29,7 @@ base::Result<StoredRequest, rpc::Refusal> extended_request(const StoredRequest& 
                                                            const ReadRequest& read,
                                                            const RequestLimits& limits);
 
-/// A digest of the ask and its normalised request, equal for equal asks.
+/// Returns a digest of the ask and its normalised request, which is equal for equal asks.
 std::string content_of(const rpc::JobAsk& ask, const std::string& request);
 
 }  // namespace sleight::daemon

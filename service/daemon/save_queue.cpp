@@ -58,7 +58,7 @@ bool SaveQueue::save(std::vector<Waiting>& group) {
     store_.save(saves);
   } catch (const base::Error& failure) {
     if (failure.exit_code() == base::ExitCode::conflict) {
-      // Another daemon may have the folder: write nothing more, and end the owner.
+      // Another daemon may have the folder, so write nothing more, and make the owner end.
       is_over_ = true;
       post_([failure] { throw failure; });
       return false;

@@ -1,11 +1,12 @@
-// Saves in a thread of its own and in groups: all saves that arrive while a group is written form
-// the next group. So many submits share one sync, and the loop never waits for the disk.
+// Saves the daemon's changes in a separate thread, in groups: all saves that arrive while one group
+// is written form the next group. So one sync serves several submits, and the loop never waits for
+// the disk.
 //
 // Invariants
 //   1. Saves become durable in the order of `put`, each completely or not at all.
 //   2. A save's `then` is posted after the save is durable, in the same order.
-//   3. A failing disk loses nothing. The group is retried every k_retry_s until it is durable, and
-//      later saves wait.
+//   3. A failing disk loses nothing. A group that fails is retried every k_retry_s until it is
+//      durable, and later saves wait.
 //   4. If the store's lock is lost, nothing more is saved, and the error is thrown in the owner's
 //      thread.
 //
@@ -32,14 +33,15 @@ class SaveQueue {
   /// Calls the callback soon, in the owner's thread.
   using Post = std::function<void(Callback)>;
 
-  /// `stalled` is posted with the disk's error if saving fails, and empty when it works again.
+  /// `stalled` is posted with the disk's error if saving fails, and with an empty text when saving
+  /// works again.
   SaveQueue(JobStore store, Post post, std::function<void(const std::string&)> stalled);
   /// Tries once more to save the queue, without calling any `then`.
   ~SaveQueue();
   SaveQueue(const SaveQueue&) = delete;
   SaveQueue& operator=(const SaveQueue&) = delete;
 
-  /// Without a save, `then` still keeps its place in the order.
+  /// Without a save, `then` is still posted in the order of put().
   void put(std::optional<Save> save, Callback then);
 
  private:

@@ -1,5 +1,5 @@
-// The lock that admits one daemon per state folder. The lock is a run's lock
-// (common/store/run_lock.h), so it works on network disks too. Thread safety: that of RunLock.
+// The lock that admits one daemon per state folder. The lock is a RunLock
+// (common/store/run_lock.h), which works on network disks too. Thread safety: that of RunLock.
 #pragma once
 
 #include <memory>

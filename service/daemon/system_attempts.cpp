@@ -14,7 +14,7 @@
 namespace sleight::daemon {
 namespace {
 
-/// Whether a stop can have caused this end. Other ends are the run's own.
+/// Returns whether a stop may have caused this end. Otherwise the run ended by itself.
 bool may_be_stopped(const keeper::AttemptEnd& end) {
   return !end.run_end || end.run_end->end == events::End::stop_requested ||
          end.run_end->end == events::End::time_limit;
@@ -68,7 +68,7 @@ SystemAttempts::Run* SystemAttempts::find(jobs::JobId job, jobs::Attempt attempt
   return run == runs_.end() || run->second.attempt != attempt ? nullptr : &run->second;
 }
 
-/// Returns the attempt's entry, created if necessary. An older attempt's entry is dropped.
+/// Returns the attempt's entry, which is created if necessary. Drops an older attempt's entry.
 SystemAttempts::Run& SystemAttempts::run_of(jobs::JobId job, jobs::Attempt attempt) {
   if (Run* run = find(job, attempt)) return *run;
   Run& run = runs_[job];
@@ -171,7 +171,7 @@ void SystemAttempts::stop(const jobs::Stop& stop) {
       stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   ask([this, name = name_of(stop.job, stop.attempt), how] {
     try {
-      // A list reports the outcome for an attempt that was still queued.
+      // If the attempt was still queued, only a list shows the outcome.
       if (parts_.backend->signal(name, how)) parts_.loop.post([this] { list(); });
     } catch (const base::Error& failure) {
       // The machine repeats the stop.
@@ -263,7 +263,8 @@ bool SystemAttempts::is_gone(const Run& run) const {
 jobs::Outside SystemAttempts::outside_of(const Run& run) const {
   if (!run.seen || run.is_stopped || run.seen->state != backend::State::gone)
     return jobs::Outside::nothing;
-  // If an attempt is taken before it begins, count that as a failure, because it may recur forever.
+  // If the system takes an attempt away before it begins, count that as a failure, because it may
+  // recur forever.
   if (run.seen->cause == backend::Cause::taken)
     return run.has_begun ? jobs::Outside::taken : jobs::Outside::nothing;
   return run.seen->cause == backend::Cause::cancelled ? jobs::Outside::cancelled
@@ -277,7 +278,7 @@ std::string SystemAttempts::words_of(const Run& run) const {
   return fmt::format("{} job {}: {}", title, run.seen->id, run.seen->words);
 }
 
-/// Combines the system's answer and the folder's record, and reports the result.
+/// Judges the attempt from the system's answer and the folder's record, and reports the result.
 void SystemAttempts::judge(jobs::JobId job) {
   const auto found = runs_.find(job);
   if (found == runs_.end()) return;
@@ -316,7 +317,7 @@ bool SystemAttempts::judge_begun(jobs::JobId job, Run& run, const keeper::Attemp
     tell(jobs::Launched{.job = job, .attempt = run.attempt});
   }
   if (!record.end) return false;
-  // Who stopped the attempt is known once the system no longer has it.
+  // If others stopped the attempt, the system reports who once the attempt is gone from it.
   if (may_be_stopped(*record.end) && !run.is_stopped && !is_gone(run)) return false;
   jobs::Ended ended = sights_.ended(job, record, run.watched.first_commit_after_s);
   ended.outside = outside_of(run);
@@ -352,7 +353,8 @@ bool SystemAttempts::judge_gone(jobs::JobId job, Run& run, const keeper::Attempt
   return false;
 }
 
-/// Fetches the output of the system and the keeper, which is all that is known without a record.
+/// Fetches the output of the system and the keeper, the only information about an attempt without a
+/// record.
 void SystemAttempts::fetch_last_words(jobs::JobId job, Run& run) {
   ask([this, job, attempt = run.attempt, folder = parts_.folders.folder(job)] {
     std::string log;
@@ -373,7 +375,7 @@ void SystemAttempts::fetch_last_words(jobs::JobId job, Run& run) {
   });
 }
 
-/// Judges an attempt that the system has, or may have.
+/// Judges an attempt that the system has or may still have.
 void SystemAttempts::judge_there(jobs::JobId job, Run& run) {
   run.gone_s.reset();
   if (run.has_begun) {

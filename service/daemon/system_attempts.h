@@ -5,7 +5,7 @@
 //   `Look` awaits the next list of all attempts and reads the folder's record: Sight.
 //   `Stop` calls backend.signal.
 //   Each second, polls read the folders' records: Launched, Sight {Running}, Sight {Ended}.
-//   From time to time, a list of all attempts is requested: Sight {Pending}, or as follows.
+//   From time to time, a list of all attempts is requested: Sight {Pending}, or as in the table.
 //
 //     In the system     | the folder's record | result
 //     waiting, running  | none                | Pending, with the system's words
@@ -17,7 +17,8 @@
 //     absent            | none                | NeverBegan, as an answer to a Look
 //     doesn't answer    | none, without end   | Unknown, as an answer to a Look; never an end.
 //
-// Shared disks show files late, so records of gone attempts are read for another k_settle_s.
+// Shared disks show new files late, so the record of an attempt that is gone is read for another
+// k_settle_s.
 //
 // Thread safety: as Attempts.
 #pragma once
@@ -43,11 +44,13 @@
 
 namespace sleight::daemon {
 
-/// A list that somebody awaits is requested earlier: after this part of list_every_s.
+/// A list that a Look awaits is requested earlier than after list_every_s: after this share of that
+/// time.
 inline constexpr double k_list_soonest_share = 0.2;
 /// Maximum delay until an ended attempt's record becomes visible.
 inline constexpr double k_settle_s = 5;
-/// Maximum reported output of the system and the keeper, for an attempt without a record.
+/// Maximum bytes of the system's and the keeper's output in the report on an attempt without a
+/// record.
 inline constexpr std::size_t k_system_log_bytes = 2000;
 
 class SystemAttempts final : public Attempts {

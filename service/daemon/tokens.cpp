@@ -44,7 +44,7 @@ json::Value json_of(const rpc::TokenView& view, const std::string& hash) {
           {"user", view.user}};
 }
 
-/// Thrown for a value that this class can't have written.
+/// Thrown for a value in the file that this class can't have written.
 struct Unsound {};
 
 template <class T>
@@ -128,7 +128,7 @@ void Tokens::write() {
   has_new_uses_ = false;
 }
 
-/// Returns whether the token is valid, and notes its expiry.
+/// Returns whether the token is valid. If it has expired, records that.
 bool Tokens::is_valid(Kept& kept) {
   rpc::TokenView& view = kept.view;
   if (!view.has_expired && view.expires_s > 0 && wall_s_() >= view.expires_s) {
@@ -220,7 +220,8 @@ base::Result<rpc::Caller, rpc::Refusal> Tokens::login(const std::string& text,
   const auto token = access::token_of(text);
   if (!token) return wrong_token();
   const auto found = tokens_.find(token->id);
-  // Compare with a hash that no token has, so that an unknown token takes as long as a wrong one.
+  // Compare an unknown token with a hash that no token has, so that refusing it takes as long as
+  // refusing a wrong secret.
   const std::string& kept_hash =
       found == tokens_.end() ? std::string(k_hash_characters, '-') : found->second.hash;
   const bool is_equal = access::are_equal_hashes(access::hash_of(*token), kept_hash);

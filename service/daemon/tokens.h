@@ -4,11 +4,11 @@
 // the token acts as that user, within the token's scopes.
 //
 // Invariants
-//   1. Answers of create and revoke are durable. The time of a token's last use is written
-//      periodically; a killed daemon loses the last minute of these times.
-//   2. login doesn't reveal whether a token is unknown, wrong, expired or revoked.
+//   1. create() and revoke() answer when their change is durable. The time of a token's last use is
+//      written periodically; a killed daemon loses the last minute of these times.
+//   2. login() doesn't reveal whether a token is unknown, wrong, expired or revoked.
 //   3. A token that was revoked or found expired is never valid again, whatever the clock
-//      shows later. The token stays listed for some time. Expiry is checked at each use and once
+//      shows later. The token stays in lists for some time. Expiry is checked at each use and once
 //      per minute.
 //
 // Thread safety: all on the loop's thread.
@@ -43,12 +43,13 @@ class Tokens final : public rpc::Authority {
   Tokens(base::FileSystem& files, std::string path, std::function<double()> wall_s,
          std::size_t of_user_max = rpc::k_tokens_max);
 
-  /// Creates a token for `ask.for_user`, or else for `user`. Repeated calls return the first
-  /// answer.
+  /// Creates a token for `ask.for_user` if set, otherwise for `user`. Repeating a call returns the
+  /// first answer.
   base::Result<rpc::TokenView, rpc::Refusal> create(std::uint32_t user, const rpc::TokenAsk& ask);
   /// Tokens of a user, newest first. None: of all users.
   std::vector<rpc::TokenView> of(std::optional<std::uint32_t> user);
-  /// Revokes a token of this user; none: of any user. Other users' tokens are not found.
+  /// Revokes a token of this user, or of any user if `user` is empty. Other users' tokens count as
+  /// not found.
   base::Result<rpc::TokenView, rpc::Refusal> revoke(std::optional<std::uint32_t> user,
                                                     const std::string& id);
 

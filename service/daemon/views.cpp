@@ -30,7 +30,8 @@ void add_progress(rpc::JobView& view, const events::Progress& progress) {
   }
 }
 
-/// Uses the solutions and the run time of all attempts. A single session's rate would jump.
+/// Estimates the time left from the solutions and the run time of all attempts, because a single
+/// session's rate would jump.
 void add_time_left(rpc::JobView& view) {
   const double run_s = view.core_s / std::max(1U, view.ranks > 0 ? view.ranks : view.cores);
   const rpc::SolutionCounts& counts = view.solutions;

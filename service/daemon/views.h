@@ -19,7 +19,7 @@ rpc::JobState rpc_state(jobs::State state);
 /// REQUIRES: the kind is known.
 jobs::AskKind ask_kind(rpc::ChangeKind kind);
 
-/// The data of a job's view.
+/// The data from which a job's view is made.
 struct ViewOf {
   const Posted& posted;
   const jobs::Jobs& machine;
@@ -29,7 +29,7 @@ rpc::JobView view_of(const ViewOf& what);
 
 rpc::StateChange change_of(const JobReader::NumberedChange& change);
 
-/// Returns the sentence that explains the job's state, or, if there is none, the name of the reason
+/// Returns the sentence that explains the job's state. If there is none, returns the reason's name
 /// with blanks instead of underscores.
 std::string reason_of(const jobs::Job& job);
 

@@ -20,10 +20,10 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// Queues the work, which must not throw and reports its outcome with Loop::post.
+  /// Queues the work, which must not throw, and which reports its outcome with Loop::post.
   void run(Work work);
-  /// Waits for the work in progress, which `ending` asks to stop; queued work never begins.
-  /// REQUIRED before destroying anything that the work uses. Repeated calls have no effect.
+  /// Makes ending() true and waits for the work in progress. Queued work never begins. REQUIRED
+  /// before destroying anything that the work uses. Repeated calls have no effect.
   void end();
   /// True once end() is called; slow work checks it. Callable from any thread.
   const std::atomic<bool>& ending() const { return ending_; }

@@ -39,14 +39,15 @@ class Accounts {
   const Account* find(UserId user) const;
   const Limits& limits(UserId user) const;
 
-  /// Core-seconds that the user's jobs have used, decayed to now.
+  /// Returns the decayed core-seconds that the user's jobs have used up to `now_s`.
   double had_core_s(UserId user, double now_s) const;
-  /// had_core_s() plus what the user's running jobs will use within Options::horizon_s.
+  /// Returns had_core_s() plus the core-seconds that the user's running jobs will use within
+  /// Options::horizon_s.
   double standing_core_s(UserId user, double now_s) const;
   bool is_over_core_hours(UserId user, double now_s, bool is_held) const;
   bool is_over_bytes(UserId user, bool is_held) const;
 
-  /// Brings the user's usage to now, before its cores change.
+  /// Updates the user's usage to `now_s`. Call before the number of its cores changes.
   void advance(UserId user, double now_s);
 
   const std::map<UserId, Account>& all() const { return accounts_; }

@@ -16,7 +16,7 @@ bool is_asked(const Job& job) {
   return job.state == State::yielding;
 }
 
-/// Deaths in a row without a commit, including the current one.
+/// Returns the number of consecutive deaths without a commit, including the current one.
 std::uint32_t deaths_with_this(const Job& job) {
   return job.deaths == 0 || job.counts.scans > job.scans_at_death ? 1 : job.deaths + 1;
 }
@@ -27,7 +27,7 @@ std::string with_log(std::string words, std::string_view log_end, std::string_vi
   return words;
 }
 
-/// The job starts again, unless a stop was requested.
+/// The job starts again, unless its stop was requested.
 Verdict goes_on(const Job& job, const Verdict& else_) {
   if (!is_asked(job)) return else_;
   const State to = state_after_stop(job.reason);
@@ -72,7 +72,7 @@ Verdict ends_outside(const Job& job, Outside outside, const std::string& how) {
             .backs_off = job.counts.scans <= job.scans_at_attempt});
 }
 
-/// Completes the sentence with a period if it lacks one.
+/// Adds a period to the sentence if it lacks one.
 std::string sentence(std::string words) {
   if (!words.empty() && std::string_view(".!?").find(words.back()) == std::string_view::npos)
     words += '.';
@@ -192,7 +192,8 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
     case EndKind::stop_requested:
       if (ended.outside != Outside::nothing)
         return ends_outside(job, ended.outside, ended.outside_words);
-      // Back off before the first commit, in case outside signals keep stopping the job.
+      // Delay the restart if nothing was committed, in case outside signals stop the job again and
+      // again.
       return goes_on(job,
                      {.to = State::queued,
                       .reason = Reason::stopped_by_itself,

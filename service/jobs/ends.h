@@ -1,16 +1,17 @@
-// Decides what becomes of a job when its attempt ends. The decision depends only on the job, on
-// what the daemon saw of the attempt, and on what people asked for.
+// Decides the state of a job whose attempt has ended. The decision depends only on the job, on the
+// daemon's observations of the attempt, and on people's requests.
 //
 //   Result of judge(job, ended):
-//     The request is finished: done, or queued if the request was extended meanwhile.
-//     Gave up, no draws, --strict: failed, and never restarted (gave up with finds: done).
+//     Request finished: done, or queued if the request was extended meanwhile.
+//     Gave up, no draws, or failed under --strict: failed, and never restarted. Gave up with finds:
+//       done.
 //     Invalid request: failed, because another start would be refused too.
 //     Disk full, other results version: held.
-//     A check of the program failed: a death; failed if the last failed check was at the same
-//       place, with no commit since.
+//     A check of the program failed: a death. If the previous failed check was at the same place,
+//       with no commit since: failed.
 //     Cancelled in the batch system: held until the user resumes the job.
-//     The batch system took its cores: starts again; not a death.
-//     Clean stop: what the stop was requested for; else starts again.
+//     The batch system took the job's cores: starts again, not a death.
+//     Clean stop: the outcome for which the stop was requested. Without a request: starts again.
 //     Any other error, or no record: a death. Starts again later; the fifth death without a
 //       commit in between: failed.
 //
@@ -38,7 +39,7 @@ struct Verdict {
   bool is_bug = false;     ///< the place of the failed check is stored
 };
 
-/// The machine's view of the surroundings.
+/// The machine's view of the surroundings of a job.
 struct Surroundings {
   bool is_disk_low = false;
   bool has_other_results = false;  ///< the run has another results version than the programs
@@ -50,7 +51,7 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
 Verdict judge(const Job& job, const Died& died, const Options& options);
 Verdict judge(const Job& job, const LaunchFailed& failed, const Surroundings& around,
               const Options& options);
-/// Judges an attempt of which no launch ever began.
+/// Judges an attempt that never began, however often it was launched.
 Verdict judge_unbegun(const Job& job, const Options& options);
 
 /// Updates the job's deaths, back-offs and bugs from the verdict. Returns the delay before the next

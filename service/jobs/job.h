@@ -11,9 +11,10 @@
 // An attempt is the n-th start of a job's program, n from 1. The attempt is open from its Launch
 // until its end is known. A job is starting, running or yielding exactly while an attempt is open.
 //
-// There are two clocks. `_s` is service time: the seconds during which a daemon of this state
-// folder was up. Service time begins at 0, resumes after a restart, and is the only time that
-// decisions use. `wall` is the machine's wall clock in seconds since 1970, for display only.
+// There are two clocks. The suffix `_s` means service time: the seconds during which a daemon of
+// this state folder was up. Service time begins at 0, resumes after a restart, and is the only time
+// that decisions use. `wall` means the machine's wall clock in seconds since 1970, for display
+// only.
 //
 // Thread safety: values.
 #pragma once
@@ -39,7 +40,7 @@ using Attempt = base::Id<struct AttemptTag, std::uint64_t>;
 
 enum class State { queued, starting, running, yielding, held, done, failed, cancelled };
 
-/// Why a job is in its state. The brackets list the states that the reason belongs to.
+/// Why a job is in its state. Brackets list the states in which a job can have the reason.
 enum class Reason {
   submitted,           ///< [queued]
   resumed,             ///< [yielding, queued] by its user
@@ -77,16 +78,17 @@ std::string_view name_of(Reason reason);
 std::optional<State> state_of(std::string_view name);
 std::optional<Reason> reason_of(std::string_view name);
 
-/// Done, failed or cancelled: the job's state changes only if somebody requests it.
+/// Returns whether the job is done, failed or cancelled, so that its state changes only if somebody
+/// requests it.
 constexpr bool is_over(State state) {
   return state == State::done || state == State::failed || state == State::cancelled;
 }
-/// Whether an attempt is open.
+/// Returns whether an attempt is open.
 constexpr bool is_active(State state) {
   return state == State::starting || state == State::running || state == State::yielding;
 }
 
-/// What a job would like to have. Results don't depend on wishes.
+/// Resources that a job would like to have. Results don't depend on wishes.
 struct Wishes {
   std::uint32_t cores = 0;         ///< maximum; 0: whatever is free
   std::uint32_t ranks = 0;         ///< MPI ranks, each with its own core; 0: no MPI
@@ -187,7 +189,7 @@ struct Change {
   bool operator==(const Change&) const = default;
 };
 
-/// A user's past use, which decides whose turn it is.
+/// A user's past use of cores, which decides whose turn it is.
 struct Usage {
   UserId user;
   double at_s = 0;              ///< service time of the next two values

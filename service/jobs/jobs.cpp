@@ -11,13 +11,13 @@
 namespace sleight::jobs {
 namespace {
 
-/// How often an idle machine saves its clock, which determines the age of finished jobs.
+/// Interval at which an idle machine saves its clock, which determines the age of finished jobs.
 constexpr double k_idle_save_s = 3600;
-/// Interval of checks whether running jobs should make room.
+/// Interval at which the machine checks whether running jobs should make room.
 constexpr double k_look_at_turns_s = 0.5;
-/// Interval of checks whether held jobs are below their user's limit again.
+/// Interval at which the machine checks whether held jobs are below their user's limit again.
 constexpr double k_look_at_limits_s = 10;
-/// Interval of further requests to delete a folder.
+/// Interval at which the request to delete a folder is repeated.
 constexpr double k_remove_again_s = 60;
 
 bool goes_on_by_itself(const Job& job) {
@@ -62,13 +62,13 @@ Jobs::Jobs(const Options& options, Restored restored)
 std::vector<Effect> Jobs::step(const Input& input) {
   effects_.clear();
   std::visit([this](const auto& kind) { take(kind); }, input);
-  // A running job's reports don't change whose turn it is; the clock does.
+  // Reports on running jobs don't change whose turn it is, but the clock does.
   if (!std::holds_alternative<Sight>(input) || !save_.changes.empty()) hand_out();
   finish_step();
   return std::exchange(effects_, {});
 }
 
-/// Puts the Save of all changes before the step's other effects.
+/// Puts the Save with all changes before the step's other effects.
 void Jobs::finish_step() {
   if (dirty_.empty() && dirty_users_.empty() && save_.changes.empty() && save_.erased.empty() &&
       !saves_clock_)
@@ -190,7 +190,7 @@ void Jobs::note(const Job& job, State from, Reason reason, std::string words) {
   dirty_.insert(job.id);
 }
 
-/// Removes the job from all indices. REQUIRED before changing a value that orders an index.
+/// Removes the job from all indices. Call before changing a value by which an index is ordered.
 void Jobs::leave_indices(const Job& job) {
   delayed_.erase({job.next_start_s, job.id});
   if (job.is_leaving) return;
@@ -243,7 +243,7 @@ void Jobs::put_into_queue(const Job& job) {
   }
 }
 
-/// Updates since when the user waits with nothing running.
+/// Updates the time since which the user waits with nothing running.
 void Jobs::note_idle(UserId user) {
   Account& account = accounts_.of(user);
   if (account.cores > 0 || !queue_.users().contains(user)) {
@@ -315,7 +315,7 @@ void Jobs::end_delays() {
   }
 }
 
-/// Deletes the job except for its record, which stays until the folder is gone.
+/// Deletes the job, except for its record, which stays until the folder no longer exists.
 void Jobs::let_go(Job& job) {
   leave_indices(job);
   if (!job.client_key.empty()) by_key_.erase({job.user, job.client_key});

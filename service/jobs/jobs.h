@@ -1,9 +1,10 @@
 // The machine of jobs: a pure state machine that decides what happens to each job. The machine maps
 // inputs to effects and touches no process, file, socket, clock or thread.
 //
-// Idea. A job is a run that is started repeatedly until it is finished. A run resumes from its run
-// store, and a clean stop loses nothing. So the machine may stop and start a job as often as other
-// jobs need it: jobs are like processes that share a machine in slices of some ten seconds.
+// Idea. A job is a run whose program is started repeatedly until the run is finished. The run
+// resumes from its run store, and a clean stop loses nothing. So the machine may stop and start a
+// job as often as other jobs need it: jobs are like processes that share a machine in slices of
+// some ten seconds.
 //
 // Data flow:
 //   inputs ──▶ step ──▶ Save, then Launch, Stop, Look, Answer, Remove, Announce
@@ -14,35 +15,36 @@
 // The machine relies only on these properties of a job's folder (the keeper's invariants):
 //   K1. At most one keeper is in a folder.
 //   K2. A keeper of attempt n does nothing if the folder's record is of n or a newer attempt.
-//   K3. The record is durable before the program starts, and again after all its processes ended.
+//   K3. The record is durable before the program starts. The record's end is durable after all of
+//       the program's processes ended.
 // So launching an attempt again is safe (K1, K2). "Never began" doesn't prove that the attempt
 // won't begin, because a killed daemon's Launch may still be in progress. To end such an attempt,
-// the machine launches it again, sees it, and stops it.
+// the machine launches the attempt again, waits until it is seen, and stops it.
 //
 // Invariants
 //   1. A job's state changes only in a Save, with a Change; the Save is its step's first effect. So
-//      whatever was reported or started is in the job store, and a machine restored from the store
-//      continues from there.
-//   2. A job is over at most once, unless its user extends or resumes it.
+//      the job store contains everything that was reported or started, and a machine restored from
+//      the store continues there.
+//   2. A job becomes over at most once, unless its user extends or resumes it.
 //   3. At most one attempt of a job is open, and only sights of that attempt count. The machine
 //      stops the keeper of any other attempt that it sees.
 //   4. When an attempt is launched, open attempts exceed neither the cores and memory of the newest
 //      Room, nor their user's limit of cores.
 //   5. Effects are a function of the options, the restored records and the order of inputs.
-//   6. No job overtakes the next job (turns.h), so a large job gets its room in the end.
+//   6. No job starts before the next job (turns.h), so even a large job gets its room eventually.
 //
 // A batch system may queue an attempt first. The job then stays `starting`, its cores stay
 // reserved, and nothing is charged. The batch system decides how long the attempt waits.
 //
 // Nobody starves. A user that waits with nothing running is next after patience_s at the latest.
-// The user's job gets room when the running jobs' slices are over and these jobs have stopped. A
+// The user's job gets room once the running jobs' slices are over and those jobs have stopped. A
 // slice is bounded by slice_per_cost times a job's restart cost, or by twice the duration of its
-// longest scan; a stop is bounded by stop_now_after_s. So a user waits at most patience_s plus, for
-// each user that is next for the same reason, one slice and one stop. Among one user's jobs, a job
-// waits for those before it; but once per patience_s the longest-waiting job is next.
+// longest scan; a stop is bounded by stop_now_after_s. So a user waits at most patience_s, plus one
+// slice and one stop for each user that is next for the same reason. A job waits for its user's
+// jobs that precede it, but once per patience_s the user's longest-waiting job is next.
 //
 // A step is logarithmic in the number of jobs and linear in waiting users and running jobs. Only a
-// Room with other cores or memory visits all jobs.
+// Room that changes the cores or the memory visits all jobs.
 //
 // Not thread-safe.
 #pragma once
@@ -66,7 +68,7 @@
 
 namespace sleight::jobs {
 
-/// Contents of the job store. The defaults are those of a new store.
+/// Contents of the job store. The default values are those of a new store.
 struct Restored {
   double clock_s = 0;
   std::uint64_t next_id = 1;
@@ -90,8 +92,8 @@ enum class WhyNot {
 
 struct Waiting {
   WhyNot why = WhyNot::next;
-  /// 1: next. 0: the job doesn't wait for its turn. k_place_max: that place or a later one. Places
-  /// are counted as if users took turns.
+  /// Place in the queue, counted as if users took turns. 1: next. 0: the job doesn't wait for its
+  /// turn. k_place_max: that place or a later one.
   std::uint64_t place = 1;
   std::string sentence{};
 };
@@ -122,16 +124,18 @@ class Jobs {
   std::vector<Effect> step(const Input& input);
 
   /// Returns why a submit would be refused now, after `before_it` other new jobs of the same user.
-  /// None also if the submit's key names an existing job. Used to submit several jobs or none.
+  /// None if it would be accepted, or if its key names an existing job. Used to submit either all
+  /// of several jobs or none.
   std::optional<Refusal> refusal_of(const Submit& input, std::uint64_t before_it = 0) const;
 
   const Job* find(JobId id) const;
-  /// All jobs that aren't deleted, with those whose folder is still being deleted.
+  /// Returns all jobs, including deleted jobs whose folder is still being deleted.
   const std::map<JobId, Job>& all() const { return jobs_; }
   /// REQUIRES: the job is queued.
   Waiting waiting(JobId id) const;
   Standing standing() const;
-  /// The latest time for the next Tick, by the ticks' clock. None: only after another input.
+  /// Returns the latest time for the next Tick, by the clock of Tick::now_s. None: only after
+  /// another input.
   std::optional<double> next_tick_s() const;
   /// Service time as of the last tick.
   double clock_s() const { return clock_s_; }
@@ -151,7 +155,7 @@ class Jobs {
     bool is_ended_now = false;             ///< the clean stop took too long
   };
 
-  // jobs.cpp: inputs about all jobs, and a job's changes of state
+  // Implemented in jobs.cpp: inputs about all jobs, and a job's changes of state
   void take(const Tick& input);
   void take(const Began& input);
   void take(const Room& input);
@@ -189,7 +193,7 @@ class Jobs {
   void set_priority(Job& job, std::int32_t priority);
   void begin_anew(Job& job, Reason reason, std::string words);
 
-  // jobs_sights.cpp: what is seen of open attempts
+  // Implemented in jobs_sights.cpp: observations of open attempts
   void take(const Sight& input);
   void take(const Launched& input);
   void take(const LaunchFailed& input);
@@ -215,7 +219,7 @@ class Jobs {
   Surroundings around(const Job& job) const;
   bool has_other_results(const Job& job) const;
 
-  // jobs_turns.cpp: which jobs start, and which make room
+  // Implemented in jobs_turns.cpp: which jobs start, and which make room
   void hand_out();
   void start(Job& job, std::uint32_t cores, bool is_turn);
   bool may_start() const;

@@ -44,7 +44,7 @@ void Jobs::take(const Submit& input) {
   answer(id, true, std::nullopt);
 }
 
-/// The job that an earlier submit with the same key created.
+/// Returns the job that an earlier submit with the same key created.
 const Job* Jobs::known(const Submit& input) const {
   if (input.client_key.empty()) return nullptr;
   const auto found = by_key_.find({input.user, input.client_key});
@@ -230,7 +230,7 @@ void Jobs::set_priority(Job& job, std::int32_t priority) {
   dirty_.insert(job.id);
 }
 
-/// Queues a held or finished job again at its user's request, without its past failures.
+/// Queues a held or finished job again at its user's request, and forgets its past failures.
 void Jobs::begin_anew(Job& job, Reason reason, std::string words) {
   leave_indices(job);
   job.next_start_s = 0;

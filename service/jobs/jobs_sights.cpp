@@ -1,4 +1,4 @@
-// What is seen of open attempts, and what the backend is asked to do with them.
+// Observations of open attempts, and the effects on them.
 #include <algorithm>
 #include <utility>
 
@@ -24,7 +24,8 @@ void Jobs::take(const Sight& input) {
   const bool is_there =
       std::holds_alternative<Running>(input.seen) || std::holds_alternative<Pending>(input.seen);
   if (!is_active(job.state) || input.attempt < job.attempt) {
-    // A presumed-dead attempt still holds the folder. Stop it, because newer attempts wait.
+    // An attempt that was presumed dead still holds the folder. Stop it, because newer attempts
+    // wait for the folder.
     if (is_there)
       effects_.emplace_back(Stop{.job = job.id,
                                  .attempt = input.attempt,
@@ -32,7 +33,8 @@ void Jobs::take(const Sight& input) {
     return;
   }
   if (input.attempt > job.attempt) {
-    // The folder is newer than the job store, as after restoring a backup, and right.
+    // The folder is newer than the job store, for example after the store was restored from a
+    // backup. The folder is right.
     job.attempt = input.attempt;
     dirty_.insert(job.id);
   }
@@ -55,14 +57,14 @@ void Jobs::take(const LaunchFailed& input) {
   if (found == jobs_.end() || !is_active(found->second.state) ||
       found->second.attempt != input.attempt)
     return;
-  // If the attempt was launched before, another keeper may still begin, so looks continue.
+  // If the attempt was launched before, another keeper may still begin, so the attempt stays open.
   const Open& open = open_.at(input.job);
   if (open.has_begun || open.is_pending || open.is_found || open.is_launched_again) return;
   close(found->second, judge(found->second, input, around(found->second), options_));
 }
 
-/// The attempt may still begin, so it is launched again, even if it should stop. After a keeper was
-/// seen, NeverBegan is late news. Repeated NeverBegan means that somebody deleted the record.
+/// The attempt may still begin, so it is launched again, even if it should stop. If a keeper was
+/// seen before, NeverBegan is outdated. Repeated NeverBegan means that somebody deleted the record.
 void Jobs::see(Job& job, Open& open, const NeverBegan&) {
   if (!std::exchange(open.is_looked_for, false)) return;
   set_pending(job, open, false);
@@ -77,7 +79,7 @@ void Jobs::see(Job& job, Open& open, const NeverBegan&) {
   set_alarm(job.id, open, clock_s_ + options_.look_after_launch_s);
 }
 
-/// The attempt begins by itself, or is stopped in the batch system's queue.
+/// The attempt will begin by itself, or is stopped while it is in the batch system's queue.
 void Jobs::see(Job& job, Open& open, const Pending& seen) {
   open.is_looked_for = false;
   open.unbegun = 0;
@@ -136,7 +138,7 @@ void Jobs::see(Job& job, Open& open, const Died& seen) {
                  : judge(job, seen, options_));
 }
 
-/// An Unknown changes nothing, because keepers continue without the daemon.
+/// An Unknown doesn't change the job's state, because keepers continue without the daemon.
 void Jobs::see(Job& job, Open& open, const Unknown& seen) {
   open.is_looked_for = false;
   if (job.state == State::starting && !seen.words.empty() && job.words != seen.words) {
@@ -197,7 +199,7 @@ void Jobs::close(Job& job, const Verdict& verdict, const std::string& bug_place)
 
   const double waits_s =
       count_end(job, verdict, bug_place, clock_s_ - job.attempt_begin_s, options_);
-  // The cause of a hold may be gone already, so the job is checked once more after this time.
+  // The cause of a hold may be gone already, so check the job once more after this time.
   constexpr double k_held_s_min = 1;
   job.next_start_s =
       clock_s_ + (verdict.to == State::held ? std::max(waits_s, k_held_s_min) : waits_s);
@@ -256,7 +258,7 @@ void Jobs::set_alarm(JobId job, Open& open, double at_s) {
   alarms_.emplace(at_s, job);
 }
 
-/// Looks at attempts that sent no report, and repeats the stop of those that don't stop.
+/// Looks at attempts without a recent report, and repeats the Stop of attempts that don't stop.
 void Jobs::ring_alarms() {
   while (!alarms_.empty() && alarms_.begin()->first <= clock_s_) {
     const JobId id = alarms_.begin()->second;

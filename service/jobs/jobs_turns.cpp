@@ -1,4 +1,4 @@
-// Which jobs start and which make room, by the rules of turns.h.
+// Decides which jobs start and which make room, by the rules of turns.h.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,13 +31,14 @@ std::uint64_t Jobs::memory_free() const {
   return room_->memory_bytes - std::min(room_->memory_bytes, memory_in_use_);
 }
 
-/// Cores of the user's attempts that aren't asked to stop.
+/// Returns the cores of the user's attempts that weren't asked to stop.
 std::uint32_t Jobs::cores_kept(UserId user) const {
   const Account* account = accounts_.find(user);
   return account == nullptr ? 0 : account->cores - account->cores_stopping;
 }
 
-/// Maximum cores for the job here, within what its user's other jobs leave of the limit.
+/// Returns the maximum cores for the job on this machine, within the part of its user's limit that
+/// the user's other jobs don't use.
 std::uint32_t Jobs::cores_max(const Job& job) const {
   std::uint32_t cores = room_->cores;
   if (job.wishes.ranks > 0) {
@@ -100,7 +101,7 @@ Shares Jobs::shares() const {
   return {.cores = room_->cores, .users = std::max<std::uint64_t>(1, users.size())};
 }
 
-/// Free cores that should be left for other waiting users.
+/// Returns the number of free cores that should be left for other waiting users.
 std::uint64_t Jobs::claim_of_others(UserId user, const Shares& shares) const {
   std::uint64_t claim = 0;
   for (const auto& [other, waiting] : queue_.users()) {
@@ -179,12 +180,12 @@ std::vector<RunningJob> Jobs::running_jobs() const {
 }
 
 /// Asks running jobs to stop if the next job comes before them. Returns whether the next job should
-/// wait for the stops. Otherwise the next job takes what is free, or can't start.
+/// wait for the stops. If not, the next job starts on the cores that are free, or can't start.
 bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares) {
   std::uint32_t cores = cores_free();
   std::uint64_t memory = memory_free();
   for (const auto& [id, open] : open_) {
-    // A job that is slow to stop doesn't count.
+    // Don't count the cores of a job that is slow to stop.
     if (!open.stop_asked_s || clock_s_ - *open.stop_asked_s >= options_.slice_s_min) continue;
     cores += jobs_.at(id).cores;
     memory += jobs_.at(id).wishes.memory_of_all();
@@ -221,7 +222,8 @@ bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares
     add(job);
     kept[user] -= job.cores;
   }
-  // If the next job couldn't start, stop jobs of any user. Stop none if even that isn't enough.
+  // If the next job still couldn't start, stop jobs of any user. If even that isn't enough, stop no
+  // job.
   for (const auto& [standing, job] : after) {
     if (is_enough(need.cores_min)) break;
     if (!stops.contains(job.id)) add(job);
@@ -233,7 +235,7 @@ bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares
   return !stops.empty();
 }
 
-/// Restarts a running job with more cores while cores are free and nobody waits for them.
+/// Stops a running job, to restart it with more cores, if cores are free and nobody waits for them.
 void Jobs::use_idle_cores() {
   if (!may_start() || next_job()) return;
   for (const auto& [id, open] : open_) {
@@ -257,7 +259,8 @@ void Jobs::use_idle_cores() {
   }
 }
 
-/// Restarts a job of a user below its share, and stops one of a user above it who has used more.
+/// Stops a job of a user below its share, to restart it with more cores, and a job of a user who is
+/// above its share and has used more.
 void Jobs::even_out(const std::vector<RunningJob>& running, const Shares& shares) {
   const auto had = [&](const RunningJob& job) { return accounts_.had_core_s(job.user, clock_s_); };
   const RunningJob* below = nullptr;
@@ -277,7 +280,7 @@ void Jobs::even_out(const std::vector<RunningJob>& running, const Shares& shares
               "Other users have had less computing time.");
 }
 
-/// Stops jobs until the rest fits a machine that has become smaller.
+/// Stops jobs until the remaining ones fit a machine that has become smaller.
 void Jobs::shed() {
   std::uint64_t cores = 0;
   std::uint64_t memory = 0;
@@ -303,7 +306,7 @@ void Jobs::hold_over_limits() {
   for (const auto& [id, open] : open_) {
     Job& job = jobs_.at(id);
     const bool has_had_slice = clock_s_ - job.attempt_begin_s >= slice_s(job, options_);
-    // Wait for the end of the slice. Otherwise a job with long scans would never progress.
+    // Wait for the end of the slice, because otherwise a job with long scans would never progress.
     if (has_had_slice && accounts_.is_over_core_hours(job.user, clock_s_, false)) {
       ask_to_stop(job, Reason::limit_core_hours,
                   "The user's jobs have used their daily core-hours. The job resumes automatically "

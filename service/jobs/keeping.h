@@ -1,8 +1,9 @@
-// How long finished jobs are stored. An unpinned job is deleted after it has been over for keep_s;
-// if finished jobs hold more than keep_bytes, the oldest are deleted earlier. A deletion is
-// announced announce_s in advance. Pinning, extending or resuming a job withdraws the announcement.
+// How long finished jobs are stored. An unpinned job is deleted keep_s after it was over. If
+// finished jobs use more than keep_bytes, the oldest are deleted earlier. A deletion is announced
+// announce_s in advance. Pinning, extending or resuming a job withdraws the announcement.
 //
-// Times are service times, so jobs don't age while no daemon is up or when the wall clock jumps.
+// All times are service times, so jobs don't age while no daemon is up, or when the wall clock
+// jumps.
 //
 // Thread safety: none.
 #pragma once
@@ -26,11 +27,12 @@ class Keeping {
   void add(const Job& job);
   void remove(const Job& job);
 
-  /// The next job whose deletion must be announced, with the time of the deletion.
+  /// Returns the next job whose deletion must be announced, with the time of its deletion.
   std::optional<std::pair<JobId, double>> next_to_announce(double now_s) const;
-  /// The next job to delete now.
+  /// Returns the next job to delete now.
   std::optional<JobId> next_to_delete(double now_s) const;
-  /// The earliest time at which one of the two functions above returns a job, if nothing changes.
+  /// Returns the earliest time at which next_to_announce() or next_to_delete() returns a job, if
+  /// nothing changes.
   std::optional<double> next_s() const;
 
  private:

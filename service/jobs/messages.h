@@ -1,5 +1,5 @@
-// Inputs and outputs of the machine of jobs. All messages are logical: the daemon maps them to
-// processes, folders, sockets and rows of the job store.
+// Inputs and outputs of the machine of jobs. The daemon maps these messages to processes, folders,
+// sockets and rows of the job store.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace sleight::jobs {
 
-/// The caller's value, which the machine returns unchanged with the answer.
+/// A value of the caller, which the machine returns unchanged with the answer.
 using Token = std::uint64_t;
 
 // Inputs
@@ -24,10 +24,10 @@ struct Tick {
   double wall = 0;
 };
 
-/// The whole job store is restored. Sent once after a restart, before other inputs.
+/// The daemon has restored the whole job store. Sent once after a restart, before other inputs.
 struct Began {};
 
-/// What the machine may use. No job starts before the first Room.
+/// Resources that the machine may use. No job starts before the first Room.
 struct Room {
   std::uint32_t cores = 0;
   std::uint64_t memory_bytes = 0;
@@ -35,12 +35,12 @@ struct Room {
   std::uint64_t disk_reserve_bytes = 0;  ///< below this nothing starts, and jobs are held
 };
 
-/// If on, no job starts, and running jobs stop cleanly and stay queued.
+/// While drain is on, no job starts, and running jobs stop cleanly and are queued.
 struct Drain {
   bool on = false;
 };
 
-/// The programs of attempts: whether they can start, and their results version (empty: unknown).
+/// Reports whether the programs of attempts can start, and their results version (empty: unknown).
 struct BackendNote {
   bool is_there = true;
   std::string results_version{};
@@ -70,7 +70,7 @@ struct Ask {
   std::int32_t priority = 0;  ///< of set_priority
 };
 
-/// The backend doesn't have the attempt: there is no keeper, and the folder has no record of this
+/// The backend doesn't have the attempt: no keeper runs, and the folder has no record of this
 /// attempt or a newer one. The attempt may still begin.
 struct NeverBegan {};
 /// A batch system has queued the attempt, which will begin by itself and uses no cores yet.
@@ -85,14 +85,15 @@ struct Running {
   std::uint64_t disk_bytes = 0;
   std::string results_version{};  ///< of its run; empty: unknown
 };
-/// Why a program couldn't continue, if the daemon found out.
+/// Why a program couldn't continue, as far as the daemon found out.
 enum class Hindrance {
   none,
   disk_full,
   other_results,
   store_damaged  ///< the run store is unreadable, so any further attempt would fail too
 };
-/// What a batch system, or somebody through it, did to an attempt without our request.
+/// Action on an attempt by a batch system, or by somebody through it, that the machine did not
+/// request.
 enum class Outside {
   nothing,
   taken,     ///< it had to make room, or its machine was lost
@@ -130,7 +131,7 @@ struct Unknown {
   std::string words{};  ///< why; shown while the attempt is awaited
 };
 
-/// What the backend sees of a job, either spontaneously or after a Look. `attempt` comes from the
+/// The backend's observation of a job, either spontaneous or after a Look. `attempt` comes from the
 /// folder's record; for NeverBegan, Pending and Unknown it is the attempt of the Look.
 struct Sight {
   JobId job;
@@ -143,7 +144,8 @@ struct Launched {
   JobId job;
   Attempt attempt;
 };
-/// The launch couldn't start a keeper. A keeper that finds its folder taken is no such failure.
+/// The launch couldn't start a keeper. If another keeper holds the folder, the launch has not
+/// failed.
 struct LaunchFailed {
   JobId job;
   Attempt attempt;
@@ -152,7 +154,7 @@ struct LaunchFailed {
   std::string words{};
 };
 
-/// The folder of a Remove no longer exists.
+/// The folder that a Remove named no longer exists.
 struct Removed {
   JobId job;
 };
@@ -163,7 +165,7 @@ using Input = std::variant<Tick, Began, Room, Drain, BackendNote, Submit, Ask, S
 // Effects, in the order in which the daemon must carry them out
 
 /// A transaction that must be durable before the daemon carries out any other effect of the step. A
-/// step has at most one Save, as its first effect.
+/// step has at most one Save, which is its first effect.
 struct Save {
   std::vector<Job> jobs{};        ///< in their current state
   std::vector<Change> changes{};  ///< appended to the history
@@ -191,7 +193,7 @@ struct Stop {
   StopHow how = StopHow::in_order;
 };
 
-/// Report what is seen of the attempt, as a Sight.
+/// Report the attempt's state as a Sight.
 struct Look {
   JobId job;
   Attempt attempt;

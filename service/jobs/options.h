@@ -22,11 +22,11 @@ struct Options {
 
   // Whose turn it is
   double half_life_s = 3600;  ///< of the core-seconds that a user has had
-  /// The core-seconds that a user's running jobs will use in this time count as used already.
-  /// Otherwise, two equal users would get all cores one after the other.
+  /// Core-seconds that a user's running jobs will use within this time count as used already.
+  /// Without this rule, two equal users would take turns with all cores.
   double horizon_s = 10;
-  /// A user that has waited this long with nothing running is next. Once per this time, a user's
-  /// longest-waiting job goes before the user's other jobs, if it has waited at least this long.
+  /// A user that has waited this long with nothing running is next. Once in this time, a user's
+  /// longest-waiting job precedes the user's other jobs, if it has waited at least this long.
   double patience_s = 3600;
 
   // When a job makes room
@@ -52,7 +52,7 @@ struct Options {
   double disk_resume_factor = 1.25;  ///< disk holds end at this times the reserve
   double limit_resume_factor = 0.9;  ///< limit holds end at this times the limit
 
-  // How long finished jobs are stored
+  // Storage of finished jobs
   double keep_s = 30.0 * 86400;
   std::uint64_t keep_bytes = 200'000'000'000;  ///< of all finished, unpinned jobs
   double announce_s = 3.0 * 86400;             ///< between the announcement and the deletion
@@ -60,7 +60,7 @@ struct Options {
   double save_every_s = 60;  ///< interval of saving running jobs' use
 };
 
-/// Maximum doublings of a back-off or slice.
+/// Maximum number of times that a back-off or a slice is doubled.
 inline constexpr std::uint32_t k_doublings_max = 20;
 /// Places in the queue are counted only up to this one, because counting costs time.
 inline constexpr std::uint64_t k_place_max = 100;

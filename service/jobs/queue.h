@@ -1,4 +1,4 @@
-// The queue of jobs that could start now, by user. One user's jobs are ordered by priority (highest
+// Queue of the jobs that could start now, by user. One user's jobs are ordered by priority (highest
 // first), then by age. The user's longest-waiting job can also be looked up. Thread safety: none.
 #pragma once
 
@@ -29,7 +29,8 @@ class Queue {
   std::size_t size() const { return entries_.size(); }
   /// Users with jobs in the queue.
   const std::map<UserId, OfUser>& users() const { return users_; }
-  /// Position among the user's jobs, from 1 to k_place_max. REQUIRES: the job is in the queue.
+  /// Returns the job's position among its user's jobs, from 1 to k_place_max. REQUIRES: the job is
+  /// in the queue.
   std::uint64_t rank(JobId job) const;
 
  private:

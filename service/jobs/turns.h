@@ -1,13 +1,15 @@
 // Decides which job is next, how many cores it gets, and which running jobs make room.
 //
-// Shares. Each user with something to run has a claim to an equal share of the cores. Space comes
-// first: if each user can have its share at the same time, jobs of several users run side by side.
-// Time comes second: if the shares aren't whole cores, jobs take turns in slices.
+// Shares. Each user with something to run has a claim to an equal share of the cores. If each user
+// can have its share at the same time, jobs of several users run side by side. If the shares aren't
+// whole cores, jobs take turns in slices.
 //
-// The next job. A user that has waited patience_s with nothing running is next, the longest wait
-// first. Otherwise the user with the fewest decayed core-seconds is next, counting what its running
-// jobs will use soon; then priority decides, then age. The user's first job is by priority, then
-// age; once per patience_s, it is the user's longest-waiting job if that has waited so long.
+// The next job. A user that has waited patience_s with nothing running is next. If there are
+// several such users, the one that has waited longest is next. If there is none, the user with the
+// fewest decayed core-seconds is next, including those that its running jobs will use soon. Between
+// equal users, their jobs' priority decides, then age. The user's first job is the one with the
+// highest priority, then the oldest. Once per patience_s, it is the user's longest-waiting job, if
+// that job has waited for patience_s.
 //
 //   Pseudocode of hand_out:
 //     while there is a next job:
@@ -19,11 +21,11 @@
 //       else if the job can start: it gets the free cores, less the shares of other waiting users
 //       else: wait, and nothing overtakes the job.
 //
-// Free cores that nobody waits for widen a job that has fewer cores than it wishes. The job is
-// stopped and restarted with more cores if the time saved is at least slice_per_cost times the
-// restart's cost. The estimate assumes that the remaining work equals the work so far. If a user
-// with such a job is below its share, and another user is above its share and has used more, both
-// users' jobs are stopped so that the first user gets its share.
+// If nobody waits for free cores, a running job with fewer cores than it wishes gets them. For
+// this, the job is stopped and restarted with more cores if the time saved is at least
+// slice_per_cost times the restart's cost. The estimate assumes that the remaining work equals the
+// work so far. If that job's user is below its share, and another user is above its share and has
+// used more, a job of each is stopped so that the first user gets its share.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -72,22 +74,23 @@ struct Need {
   std::uint64_t memory_bytes = 0;
 };
 
-/// What a job needs and can use. `had`: cores that its user has and won't give up.
+/// Returns the resources that a job needs and can use. `had`: cores that its user has and won't
+/// give up.
 Need need_of(const Job& job, const Shares& shares, std::uint32_t had, std::uint32_t cores_max);
 
 /// Returns how many free cores a job gets. `others_claim`: sum of waiting users' shares. REQUIRES:
 /// need.cores_min <= free.
 std::uint32_t cores_given(const Need& need, std::uint32_t free, std::uint64_t others_claim);
 
-/// How long a job has its cores before it can be stopped for other jobs.
+/// Returns how long a job has its cores before it can be stopped for other jobs.
 double slice_s(const Job& job, const Options& options);
 double restart_cost_s(const Job& job, const Options& options);
 
-/// Whether the time that the additional cores save justifies the restart.
+/// Returns whether the additional cores save enough time to justify the restart.
 bool is_worth_widening(const RunningJob& job, std::uint32_t cores, const Options& options);
 
-/// Whether `next` would come before the running job after that job stopped. Both standings are
-/// core-seconds (Accounts::standing_core_s).
+/// Returns whether `next` would precede the running job if that job were stopped and queued. Both
+/// standings are core-seconds (Accounts::standing_core_s).
 bool comes_before(const NextJob& next, double next_standing, const RunningJob& running,
                   double running_standing, const Options& options);
 

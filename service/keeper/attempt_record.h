@@ -2,15 +2,17 @@
 //
 // An attempt is the n-th start of a job's program. The keeper writes the record twice: before it
 // starts the program, and after the program and all its descendants ended. So the record and the
-// keeper's lock together show an attempt's progress, whichever processes were killed (backend.h).
+// keeper's lock together show the attempt's state, even if any of the processes were killed
+// (backend.h).
 //
 // Invariants:
-//   1. The file is absent or one complete record: each record is written beside the file,
+//   1. The file is either absent or a complete record. Each record is written to a temporary file,
 //      synced and renamed, and the folder is synced.
 //   2. Records only advance: attempts ascend, an attempt's end follows its beginning, and an end
 //      never changes.
-//   3. An end fits on a full disk, because `RecordFile::begin` writes its bytes as zeros before the
-//      program starts. Copy-on-write file systems (btrfs, ZFS) don't guarantee this.
+//   3. The end can be written even on a full disk, because `RecordFile::begin` reserves its bytes
+//      as zeros before the program starts. Copy-on-write file systems (btrfs, ZFS) don't guarantee
+//      this.
 //
 // Thread safety: values; a RecordFile belongs to one thread.
 #pragma once
@@ -61,8 +63,8 @@ struct AttemptEnd {
 
   KilledFor killed_for = KilledFor::nothing;
   std::optional<Stop> stop_asked{};  ///< last stop that the keeper passed on
-  /// How the session ended, from its pipe or its store. None: the session died or never began, and
-  /// only the three fields above are known.
+  /// How the session ended, as read from its pipe or its store. None: the session died or never
+  /// began, and only the three fields above are known.
   std::optional<events::RunEnd> run_end{};
   double wall_s = 0;                   ///< from the program's start to its end
   double processor_s = 0;              ///< of the program and all its descendants
@@ -85,7 +87,8 @@ struct AttemptRecord {
 };
 
 inline constexpr std::size_t k_tail_lines_max = 50;
-/// Maximum size of a record. First the tail's oldest lines are dropped, then long words are cut.
+/// Maximum size of a record. To fit, a record drops the oldest lines of its tail, then cuts long
+/// messages.
 inline constexpr std::size_t k_record_bytes_max = 64U << 10U;
 inline constexpr const char* k_record_name = "attempt.json";
 
@@ -98,7 +101,7 @@ std::optional<AttemptRecord> record_of(std::string_view text);
 /// Reads the record's text atomically. Empty: no record. Throws base::Error if that fails.
 std::string record_text_in(const std::string& folder);
 
-/// Returns the record in the text. None: empty text. Throws base::Error for an invalid text.
+/// Parses the text of a folder's record. None: empty text. Throws base::Error for an invalid text.
 std::optional<AttemptRecord> record_in(const std::string& folder, const std::string& text);
 
 /// record_text_in, then record_in.
@@ -111,8 +114,8 @@ class RecordFile {
   /// Durable on return, with room for the end. After a base::Error, the record may exist.
   void begin(const AttemptRecord& record);
 
-  /// Durable on return. REQUIRES: `record` has an end; begin has returned; called once. If it
-  /// throws base::Error, the record of the beginning may remain.
+  /// Durable on return. REQUIRES: `record` has an end; begin has returned; called once. After a
+  /// base::Error, the record of the beginning may remain.
   void end(const AttemptRecord& record);
 
  private:

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <utility>
 
-// This header requires unistd.h before it.
+// This header requires that unistd.h is included before it.
 #include <linux/close_range.h>
 
 #include "common/base/check.h"
@@ -66,7 +66,7 @@ bool receive(int descriptor, T& value) {
   return count == sizeof(value);
 }
 
-/// Sends without a signal if the peer has closed its end.
+/// Sends the value. If the peer has closed its end, fails without a signal.
 template <class T>
 bool send(int descriptor, const T& value) {
   return ::send(descriptor, &value, sizeof(value), MSG_NOSIGNAL) == sizeof(value);
@@ -83,9 +83,10 @@ struct KeeperStart {
   int other_end;  ///< the launcher's end of the line
 };
 
-/// In the keeper's process: waits for the launcher's permission, then becomes the keeper.
+/// Runs in the keeper's process: waits for the launcher's permission, then becomes the keeper.
 [[noreturn]] void become_keeper(const KeeperStart& start) {
-  // Close the launcher's end here, so that the line breaks if the launcher dies.
+  // Close this process's copy of the launcher's end, so that the connection breaks if the launcher
+  // dies.
   ::close(start.other_end);
   bool goes = false;
   if (!send(start.line, ::getpid()) || !receive(start.line, goes)) ::_exit(127);
@@ -103,7 +104,8 @@ struct KeeperStart {
   ::_exit(127);
 }
 
-/// In the intermediate process, which exits at once, so that the keeper isn't the daemon's child.
+/// Runs in the intermediate process, which forks the keeper's process and exits at once, so that
+/// the keeper isn't the daemon's child.
 [[noreturn]] void fork_keeper(const KeeperStart& start) {
   if (::setsid() < 0) ::_exit(1);
   const pid_t keeper = ::fork();
@@ -173,7 +175,7 @@ RunningKeeper LocalBackend::launch_command(const std::string& folder,
   }
   pid_t keeper = 0;
   if (!receive(line.mine.get(), keeper)) fail("can't start a keeper", EAGAIN);
-  // The keeper still waits for permission, so its process id can't have been reused.
+  // The keeper's process still waits for permission, so its id can't have been reused.
   RunningKeeper running(identity_of(keeper).value_or(ProcessIdentity{.pid = keeper}),
                         base::Descriptor(open_process(keeper)));
   if (running.descriptor() < 0) fail("can't watch the keeper", errno);
@@ -202,7 +204,7 @@ Look LocalBackend::look(const std::string& folder, std::uint32_t attempt) const 
   const bool has_begun = newest == attempt;
   const bool has_ended = has_begun && look.record->end;
   if (!has_begun) look.record.reset();
-  // Somebody may have deleted the lock file. A living keeper still has the folder.
+  // If somebody deleted the lock file, a living keeper still has the folder.
   const bool lives = has_begun && !has_ended && is_living(look.record->keeper);
   if (is_held || lives) {
     look.state = Look::State::running;
@@ -220,7 +222,8 @@ std::optional<RunningKeeper> LocalBackend::adopt(const std::string& folder,
   if (looked.state != Look::State::running || !looked.record) return std::nullopt;
   const ProcessIdentity& recorded = looked.record->keeper;
   base::Descriptor descriptor(open_process(recorded.pid));
-  // Open before reading: if the identity matches, the descriptor is the recorded process's.
+  // Open the descriptor before reading the identity. If the identity then matches, the descriptor
+  // refers to the recorded process.
   if (!descriptor || identity_of(recorded.pid) != recorded) return std::nullopt;
   return RunningKeeper(recorded, std::move(descriptor));
 }

@@ -1,11 +1,13 @@
-// The local backend: starts, signals and inspects attempts for a daemon that may be killed anytime.
+// The local backend: starts, signals and inspects attempts for a daemon that may be killed at any
+// time.
 //
 // Each attempt runs under a keeper, a separate process (`sleight-keeper`, keep.h) that outlives the
 // daemon. A new daemon needs only the job's folder and the attempt's number:
 //
 //   `backend.launch(spec)`: store the number first. Returns once the keeper runs.
-//   `backend.look(folder, attempt)`: at any time, from any daemon. The answers are:
-//     `never_began`: launch the same attempt again; of two keepers only one starts the program.
+//   `backend.look(folder, attempt)`: call at any time, from any daemon. The answers are:
+//     `never_began`: launch the same attempt again. If two keepers start, only one of them starts
+//       the program.
 //       While the keeper that launch returned is alive, this answer means "not yet".
 //     `running`: adopt(folder, attempt), wait for its descriptor, then look again. If adopt
 //       returns none, the keeper has just started or exited: look again some milliseconds later.
@@ -23,8 +25,8 @@
 //   5. No function waits for a program. launch waits for one exec.
 //
 // The lock uses fcntl's open file descriptions (F_OFD_SETLK) instead of flock. Both kinds of locks
-// are released when the keeper ends. But only F_OFD_SETLK's can be tested without being taken, so a
-// look never makes a starting keeper believe that another one exists.
+// are released when the keeper ends. But only an F_OFD_SETLK lock can be tested without being
+// taken, so look() never makes a starting keeper believe that another keeper exists.
 //
 // Thread safety: any thread; functions are independent of one another.
 #pragma once
@@ -47,10 +49,10 @@ class RunningKeeper {
   RunningKeeper(ProcessIdentity identity, base::Descriptor descriptor);
 
   const ProcessIdentity& identity() const { return identity_; }
-  /// For poll: becomes and stays readable once the keeper has exited.
+  /// Descriptor for poll, readable once the keeper has exited.
   int descriptor() const { return descriptor_.get(); }
   bool has_gone() const;
-  /// False: the keeper has exited. Can be repeated, also with `now` after `in_order`.
+  /// False: the keeper has exited. Can be called again, including with `now` after `in_order`.
   bool stop(Stop how) const;
 
  private:
@@ -71,18 +73,19 @@ class LocalBackend {
  public:
   explicit LocalBackend(Programs programs);
 
-  /// Starts a keeper. On return the program doesn't run yet, and it may never run; look() reports
-  /// which. Throws base::Error if no keeper can be started, or if this machine can't run the spec
-  /// (more ranks than cores, no mpirun).
+  /// Starts a keeper. When launch returns, the program doesn't run yet, and it may never run.
+  /// look() reports which is the case. Throws base::Error if no keeper can be started, or if this
+  /// machine can't run the spec (more ranks than cores, no mpirun).
   RunningKeeper launch(const AttemptSpec& spec) const;
   /// Like launch, with a complete keeper command (keeper_command_of).
   RunningKeeper launch_command(const std::string& folder, std::vector<std::string> command) const;
 
-  /// Throws base::Error if the record is unreadable, or of a later attempt by another daemon.
+  /// Throws base::Error if the record is unreadable, or if it belongs to a later attempt, which
+  /// another daemon started.
   Look look(const std::string& folder, std::uint32_t attempt) const;
 
-  /// Returns the keeper of a running attempt. None: the attempt isn't running, or has no record
-  /// yet; look() distinguishes the two. Throws like look.
+  /// Returns the keeper of a running attempt. None: the attempt isn't running, or it has no record
+  /// yet. look() distinguishes these cases. Throws like look.
   std::optional<RunningKeeper> adopt(const std::string& folder, std::uint32_t attempt) const;
 
   /// Adopts the keeper and stops it. False: the attempt isn't running, or has no record yet.

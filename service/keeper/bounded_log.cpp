@@ -27,7 +27,7 @@ void BoundedLog::open() {
   descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
   const off_t size = descriptor_ < 0 ? 0 : ::lseek(descriptor_, 0, SEEK_END);
   bytes_ = size > 0 ? static_cast<std::uint64_t>(size) : 0;
-  // An earlier keeper may have been killed within a line.
+  // An earlier keeper may have been killed in the middle of a line.
   char last = '\n';
   if (bytes_ > 0 && ::pread(descriptor_, &last, 1, size - 1) == 1) at_line_begin_ = last == '\n';
 }
@@ -60,7 +60,7 @@ void BoundedLog::append(std::string_view bytes) {
 void BoundedLog::mark(std::string_view words) {
   std::string line = at_line_begin_ ? "" : "\n";
   line += k_log_mark;
-  // Keep the words on one line.
+  // Put the message on one line.
   for (const char c : words)
     line += c == '\n' ? ' ' : c;
   append(line + "\n");

@@ -28,7 +28,7 @@ class BoundedLog {
   BoundedLog(const BoundedLog&) = delete;
   BoundedLog& operator=(const BoundedLog&) = delete;
 
-  /// Appends output, split at any places.
+  /// Appends a piece of output, which may begin and end within a line.
   void append(std::string_view bytes);
   /// Appends a marked line.
   void mark(std::string_view words);
@@ -47,7 +47,8 @@ class BoundedLog {
   bool at_line_begin_ = true;
 };
 
-/// The last lines of an output, each cut to a maximum length. The last line may be incomplete.
+/// Collects the last lines of an output, each cut to a maximum length. The last line may be
+/// incomplete.
 class LastLines {
  public:
   static constexpr std::size_t k_line_bytes_max = 400;

@@ -29,12 +29,12 @@ struct AttemptSpec {
   std::uint32_t cores = 1;    ///< threads; ignored with ranks
   std::uint32_t ranks = 0;    ///< one core each; 0: without MPI
   /// The attempt runs in a batch system's job, on that job's machines. Ranks are spread over these
-  /// machines, and this machine's cores don't matter.
+  /// machines, so the number of this machine's cores doesn't matter.
   bool in_batch = false;
   std::uint64_t cache_mb = 256;  ///< per process
   bool strict = false;           ///< a failed simulation ends the run
-  /// Maximum time to exit for a program that has reported its end, and for an mpirun without ranks.
-  /// After reporting its end, a run waits up to 20 s for ranks that don't answer.
+  /// Maximum time until a program exits after reporting its end, and until an mpirun without ranks
+  /// exits. After reporting its end, a run waits up to 20 s for ranks that don't answer.
   double grace_s = 30;
 
   bool operator==(const AttemptSpec&) const = default;
@@ -48,21 +48,21 @@ struct Programs {
   std::string mpirun{};  ///< empty: not installed
 };
 
-/// The programs beside the running program, and mpirun from PATH.
+/// Returns the programs in the running program's folder, and mpirun from PATH.
 Programs programs_beside_this();
 
 /// Returns why the spec can't run here. Empty: it can.
 std::string obstacle_of(const AttemptSpec& spec, const Programs& programs);
 
-/// The program's command, to be run in the job's folder.
+/// Returns the program's command, to be run in the job's folder.
 std::vector<std::string> command_of(const AttemptSpec& spec, const Programs& programs);
 
-/// The keeper's command, which contains the program's command.
+/// Returns the keeper's command, which contains the program's command.
 std::vector<std::string> keeper_command_of(const AttemptSpec& spec, const Programs& programs);
 
 /// The environment for programs. Removes variables that would change Open MPI or the dynamic linker
 /// (OMPI_*, PMIX_*, LD_* and similar), and a batch job's variables, which would make mpirun search
-/// for that job's nodes. The pair of variables that allows root to use mpirun stays.
+/// for that job's nodes. Doesn't remove the pair of variables that allows root to use mpirun.
 std::vector<std::string> cleaned_environment(const std::vector<std::string>& environment);
 
 /// This process's environment, unchanged.

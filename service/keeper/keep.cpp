@@ -42,12 +42,12 @@ namespace {
 constexpr double k_never_s = std::numeric_limits<double>::infinity();
 /// Maximum wait for a signal, output or a message, unless a check is due earlier.
 constexpr double k_patience_s_max = 3600;
-/// Interval of checks whether mpirun has ranks.
+/// Interval at which the keeper checks whether mpirun has ranks.
 constexpr double k_rank_look_s = 1;
-/// Interval of these checks until the first rank appears. The interval is short, because ranks may
-/// be short-lived and a stop may wait for them.
+/// Interval at which the keeper checks for mpirun's first rank. The interval is short, because
+/// ranks may be short-lived and a stop may wait for them.
 constexpr double k_first_rank_look_s = 0.02;
-/// First and last interval of killing remaining descendants again.
+/// First and last interval at which remaining descendants are killed again.
 constexpr int k_kill_again_ms_min = 1;
 constexpr int k_kill_again_ms_max = 100;
 /// Interval at which a waiting keeper checks another keeper.
@@ -71,7 +71,7 @@ std::string run_folder_of(const std::string& folder) {
   return fmt::format("{}/{}.run", folder, k_output_name);
 }
 
-/// The run's sessions. None if there is no store or if it can't be read, which is logged.
+/// Returns the run's sessions; none if there is no store, or if it can't be read, which is logged.
 std::vector<store::Session> sessions_in(const std::string& folder, BoundedLog& log) {
   if (!base::PosixFileSystem().exists(run_folder_of(folder) + "/store.sqlite")) return {};
   try {
@@ -87,7 +87,7 @@ std::vector<store::Session> sessions_in(const std::string& folder, BoundedLog& l
 class EndPipe {
  public:
   explicit EndPipe(const std::string& path) {
-    // Create a new pipe, which no process of an earlier attempt has open.
+    // Create a new pipe, so that no process of an earlier attempt has it open.
     if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail(path);
     if (::mkfifo(path.c_str(), 0600) != 0) fail(path);
     reader_.reset(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
@@ -132,13 +132,13 @@ class Output {
     ::fcntl(reader_.get(), F_SETFL, O_NONBLOCK);
   }
 
-  /// Negative once all writers have closed; poll ignores negative descriptors.
+  /// Returns a negative number, which poll ignores, once all writers have closed the pipe.
   int descriptor() const { return reader_.get(); }
   int writer() const { return writer_.get(); }
   void close_writer() { writer_.reset(); }
   std::vector<std::string> last_lines() const { return last_.lines(); }
 
-  /// Reads available output, at most `pieces` pieces, so that signals are handled in between.
+  /// Reads at most `pieces` pieces of available output, so that signals are handled in between.
   void take(int pieces) {
     for (; pieces > 0; --pieces) {
       const ssize_t count = ::read(reader_.get(), piece_.data(), piece_.size());
@@ -165,7 +165,8 @@ class Output {
 class Signals {
  public:
   explicit Signals(bool in_batch) : on_term_(in_batch ? Stop::in_order : Stop::now) {
-    // Inherited dispositions could hide the children's ends or end the keeper.
+    // Reset inherited signal dispositions, which could hide that children ended, or could end the
+    // keeper.
     std::signal(SIGCHLD, SIG_DFL);
     for (const int number : {SIGHUP, SIGPIPE, SIGXFSZ})
       std::signal(number, SIG_IGN);
@@ -209,7 +210,7 @@ class Kept {
   const std::optional<Stop>& stop_asked() const { return stop_asked_; }
 
   void stop(Stop how) {
-    // Pass on only the first clean stop. A second signal would end the run at once.
+    // Forward only the first clean stop, because a second signal would end the run at once.
     const bool was_asked = stop_asked_.has_value();
     stop_asked_ = stop_asked_ == Stop::now ? Stop::now : how;
     if (how == Stop::now) {
@@ -217,14 +218,14 @@ class Kept {
     } else if (was_asked) {
       return;
     } else if (options_.with_ranks && !has_had_ranks_) {
-      // mpirun passes signals only to ranks that already exist.
+      // mpirun forwards signals only to ranks that already exist, so wait for the first rank.
       is_stop_held_ = true;
     } else {
       ::kill(program_, SIGUSR1);
     }
   }
 
-  /// Waits for all children that have ended.
+  /// Collects all children that have ended.
   void reap() {
     int status = 0;
     pid_t ended = 0;
@@ -241,7 +242,7 @@ class Kept {
     if (options_.with_ranks && now_s >= next_look_s_) look_for_ranks(now_s);
   }
 
-  /// Milliseconds until the next check is due.
+  /// Returns the milliseconds until the next check is due.
   int patience_ms() const {
     const double now_s = clock_.now_s();
     double due_s = std::min(now_s + k_patience_s_max, lingers_s_);
@@ -281,7 +282,7 @@ class Kept {
   double next_look_s_ = 0;
 };
 
-/// Kills and awaits all children, and their descendants, which become children of this process.
+/// Kills and awaits all children, and then their children, which become this process's own.
 void end_all_descendants() {
   for (int wait_ms = k_kill_again_ms_min;; wait_ms = std::min(2 * wait_ms, k_kill_again_ms_max)) {
     // These process ids can't have been reused, because nobody has waited for the processes.
@@ -314,7 +315,8 @@ AttemptEnd run_program(const KeeperOptions& options, pid_t program, Signals& sig
                                  {.fd = output.descriptor(), .events = POLLIN, .revents = 0}}};
     if (::poll(waits.data(), waits.size(), kept.patience_ms()) < 0 && errno != EINTR) fail("poll");
     const auto asked = signals.take();
-    // Reap first: a signal must not go to a process id that is free again.
+    // Call reap() first, and send no signal to a program that it collected, because the process id
+    // may be reused.
     kept.reap();
     if (asked && !kept.has_ended()) kept.stop(*asked);
     pipe.take();
@@ -324,7 +326,7 @@ AttemptEnd run_program(const KeeperOptions& options, pid_t program, Signals& sig
   moments.reached(Moment::program_ended);
   end_all_descendants();
   moments.reached(Moment::alone);
-  // All writers are gone, so the rest is complete.
+  // All writers have exited, so the remaining output is complete.
   pipe.take();
   while (output.descriptor() >= 0)
     output.take(16);
@@ -333,7 +335,7 @@ AttemptEnd run_program(const KeeperOptions& options, pid_t program, Signals& sig
   return end;
 }
 
-/// The stored end of a session that began during this attempt.
+/// Returns the stored end of a session that began during this attempt.
 std::optional<events::RunEnd> stored_end(const KeeperOptions& options, const AttemptRecord& record,
                                          BoundedLog& log) {
   const auto sessions = sessions_in(options.folder, log);
@@ -390,9 +392,9 @@ AttemptEnd start_and_wait(const KeeperOptions& options, Signals& signals, EndPip
   return end;
 }
 
-/// Waits for another keeper of the same batch job, which the system has started twice, and passes
-/// signals on to it. If this keeper exited first, the system would end both. False: the other
-/// keeper has exited or is on another machine.
+/// Waits for another keeper of the same batch job, which the system has started twice, and forwards
+/// signals to that keeper. This keeper must not exit first, because the system would then end both.
+/// False: the other keeper has exited or is on another machine.
 bool wait_for_other(const ProcessIdentity& other, Signals& signals) {
   bool was_there = false;
   while (is_living(other)) {
@@ -462,7 +464,7 @@ base::ExitCode keep(const KeeperOptions& options, Moments& moments) {
   if (!end.run_end) end.run_end = stored_end(options, record, log);
   end.ended_unix_s = unix_now_s();
   log.mark(fmt::format("attempt {}: {}", options.attempt, words_of(end)));
-  // Ignore failures here: the next attempt reports them, and this attempt's end counts.
+  // Ignore failures here: the next attempt reports them, and this attempt's end must be recorded.
   static_cast<void>(clear_mpi_files(options.folder));
   record.end = std::move(end);
   if (marks) {

@@ -6,31 +6,31 @@
 //      session's end (common/events/run_end.h), and writes the attempt's record.
 //   3. Starts the program (program.h) and waits. Meanwhile the keeper writes the program's output
 //      to the bounded log, and handles signals:
-//        `SIGUSR1`, `SIGINT`: pass SIGUSR1 on to the program, which stops a run cleanly.
+//        `SIGUSR1`, `SIGINT`: send SIGUSR1 to the program, which stops a run cleanly.
 //        `SIGTERM`: kill the program and all its descendants.
 //        `SIGHUP`: ignore.
 //      The keeper kills a program that reported its end but doesn't exit, and an mpirun whose ranks
 //      have all exited (Debian 12's mpirun sometimes hangs while exiting).
 //   4. After the program has ended, kills its remaining descendants. The keeper is their subreaper,
 //      so it can wait for all of them.
-//   5. Writes the record with the end. If the pipe reported no end, the end of a session newer
-//      than the earlier ones is taken from the run store, if it has one.
+//   5. Writes the record with the end. If the pipe reported no end, uses the end that this
+//      attempt's session has in the run store, if any.
 //
 // In a batch system's job (KeeperOptions::in_batch) five things differ:
 //
-//   1. SIGTERM, which the system sends to all processes some time before killing them, is passed on
-//      as SIGUSR1. The program itself doesn't receive SIGTERM, so it isn't told twice.
+//   1. The system sends SIGTERM to all processes some time before killing them. The keeper forwards
+//      it as SIGUSR1. The program itself blocks SIGTERM, so it doesn't receive two signals.
 //   2. The program gets the whole environment, from which mpirun finds the job's machines.
 //   3. On a network disk, whose locks outlive a lost machine, the file `begun.N` replaces the lock.
 //      So an attempt that the system starts twice runs once.
 //   4. A second keeper on the same machine waits until the first one exits, because the system
-//      would take the second keeper's exit for the end of the job.
+//      would interpret the second keeper's exit as the end of the job.
 //   5. A keeper that was presumed lost doesn't overwrite a later attempt's record.
 //
 // Invariants:
-//   1. The keeper holds the lock while it lives, and no process of the program outlives it. The
-//      keeper waits for all these processes. If the keeper is killed, the kernel kills the program,
-//      and the program's death ends its ranks (clients/cli/end_with_mpirun.h).
+//   1. The keeper holds the lock while it lives, and no process of the program outlives the keeper,
+//      because the keeper waits for all of them. If the keeper is killed, the kernel kills the
+//      program, and the program's death ends its ranks (clients/cli/end_with_mpirun.h).
 //   2. The record of the end is written after all processes of the program ended.
 //
 // Thread safety: keep() needs a process with one thread, and all of that process's signals and
@@ -55,9 +55,9 @@ struct KeeperOptions {
   double grace_s = 30;      ///< as in AttemptSpec
 };
 
-/// Grace time of an mpirun without ranks, unless the attempt's grace time is shorter.
+/// Grace time for an mpirun whose ranks have exited, unless the attempt's grace time is shorter.
 inline constexpr double k_without_ranks_s = 10;
-/// An mpirun that has had no rank after this time counts as hanging.
+/// An mpirun that has started no rank within this time counts as hanging.
 inline constexpr double k_first_rank_s = 60;
 
 /// Returns `ok` after the attempt's end is recorded, however the program ended. Returns `conflict`,

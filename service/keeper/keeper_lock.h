@@ -2,7 +2,7 @@
 //
 // Invariants:
 //   1. At most one process holds the lock, and the lock is released when that process ends.
-//   2. Testing the lock doesn't take it, so a look never makes a starting keeper fail.
+//   2. Testing the lock doesn't take it, so a test never makes a starting keeper fail.
 //
 // A process forked from the holder also holds the lock until it calls exec.
 //
@@ -26,14 +26,14 @@ class KeeperLock {
   KeeperLock(const KeeperLock&) = delete;
   KeeperLock& operator=(const KeeperLock&) = delete;
 
-  /// Marks the attempt as begun for all machines (`begun.N`), and removes older marks. For disks
-  /// without locks, or whose locks outlive a lost machine. False: already marked. Throws
-  /// base::Error.
+  /// Marks the attempt as begun for all machines (`begun.N`), and removes older marks. Used on
+  /// disks without locks, and on disks whose locks outlive a lost machine. False: already marked.
+  /// Throws base::Error.
   static bool mark_begun(const std::string& folder, std::uint32_t attempt);
-  /// Whether mark_begun has marked the attempt.
+  /// Returns whether mark_begun has marked the attempt.
   static bool has_begun(const std::string& folder, std::uint32_t attempt);
 
-  /// Whether a keeper holds the lock. False if the folder doesn't exist.
+  /// Returns whether a keeper holds the lock. False: no keeper does, or the folder doesn't exist.
   static bool is_held(const std::string& folder);
 
  private:

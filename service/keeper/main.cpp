@@ -1,4 +1,5 @@
-// `sleight-keeper` without moments at which it dies (main_keeper.h).
+// The main function of `sleight-keeper`, which dies at none of the moments for tests
+// (main_keeper.h).
 #include "service/keeper/main_keeper.h"
 
 int main(int argc, char** argv) {

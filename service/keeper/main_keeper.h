@@ -1,4 +1,4 @@
-// The main function of `sleight-keeper`. Tests pass moments at which the keeper dies.
+// The main function of `sleight-keeper`. Tests pass Moments at which the keeper dies.
 #pragma once
 
 #include "service/keeper/moments.h"

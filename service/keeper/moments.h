@@ -1,4 +1,4 @@
-// Moments of a keeper's life at which tests kill it.
+// Moments in a keeper's life at which tests kill the keeper.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ inline constexpr std::array<std::string_view, 10> k_moment_names{
     "begun",  "locked",  "prepared",      "recorded", "in_child",
     "forked", "started", "program_ended", "alone",    "end_recorded"};
 
-/// Called at each moment. A real keeper does nothing there.
+/// Called at each moment. A real keeper does nothing at these moments.
 class Moments {
  public:
   virtual ~Moments() = default;

@@ -22,9 +22,9 @@ struct Stat {
   std::uint64_t start_ticks = 0;
 };
 
-/// Empty if the file doesn't exist or its process has ended.
+/// Returns an empty text if the file doesn't exist or its process has ended.
 std::string content_of(const std::string& path) {
-  // If the process ends while its file is read, reading fails. `<<` treats that as the file's end.
+  // If the process ends while its file is read, reading fails, which `<<` treats as the file's end.
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return std::move(text).str();
@@ -54,7 +54,7 @@ std::optional<pid_t> number_in(std::string_view name) {
   return number;
 }
 
-/// The numeric entries of a folder in /proc.
+/// Returns the numeric entries of a folder in /proc.
 std::vector<pid_t> numbers_in(const std::string& folder) {
   std::vector<pid_t> numbers;
   std::error_code error;
@@ -83,7 +83,7 @@ std::optional<ProcessIdentity> identity_of(pid_t pid) {
 
 std::vector<pid_t> children_of(pid_t pid) {
   std::vector<pid_t> children;
-  // Each thread has its own list.
+  // Each thread of the process has its own list of children.
   for (const pid_t thread : numbers_in(fmt::format("/proc/{}/task", pid))) {
     std::ifstream list(fmt::format("/proc/{}/task/{}/children", pid, thread));
     if (!list) {

@@ -11,7 +11,7 @@
 #include <csignal>
 #include <cstring>
 
-// This header requires signal.h and unistd.h before it.
+// This header requires that signal.h and unistd.h are included before it.
 #include <linux/close_range.h>
 
 #include "common/base/check.h"
@@ -44,7 +44,7 @@ bool dump_no_core() {
   return ::setrlimit(RLIMIT_CORE, &none) == 0;
 }
 
-/// In the child: becomes the program, or reports the error to `report` and exits.
+/// Runs in the child: becomes the program, or reports the error to `report` and exits.
 [[noreturn]] void become(const ProgramStart& start, char* const* arguments,
                          char* const* environment, pid_t starter, int report, Moments& moments) {
   // Do this first, so that the child doesn't outlive a starter that has just died.
@@ -81,7 +81,7 @@ base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moment
   std::vector<std::string> variables = start.environment;
   const std::vector<char*> arguments = pointers_to(command);
   const std::vector<char*> environment = pointers_to(variables);
-  // exec closes the child's end, so an empty pipe means success.
+  // If exec succeeds, it closes the child's end, so an empty pipe means success.
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) return failed(errno);
   const base::Descriptor heard(ends[0]);

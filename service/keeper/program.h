@@ -1,7 +1,8 @@
 // Starts a program (an attempt's, or a tool) as a child that doesn't outlive its starter.
 //
 // The kernel kills the child when this process ends for any reason (PR_SET_PDEATHSIG). The child
-// has its own session and environment, only standard descriptors, no terminal, and no core dumps.
+// has its own session and the given environment, only standard descriptors, no terminal, and no
+// core dumps.
 //
 // Thread safety: the calling thread must outlive the child, because the kernel watches the thread.
 #pragma once
@@ -26,7 +27,7 @@ struct ProgramStart {
   bool blocks_sigterm = false;  ///< block SIGTERM in the program and its children
 };
 
-/// Returns once the program runs. On failure returns the reason, and there is no child.
+/// Returns once the program runs. If starting fails, returns the reason, and there is no child.
 base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moments& moments);
 
 /// Returns pointers to the words, as exec expects them. Valid until `words` changes.

@@ -22,7 +22,7 @@
 namespace sleight::keeper {
 namespace {
 
-/// Interval of checks for the exit of a program whose output has ended.
+/// Interval at which run_tool checks whether a program whose output has ended has exited.
 constexpr int k_wait_ms = 2;
 /// Interval of checks of ToolOptions::stop.
 constexpr int k_look_at_stop_ms = 100;
@@ -39,7 +39,7 @@ Pipe make_pipe() {
   return {.reader = base::Descriptor(ends[0]), .writer = base::Descriptor(ends[1])};
 }
 
-/// Reads available output; closes at its end.
+/// Reads available output. Closes the pipe at the end of the output.
 void take(base::Descriptor& from, std::string& into, std::size_t bytes_max, bool& is_cut) {
   std::array<char, 16384> piece;
   const ssize_t count = ::read(from.get(), piece.data(), piece.size());
@@ -53,7 +53,8 @@ void take(base::Descriptor& from, std::string& into, std::size_t bytes_max, bool
   into.append(piece.data(), std::min(room, static_cast<std::size_t>(count)));
 }
 
-/// Writes input to the program; closes at its end, or when the program stops reading.
+/// Writes input to the program. Closes the pipe when all input is written, or when the program
+/// stops reading.
 void give(base::Descriptor& to, std::string_view& rest) {
   const ssize_t count = rest.empty() ? 0 : ::write(to.get(), rest.data(), rest.size());
   if (count < 0 && (errno == EINTR || errno == EAGAIN)) return;

@@ -20,11 +20,11 @@ namespace {
 
 /// Ranks usually start within about a second; the timeout is for a heavily loaded machine.
 constexpr double k_hello_timeout_s = 120;
-/// A rank leaves after its current block. After this time, a hanging rank is given up.
+/// A rank leaves after its current block. After this time, rank 0 stops waiting for a hanging rank.
 constexpr double k_leave_timeout_s = 20;
-/// Maximum time until a delivery is noticed. Most ranks have another block queued, but a rank that
-/// ran a whole ladder waits for the answer. Each poll takes processor time from the computing
-/// threads. Results of the local threads wake the loop at once.
+/// Maximum time until a delivery is noticed. Most ranks have another block queued meanwhile, but a
+/// rank that ran a whole ladder waits for the answer. Each poll takes processor time from the
+/// computing threads. Results of rank 0's own threads wake the loop at once.
 constexpr double k_coordinator_poll_s = 0.3e-3;
 
 std::size_t count_ranks() {
@@ -47,7 +47,7 @@ struct Received {
   schema::Message message;
 };
 
-/// The next message that has arrived, if any.
+/// Returns the next message that has arrived, if any.
 std::optional<Received> poll() {
   int arrived = 0;
   MPI_Status status;
@@ -82,9 +82,9 @@ MpiCrew::MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock,
 }
 
 MpiCrew::~MpiCrew() {
-  // After a failure the job is aborted, without waiting for ranks that may also have failed.
+  // After a failure, main aborts the job, so don't wait for ranks that may have failed too.
   if (std::uncaught_exceptions() == 0 && dismiss()) return;
-  // Messages to ranks that haven't left must outlive this object.
+  // Messages to ranks that haven't exited must outlive this object.
   for (Send& pending : sends_)
     static_cast<void>(pending.bytes.release());
 }

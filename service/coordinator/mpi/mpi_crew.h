@@ -5,8 +5,8 @@
 // (MPI_THREAD_FUNNELED). The driving thread polls for messages, because a blocking receive would
 // occupy a core.
 //
-// If a rank dies, the whole job dies, because Open MPI 4 can't report which rank is gone. The job
-// is then started again and resumes from its run store.
+// If a rank dies, the whole job dies, because Open MPI 4 can't report which rank died. The job is
+// then started again and resumes from its run store.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +29,7 @@ class MpiCrew final : public Crew {
   /// initialised with MPI_THREAD_FUNNELED, and this is rank 0's main thread.
   MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock, std::uint32_t local_threads,
           const schema::Hello& expected);
-  /// Dismisses the ranks. During an exception, leaves the ranks to MPI_Abort.
+  /// Dismisses the ranks. If an exception is in flight, leaves ending the ranks to MPI_Abort.
   ~MpiCrew() override;
   MpiCrew(const MpiCrew&) = delete;
   MpiCrew& operator=(const MpiCrew&) = delete;
@@ -40,15 +40,15 @@ class MpiCrew final : public Crew {
   std::vector<core::Input> receive(double timeout_s) override;
   Traffic traffic() const override { return traffic_; }
 
-  /// Asks every rank to leave, and waits for a limited time. False: some ranks haven't left.
-  /// MPI_Finalize would then wait forever; MPI_Abort doesn't. Nothing may be sent afterwards.
+  /// Asks every rank to exit its loop, and waits for a limited time. False: some ranks haven't
+  /// left. MPI_Finalize would then wait forever; MPI_Abort doesn't. Nothing may be sent afterwards.
   bool dismiss();
-  /// Whether rank 0's own threads are running blocks.
+  /// Returns whether rank 0's own threads are running blocks.
   bool is_busy() { return local_.is_busy(); }
 
  private:
   void await_hellos(const schema::Hello& expected);
-  /// Receives what has arrived from other ranks, without waiting.
+  /// Receives messages that have arrived from other ranks, without waiting.
   void poll_ranks(std::vector<core::Input>& inputs);
   void send_to_rank(std::size_t rank, const schema::Message& message);
   void drop_finished_sends();
