@@ -77,7 +77,7 @@ Held<X509> first_certificate(std::string_view text) {
   return certificate;
 }
 
-/// Prevents prompts for a key's passphrase.
+/// Prevents OpenSSL from prompting for a key's passphrase.
 int no_passphrase(char*, int, int, void*) {
   return 0;
 }
@@ -129,7 +129,7 @@ class Handshake {
 
   void trust_anybody() const { ::SSL_set_verify(tls_.get(), SSL_VERIFY_NONE, nullptr); }
 
-  /// Trusts certificates in PEM, or the system's, for a host name.
+  /// Makes connections trust certificates in PEM, or the system's, for a host name.
   void trust(const std::string& certificates, const std::string& name) const {
     X509_STORE* store = ::SSL_CTX_get_cert_store(context_.get());
     if (certificates.empty())
@@ -219,7 +219,7 @@ std::optional<std::string> self_signed_name(std::string_view certificate) {
     const GENERAL_NAME* name = sk_GENERAL_NAME_value(names.get(), i);
     if (name->type == GEN_DNS) return text_of(name->d.dNSName);
   }
-  // Without alternative names, use the common name.
+  // If the certificate has no alternative names, use the common name.
   const X509_NAME* subject = ::X509_get_subject_name(first.get());
   const int at = ::X509_NAME_get_index_by_NID(subject, NID_commonName, -1);
   if (names || at < 0) return std::nullopt;

@@ -1,9 +1,9 @@
 // TLS certificates of a service: self-signed ones, and the fingerprints by which people verify
 // them.
 //
-// A client trusts a self-signed certificate, such as the one made by the service (k_self_name),
-// because it has exactly this certificate (`sleight login --fingerprint`), whatever the machine's
-// name. Certificates of an authority are checked by host name as usual.
+// A client trusts a self-signed certificate, such as the one made by the service (k_self_name), if
+// it stored exactly this certificate (`sleight login --fingerprint`). The machine's name doesn't
+// matter then. Certificates of an authority are checked by host name as usual.
 //
 // Thread safety: any thread.
 #pragma once
@@ -33,8 +33,8 @@ Keypair make_self_signed();
 /// base::Error if there is none.
 std::string fingerprint_of(std::string_view certificate);
 
-/// Returns the first certificate's host name if it is self-signed. Nothing: signed by another
-/// party, or without a name.
+/// Returns the first certificate's host name if it is self-signed. Returns nothing if another party
+/// signed it, or if it has no name.
 std::optional<std::string> self_signed_name(std::string_view certificate);
 
 /// Splits a PEM text into its certificates.
@@ -50,8 +50,9 @@ void check_keypair(const Keypair& keypair);
 /// if there is no valid answer within `seconds_max`.
 std::string certificate_shown_at(const ServerAddress& address, double seconds_max);
 
-/// Returns OpenSSL's reason why a server's certificate is not trusted for `name` by the authorities
-/// in `trusted` (PEM; empty: the system's). Empty if it is trusted. Throws as certificate_shown_at.
+/// Returns OpenSSL's reason for not trusting a server's certificate for `name`, with the
+/// authorities in `trusted` (PEM; empty: the system's). Empty if it is trusted. Throws as
+/// certificate_shown_at.
 std::string fault_of_certificate_at(const ServerAddress& address, const std::string& name,
                                     const std::string& trusted, double seconds_max);
 

@@ -21,7 +21,8 @@ struct ServerAddress {
 /// Returns the address as text, always with its port.
 std::string text_of(const ServerAddress& address);
 
-/// Returns nothing if the text is not an address, as with an odd character or a port beyond 65535.
+/// Returns nothing if the text is not an address, for example because of an invalid character or a
+/// port beyond 65535.
 std::optional<ServerAddress> server_address_of(std::string_view text);
 
 }  // namespace sleight::access

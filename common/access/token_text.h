@@ -45,7 +45,7 @@ bool is_token_id(std::string_view id);
 /// Returns the hash that a service stores: SHA-256 over id and secret, hexadecimal.
 std::string hash_of(const Token& token);
 
-/// Compares in a time that does not depend on where the hashes differ.
+/// Compares two hashes in a time that does not depend on where they differ.
 bool are_equal_hashes(std::string_view a, std::string_view b);
 
 }  // namespace sleight::access

@@ -26,7 +26,7 @@ struct Maker {
   }
 };
 
-/// The start and number of each animation's rows along a dimension.
+/// Columns with the first row and the number of rows of each animation along a dimension.
 class Rows {
  public:
   Rows(const Maker& maker, const char* dim, const char* counted)
@@ -88,7 +88,7 @@ class FieldColumn {
   Column<Stored<Value>> column_;
 };
 
-/// Returns columns in the fields' order, which brace initialisation guarantees.
+/// Returns columns in the order of the fields. Brace initialisation guarantees this order.
 template <const auto& fields>
 auto columns_of(const Maker& maker, const char* dim) {
   return std::apply(
@@ -108,7 +108,8 @@ class AnimationTable {
   }
   void flush() {
     rows_.flush();
-    // The order determines positions in the file; this order keeps the bytes of earlier versions.
+    // The order of datasets determines their positions in the file. With this order, files have the
+    // same bytes as those of earlier versions.
     for (const ElementType type : {ElementType::i32, ElementType::f64})
       std::apply([&](auto&... columns) { (columns.flush_if(type), ...); }, columns_);
   }
@@ -118,7 +119,7 @@ class AnimationTable {
   decltype(columns_of<fields>(std::declval<const Maker&>(), "")) columns_;
 };
 
-/// Coordinates of positions and rotations, needed by other datasets of the group.
+/// Write the coordinates of positions and rotations, which other datasets of the group need.
 struct Axes {
   explicit Axes(const Maker& maker) {
     for (const Dimension& dim : {k_axis, k_quaternion})

@@ -1,4 +1,5 @@
-// Buffers between a layout that produces records and a Sink that expects long runs of elements.
+// Buffers between a layout, which produces single records, and a Sink, which expects long runs of
+// elements.
 //
 // Each Column is one dataset. A Column passes elements on in batches of fixed size, so that the
 // calls into a sink, and hence a file's bytes, depend only on the content.
@@ -58,7 +59,7 @@ inline void push_vector(Column<double>& column, const math::Vec3& v) {
     column.push(value);
 }
 
-/// A list of a world's variables with common leading dimensions, one dataset per variable.
+/// Datasets of a world's variables, one per variable, with common leading dimensions.
 class VariableColumns {
  public:
   VariableColumns(Sink& sink, std::string_view group, const std::vector<Dimension>& leading,

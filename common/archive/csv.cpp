@@ -78,7 +78,8 @@ Values whole(const Source& source, const Group& group, const DatasetSpec& spec) 
   return source.read(group.name, spec.name, 0, element_count(spec));
 }
 
-/// Returns a dimension's labels for column names: words if its coordinate is text.
+/// Returns a dimension's labels for column names: the coordinate's words if it is text, otherwise
+/// numbers.
 std::vector<std::string> labels_of(const Source& source, const Group& group, const Dimension& dim) {
   const DatasetSpec& coordinate = coordinate_of(source, group, dim.name);
   if (coordinate.type == ElementType::text && coordinate.dims[0].size == dim.size) {
@@ -90,7 +91,8 @@ std::vector<std::string> labels_of(const Source& source, const Group& group, con
   return labels;
 }
 
-/// Returns "x", or "x[0,0]", "x[0,1]", ... with the last dimension fastest.
+/// Returns a dataset's column names: "x", or "x[0,0]", "x[0,1]", ..., where the last index changes
+/// fastest.
 std::vector<std::string> column_names(const Source& source, const Group& group,
                                       const DatasetSpec& spec, std::size_t index_dims) {
   std::vector<std::string> suffixes{""};
@@ -148,7 +150,7 @@ class Exporter {
     for (const DatasetSpec& spec : group.datasets) {
       if (is_column(spec, index)) add_column(spec, index.size());
     }
-    // All columns of a batch share the memory of one dataset's batch.
+    // Together, the columns of a batch use as much memory as one dataset's batch.
     for (const DataColumn& column : columns_) {
       batch_rows_ = std::min<std::uint64_t>(
           batch_rows_,
@@ -169,7 +171,7 @@ class Exporter {
   }
 
  private:
-  /// Longest coordinate read as a whole: 10^9 scans would be 8 GB.
+  /// Maximum length of a coordinate that is read as a whole, because 10^9 scans would be 8 GB.
   static constexpr std::uint64_t k_index_max = 200'000'000;
 
   void add_column(const DatasetSpec& spec, std::size_t index_dims) {
@@ -307,7 +309,7 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
         fmt::format("{}: no table '{}', because the run had no search", source.name(), table_name));
   }
   if (group == nullptr || find_dataset(*group, table->index.front()) == nullptr) {
-    // Only some worlds have surface points.
+    // The table of surface points may be missing, because only some worlds have surfaces.
     if (table->index.front() != "point")
       refuse_archive(source, fmt::format("the group {} is missing", table->group));
     throw base::Error(base::ExitCode::usage,

@@ -1,4 +1,4 @@
-// Exports archives as CSV, for people and for programs that read nothing else.
+// Exports archives as CSV, for people and for programs that can't read HDF5.
 //
 // A table has one row per index, and one column per scalar or array element.
 //   posterior, sample_stats   a row for each (chain, draw)
@@ -9,10 +9,11 @@
 //   prior, sample_stats_prior a row for each draw from the prior
 //   features, parts           a row for each feature or part of the scene description
 //   points, find_points       a row for each control point of an animation's surface
-// The first columns are the index, by its coordinates. An array element's column is `name[i,j]`,
-// double-quoted if the name contains a comma (RFC 4180). If a dimension's coordinate is text, the
-// word replaces the number: `accepted[all]`. Doubles are the shortest decimals that read back to
-// the same bits. Not-a-number and infinities are nan, inf and -inf; booleans are 0 and 1.
+// The first columns contain the coordinates of the index. An array element's column is `name[i,j]`,
+// double-quoted if the name contains a comma (RFC 4180). If a dimension's coordinate is text, a
+// word replaces the number: `accepted[all]`. A double is written as the shortest decimal that reads
+// back to the same bits. Not-a-number and infinities are written as nan, inf and -inf, and booleans
+// as 0 and 1.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +30,9 @@ namespace sleight::archive {
 std::vector<std::string> csv_tables();
 
 /// Writes one table in batches. If `animations` is not empty, tables of animations, segments or
-/// points contain only these animations' rows, in the given order. The caller checks the stream's
-/// state at the end. Throws base::Error: usage if csv_tables() lacks `table` or the table lacks an
-/// animation, bad_archive if the archive lacks the group or is damaged.
+/// points contain only these animations' rows, in the given order. The caller must check the
+/// stream's state afterwards. Throws base::Error: usage if csv_tables() lacks `table` or the table
+/// lacks an animation, bad_archive if the archive lacks the group or is damaged.
 void export_csv(const Source& source, std::string_view table, std::ostream& out,
                 std::span<const std::uint64_t> animations = {});
 

@@ -27,8 +27,8 @@ void DistinctSelector::offer(base::ChainId chain, base::ScanIndex scan,
   CHECK(!record.state.empty());
   if (options_.keep_per_lineage == 0 || full_lineages_.contains(record.lineage)) return;
 
-  // Compare the animation with others of its lineage. The first needs no likeness, and most
-  // lineages have only one.
+  // Compare the animation with others of its lineage. A lineage's first animation needs no
+  // likeness, and most lineages have only one animation.
   const auto lineage = by_lineage_.find(record.lineage);
   std::vector<double> likeness;
   if (lineage != by_lineage_.end()) {
@@ -37,7 +37,7 @@ void DistinctSelector::offer(base::ChainId chain, base::ScanIndex scan,
   }
   if (!plays_out(record)) return;
 
-  // Keep the animation and the likeness for later comparisons.
+  // Keep the animation, and store its likeness for later comparisons.
   auto& kept = lineage != by_lineage_.end() ? lineage->second : by_lineage_[record.lineage];
   if (kept.size() + 1 >= options_.keep_per_lineage) {
     forget(kept);

@@ -7,17 +7,17 @@
 //   c. its likeness distance from each of those is above min_distance, and
 //   d. fewer than keep_max animations are kept in all.
 //
-// In fact a run is read chain by chain, with the same result. Conditions (b) and (c) look only at
-// the animation's own chain and lineage, whose scans arrive in the same order either way, so
-// without (d) both orders keep the same set. Condition (d) only truncates this set to its first
-// keep_max members in logical order, and the removed members influence nothing before them. Hence:
-// select chain by chain, merge by (scan, chain), truncate. For the same reason only a chain's first
-// keep_max members can survive, which bounds the memory to 2 keep_max records for runs of any
-// length.
+// The implementation reads a run chain by chain, with the same result. Conditions (b) and (c)
+// depend only on the animation's own chain and lineage, whose scans have the same order in both
+// cases. So without (d) both orders keep the same set. Condition (d) only truncates this set to its
+// first keep_max members in logical order, and the removed members don't affect earlier ones.
+// Hence: select chain by chain, merge by (scan, chain), truncate. For the same reason, only the
+// first keep_max members of a chain can survive. So the memory is at most 2 keep_max records for
+// runs of any length.
 //
 // The reader computes each animation's likeness for (c) once, because this may take a simulation.
 // Likenesses of kept animations are stored while their lineage may get another animation, up to
-// k_likeness_bytes_max in all. Likenesses beyond that limit are recomputed at each comparison.
+// k_likeness_bytes_max in all. Likenesses beyond this limit are recomputed for each comparison.
 //
 // Not thread-safe.
 #pragma once
@@ -64,7 +64,7 @@ class DistinctSelector {
   std::uint64_t failed() const { return failed_; }
 
  private:
-  /// A kept animation whose lineage may get more.
+  /// A kept animation whose lineage may get further animations.
   struct Compared {
     std::size_t index = 0;              ///< index into of_chain_
     std::vector<double> likeness = {};  ///< empty: not stored or not yet compared
@@ -72,7 +72,7 @@ class DistinctSelector {
 
   bool plays_out(const plan::ScanRecord& record);
   bool is_distinct(std::vector<Compared>& kept, std::span<const double> likeness);
-  /// Stores the likeness if there is room.
+  /// Stores the likeness if the limit allows.
   void hold(Compared& compared, std::vector<double> likeness);
   void forget(std::vector<Compared>& kept);
   void close_chain();
@@ -82,7 +82,7 @@ class DistinctSelector {
   base::ChainId chain_{};
   std::vector<KeptAnimation> merged_;    ///< of the previous chains, in logical order
   std::vector<KeptAnimation> of_chain_;  ///< of the current chain
-  /// Kept animations by lineage; none if the lineage is full. Used only for look-up.
+  /// Kept animations by lineage. Empty: the lineage is full. Used only for look-up.
   std::map<std::uint64_t, std::vector<Compared>> by_lineage_;
   std::set<std::uint64_t> full_lineages_;
   std::size_t likeness_bytes_ = 0;

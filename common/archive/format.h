@@ -14,7 +14,7 @@
 namespace sleight::archive {
 
 inline constexpr std::string_view k_format_name = "sleight-archive";
-/// Raised if a reader of the older version would misread the newer file. Programs read only this
+/// Increased if a reader of the older version would misread the newer file. Programs read only this
 /// version.
 inline constexpr std::int64_t k_format_version = 3;
 inline constexpr std::string_view k_inference_library = "sleight";
@@ -34,7 +34,8 @@ inline constexpr std::string_view k_sample_stats_prior = "/sample_stats_prior";
 /// Maximum number of prior draws, and the default for runs of chains.
 inline constexpr std::size_t k_prior_draws_max = 1000;
 /// Present only if a search found something. Attribute `found`: number of finds, kept or not.
-/// Attribute `relax_scans`, if chains relaxed the finds: number of scans of each relaxation.
+/// Attribute `relax_scans`, present if chains relaxed the finds: number of scans of each
+/// relaxation.
 inline constexpr std::string_view k_finds = "/finds";
 inline constexpr std::string_view k_found = "found";
 inline constexpr std::string_view k_finds_warning =
@@ -47,8 +48,9 @@ inline constexpr std::string_view k_takes_warning =
 inline constexpr std::size_t k_throws = 100;
 inline constexpr std::string_view k_request = "request";
 
-/// Root attributes that the digest omits: the digest itself and whatever depends on the program's
-/// version. So versions that compute the same results have the same digest.
+/// Root attributes that the digest omits: the digest itself, and attributes that depend on the
+/// program's version. So versions of the program that compute the same results produce the same
+/// digest.
 inline constexpr std::string_view k_content_digest = "content_digest";
 inline constexpr std::string_view k_inference_library_version = "inference_library_version";
 /// Version of the program that computed the results (deploy/version).
@@ -74,7 +76,7 @@ inline std::string failed_attribute(plan::FailureKind kind) {
 inline constexpr std::size_t k_batch_elements = 16384;
 
 /// Longest name of a group, dataset, dimension or attribute. Names consist of letters, digits, '_',
-/// '.' and '-', so they need no quoting in the digest's manifest, in CSV or in a shell.
+/// '.' and '-', so the digest's manifest, CSV and shells need no quotes around them.
 inline constexpr std::size_t k_name_bytes_max = 128;
 /// Maximum dimensions of a dataset: chain, draw and the variable's dimensions.
 inline constexpr std::size_t k_rank_max = 8;

@@ -1,6 +1,6 @@
 // Reads the scene of an archive and its animations' motions, for display, search and export.
 //
-// All returned values have been checked, whoever wrote the file.
+// All returned values have been checked, so the file may be hostile.
 //
 // Thread safety: as the source.
 #pragma once
@@ -24,8 +24,8 @@ inline constexpr std::uint64_t k_own_rows_max = 1'000'000;
 /// Maximum features, parts, vertices or triangles of a scene.
 inline constexpr std::uint64_t k_scene_rows_max = 4'000'000;
 
-/// Returns the archive's scene, or why it is invalid. Throws base::Error if the archive can't be
-/// read.
+/// Returns the archive's scene, or the reason why the scene is invalid. Throws base::Error if the
+/// archive can't be read.
 base::Result<scene::Scene, std::string> scene_of(const Source& source);
 
 class KeptMotions {
@@ -34,8 +34,8 @@ class KeptMotions {
   KeptMotions(const Source& source, std::string_view group);
 
   std::uint64_t count() const { return count_; }
-  /// Returns an animation, or why it is invalid. Throws what the source throws. REQUIRES: nth <
-  /// count(); `scene` is the archive's.
+  /// Returns an animation, or the reason why the animation is invalid. Throws what the source
+  /// throws. REQUIRES: nth < count(); `scene` is the archive's.
   base::Result<motion::Animation, std::string> animation(std::uint64_t nth,
                                                          const scene::Scene& scene) const;
   /// Returns the parts of the scene specific to the animation. Errors as animation().

@@ -53,11 +53,11 @@ struct WritingProgress {
 };
 using HearWriting = std::function<void(const WritingProgress&)>;
 
-/// Writes everything except content_digest and finish(), which write_digested adds. Throws what the
-/// view and the sink throw. Calls `hear` (may be empty) often with the progress. REQUIRES: at least
-/// one chain and one scan. Records fit the reader's layout and have a state at every thin-th scan
-/// and at every satisfied scan. The layout's names are plain words (format.h), unique within each
-/// group, and differ from this format's own names.
+/// Writes everything except content_digest and finish(), which write_digested adds. Passes on
+/// exceptions of the view and the sink. Calls `hear`, which may be empty, often with the progress.
+/// REQUIRES: at least one chain and one scan. Records fit the reader's layout and have a state at
+/// every thin-th scan and at every satisfied scan. The layout's names are plain words (format.h),
+/// unique within each group, and differ from this format's own names.
 void write_archive(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
                    Sink& sink, const HearWriting& hear = {});
 

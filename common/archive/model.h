@@ -1,16 +1,18 @@
 // The content of an archive independent of file formats: groups with attributes and datasets.
 //
-// A Sink receives an archive in one pass, a Source returns one. HDF5 files (archive/hdf5) and
-// archives in memory (tests/archive) implement both interfaces, so the layout, the digest, the
-// checks and the CSV export are written and tested without files.
+// A Sink receives an archive in one pass. A Source returns the parts of an archive. HDF5 files
+// (archive/hdf5) and archives in memory (tests/archive) implement both interfaces, so the layout,
+// the digest, the checks and the CSV export are written and tested without files.
 //
 // Invariants of a finished archive, checked by DigestingSink during writing:
 //  1. The root group is "/"; every other group is "/name", directly below the root. Group and
 //     dataset names are unique and are plain words (format.h).
-//  2. Every dimension of a dataset has a coordinate: a dataset of the same name in the same group
-//     whose only dimension is itself. So a dimension's name has one size within a group.
+//  2. Every dimension of a dataset has a coordinate: a one-dimensional dataset with the dimension's
+//     name, in the same group, along that dimension. So a dimension's name has one size within a
+//     group.
 //  3. Values are in row-major order. A dataset has exactly as many elements as its dimensions
-//     require. Only the first dimension may stay open (k_growing) until the archive is finished.
+//     require. Only the first dimension may have an open size (k_growing) until the archive is
+//     finished.
 //  4. Text contains no NUL character and has at most text_bytes bytes.
 //
 // Not thread-safe: only one thread at a time may use a Sink or Source.
@@ -35,7 +37,7 @@ enum class ElementType : std::uint8_t { f64, i64, i32, boolean, text };
 std::string_view name_of(ElementType type);
 
 /// Elements in memory. The alternatives follow the order of ElementType. A boolean is one byte: 0
-/// or 1 if written by us, any value if read from a file.
+/// or 1 in our own data, and any value in a file.
 using Values =
     std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::int32_t>,
                  std::vector<std::int8_t>, std::vector<std::string>>;
@@ -73,10 +75,11 @@ struct Group {
 /// Returns the product of the dimensions. REQUIRES: no dimension is k_growing; no overflow.
 std::uint64_t element_count(const DatasetSpec& spec);
 
-/// Returns for example "/posterior/draw", or "/request" in the root group.
+/// Returns a dataset's path, such as "/posterior/draw", or "/request" in the root group.
 std::string path_of(std::string_view group, std::string_view dataset);
 
-/// True for names allowed (format.h) for a group (after its '/'), dataset, dimension or attribute.
+/// Returns whether a group (after its '/'), dataset, dimension or attribute may have this name
+/// (format.h).
 bool is_plain_name(std::string_view name);
 
 const Attribute* find_attribute(const std::vector<Attribute>& attributes, std::string_view name);
@@ -109,7 +112,8 @@ class Source {
   virtual ~Source() = default;
   /// Returns the file's path, for messages.
   virtual std::string name() const = 0;
-  /// Returns all groups, root first. Datasets are in order of creation as far as known.
+  /// Returns all groups, root first. Datasets are in order of creation, as far as the order is
+  /// known.
   virtual const std::vector<Group>& groups() const = 0;
   /// Returns elements first .. first+count-1 of a dataset, in row-major order. REQUIRES: the
   /// dataset exists and contains the range.

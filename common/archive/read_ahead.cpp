@@ -46,7 +46,7 @@ Values ReadAhead::read(std::string_view group, std::string_view dataset, std::ui
       reading.end = first + ahead;
       return part_of(reading.block, 0, count);
     } catch (const base::Error&) {
-      // A later part of the block is damaged; the requested range may still be intact.
+      // Some part of the block is damaged, but the requested range may be intact.
     }
   }
   return source_->read(group, dataset, first, count);

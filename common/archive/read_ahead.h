@@ -1,9 +1,9 @@
-// A source that serves many small reads from few large ones. A read from a reader process costs as
-// much as reading thousands of values (remote/remote_source.h).
+// A source that combines many small reads into few large ones. A read from a reader process costs
+// as much as reading thousands of values (remote/remote_source.h).
 //
-// Sequential reads of a dataset, such as one animation's motion after the other, are served from a
-// block read in advance. Values and errors are those of the source. Intact parts of a damaged file
-// stay readable.
+// For sequential reads of a dataset, such as one animation's motion after the other, this source
+// reads a block in advance. Values and errors are those of the source. The intact parts of a
+// damaged file remain readable.
 //
 // Thread safety: as the source, and one thread at a time.
 #pragma once

@@ -1,6 +1,6 @@
-// A reader that caches motions, so that each is simulated only once. An archive requests each kept
-// animation's motion when selecting and when writing it, and the run's next archive requests it
-// again.
+// A reader that caches motions, so that each is simulated only once. Making an archive requests
+// each kept animation's motion when selecting and again when writing the animation, and the run's
+// next archive requests the motion once more.
 //
 // The cache does not change an archive's content. Not thread-safe: all motions share one cache.
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace sleight::archive {
 
-/// A cache of motions by state, which may drop any of them.
+/// A cache of motions by state, which may drop any motion.
 class Motions {
  public:
   virtual ~Motions() = default;

@@ -18,19 +18,19 @@ class RunView {
   /// Returns the cut: draws 0 .. draws()-1 are present for every chain. A draw is a scan's state at
   /// inverse temperature 1. In plain chains and tempered ladders, draws and scans coincide.
   virtual std::uint64_t draws() const = 0;
-  /// Calls `visit` with each draw 0 .. draws()-1 of one chain and its number.
+  /// Calls `visit` with each draw 0 .. draws()-1 of one chain and the draw's number.
   virtual void for_each_draw(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const = 0;
 
-  /// Returns whether a satisfying draw may become a kept animation. If one of a lineage's draws is
-  /// its independent solution, the lineage's earlier draws may not.
+  /// Returns whether a satisfying draw may become a kept animation. A lineage's draws before the
+  /// one that is its independent solution may not.
   virtual bool may_be_kept(base::ChainId /*chain*/, base::ScanIndex /*draw*/) const { return true; }
 
-  /// Maximum replicas of a chain. A plain chain has one, always at inverse temperature 1.
+  /// Maximum replicas of a chain. A plain chain has one replica, always at inverse temperature 1.
   virtual std::uint32_t replicas() const { return 1; }
-  /// Calls `visit`, in order, with each of a chain's replicas and its newest state at a multiple of
-  /// `thin`, if it has one. Called only if replicas() > 1.
+  /// Calls `visit`, in order, with each replica of the chain and the replica's newest state at a
+  /// multiple of `thin`, if there is one. Called only if replicas() > 1.
   virtual void for_each_replica(
       base::ChainId /*chain*/, std::uint64_t /*thin*/,
       const std::function<void(base::ReplicaId, base::ScanIndex,
@@ -40,7 +40,7 @@ class RunView {
   virtual std::uint64_t prior_draws() const { return 0; }
   virtual void for_each_prior_draw(
       const std::function<void(std::uint64_t nth, const plan::ScanRecord&)>& /*visit*/) const {}
-  /// Scans of the chains that relaxed the finds. 0: finds are as found.
+  /// Number of scans with which chains relaxed the finds. 0: the finds were not relaxed.
   virtual std::uint64_t relax_scans() const { return 0; }
   /// Number of finds of a search. Finds are visited in order, with the number of their start.
   virtual std::uint64_t finds() const { return 0; }
@@ -48,8 +48,8 @@ class RunView {
       const std::function<void(std::uint64_t start, const plan::ScanRecord&)>& /*visit*/) const {}
   /// Returns what the method learnt from these scans.
   virtual plan::Report report() const { return {}; }
-  /// Returns failed simulations in these scans, including those of all replicas and before the
-  /// first draw.
+  /// Returns counts of failed simulations in these scans, including those of all replicas and those
+  /// before the first draw.
   virtual plan::FailureCounts failures() const { return {}; }
 };
 

@@ -89,7 +89,8 @@ std::vector<Expected> expected_motions(std::string_view group) {
   };
 }
 
-/// Returns the datasets of an animation's own parts of the scene: all of a kind, or none.
+/// Returns the datasets for parts of the scene that belong to one animation. An archive has either
+/// all datasets of a kind or none.
 std::vector<Expected> expected_own_parts(std::string_view group) {
   using enum ElementType;
   return {
@@ -234,7 +235,7 @@ void check_value(const Source& source, std::string_view name, const T& expected,
 std::vector<Names> leading_dims(std::string_view group) {
   if (group == k_posterior || group == k_sample_stats || group == k_sample_stats_prior)
     return {{"chain", "draw"}};
-  // No leading dimensions: means and standard deviations of a variable's elements.
+  // Means and standard deviations of a variable's elements have no leading dimensions.
   if (group == k_prior) return {{"chain", "draw"}, {}};
   if (group == k_replicas) return {{"chain", "replica"}};
   if (group == k_tempering) return {{"chain"}};

@@ -9,7 +9,7 @@
 namespace sleight::archive {
 
 /// Returns one sentence per fault. Empty if every dataset of docs/ARCHIVE_FORMAT.md has the right
-/// type and dimensions, every dimension has its coordinate, and everything else is a world's
+/// type and dimensions, every dimension has its coordinate, and every other dataset is a world's
 /// variable.
 std::vector<std::string> check_structure(const Source& source);
 

@@ -30,7 +30,7 @@ std::string warning_of(const Source& source) {
   return attribute_of<std::string>(source, k_root, k_warning);
 }
 
-/// Returns 0 if the attribute is absent, which means that nothing failed.
+/// Returns the number of failures. If the attribute is absent, nothing failed.
 std::uint64_t count_of_failures(const Source& source, std::string_view group,
                                 std::string_view name) {
   if (find_attribute(group_of(source, group).attributes, name) == nullptr) return 0;

@@ -9,7 +9,7 @@
 
 namespace sleight::archive {
 
-/// Finds of a search; all 0 without a search.
+/// Finds of a search. All counts are 0 without a search.
 struct FindsSummary {
   std::uint64_t found = 0;
   std::uint64_t relax_scans = 0;  ///< of the chains that relaxed the finds; 0: not relaxed
@@ -39,8 +39,8 @@ struct Summary {
   FindsSummary finds{};
 };
 
-/// Throws base::Error with ExitCode::bad_archive naming a part that is missing or has the wrong
-/// type.
+/// Throws base::Error with ExitCode::bad_archive if a part is missing or has the wrong type, and
+/// names the part.
 Summary summary_of(const Source& source);
 
 }  // namespace sleight::archive

@@ -1,5 +1,5 @@
-// The tables in which an animation has rows, by their fields: segments, and individual parts and
-// control points of the scene. Private to common/archive.
+// The fields of the tables in which an animation has rows: segments, the animation's own parts of
+// the scene, and control points of its surface. Private to common/archive.
 #pragma once
 
 #include <concepts>

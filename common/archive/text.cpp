@@ -25,7 +25,7 @@ char32_t take_code_point(std::string_view& text) {
     if ((byte & 0xC0U) != 0x80) return k_broken;
     point = point << 6U | (byte & 0x3FU);
   }
-  // Overlong, half of a surrogate pair, or past the last code point.
+  // Refuse code points that are overlong, half of a surrogate pair, or past the last code point.
   constexpr std::array<char32_t, 5> least{0, 0, 0x80, 0x800, 0x10000};
   if (point < least[length] || (point >= 0xD800 && point < 0xE000) || point > 0x10FFFF) {
     return k_broken;

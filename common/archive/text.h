@@ -1,14 +1,15 @@
-// Checks text in archives, which reaches terminals and JSON, where stray bytes do harm.
+// Checks text in archives, because the text is shown on terminals and written as JSON, where stray
+// bytes do harm.
 #pragma once
 
 #include <string_view>
 
 namespace sleight::archive {
 
-/// True for valid UTF-8 without control characters (C0, DEL, C1).
+/// Returns whether the text is valid UTF-8 without control characters (C0, DEL, C1).
 bool is_clean_line(std::string_view text);
 
-/// True for such text with line ends and tabs, as in requests.
+/// Returns the same, but permits line ends and tabs, as in requests.
 bool is_clean_text(std::string_view text);
 
 }  // namespace sleight::archive

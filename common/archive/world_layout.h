@@ -27,9 +27,9 @@ struct Variable {
   std::vector<Dimension> dims;  ///< empty for a scalar
   std::string unit;             ///< "rad", "m", "1" for a pure number
   std::string meaning;          ///< one sentence, for `long_name`
-  /// For a state's variable: mean and standard deviation of each element under the normal prior.
-  /// NaN for an element that is not normal, standard deviation 0 for a fixed one. Empty: no normal
-  /// elements.
+  /// For a state's variable: mean and standard deviation of each element under the normal prior. An
+  /// element that is not normal has NaN, and a fixed element has standard deviation 0. Empty: no
+  /// normal elements.
   std::vector<double> prior_mean = {};
   std::vector<double> prior_sd = {};
   std::size_t size() const {
@@ -48,22 +48,22 @@ struct WorldLayout {
   /// One line that users of the samples must know; empty: none. Programs print the warning when a
   /// run starts, and the archive stores it.
   std::string warning = {};
-  /// log of P(satisfied) under the prior divided by P(satisfied) of natural throws, which a person
-  /// could make blindly. Below 0 if only some draws are such throws and include all that satisfy:
-  /// the log of the probability that a draw has all balls in it. Above 0 if a draw stands for
-  /// several equally likely throws and satisfies if one of them does, as with dice whose faces are
-  /// numbered afterwards.
+  /// Logarithm of a ratio: P(satisfied) under the prior, divided by P(satisfied) of natural throws,
+  /// which a person could make blindly. Below 0 if only some draws are such throws and include all
+  /// that satisfy: the log of the probability that a draw has all balls in it. Above 0 if a draw
+  /// stands for several equally likely throws and satisfies if one of them does, as with dice whose
+  /// faces are numbered afterwards.
   double log_natural_throw = 0;
 };
 
 /// Limit for variables whose prior draws are stored. Larger variables, such as a thousand normal
-/// offsets, are omitted because their distribution says everything.
+/// offsets, are omitted because their distribution is known.
 inline constexpr std::size_t k_prior_elements_max = 64;
 std::vector<Variable> prior_variables(const WorldLayout& layout);
 /// Returns the values of prior_variables from the values of all variables.
 std::vector<double> prior_values(const WorldLayout& layout, std::span<const double> values);
 
-/// Whether a motion ends as the outcome predicted.
+/// Whether a motion ends as its outcome predicted.
 enum class PlaysOut : std::uint8_t {
   yes,
   otherwise,  ///< takes too long to come to rest
@@ -87,7 +87,7 @@ class StateReader {
   /// Returns the values of all variables in layout order, each row-major.
   virtual std::vector<double> variables(base::BytesView state) const = 0;
   /// Returns numbers for comparing animations, whose meaning depends on the world. The call may
-  /// need a simulation, and the result some kilobytes.
+  /// need a simulation, and the result may have some kilobytes.
   virtual std::vector<double> likeness(base::BytesView state) const = 0;
   /// Returns how different two animations look, in the world's stated unit; 0 for equal ones.
   /// REQUIRES: results of likeness().
@@ -110,7 +110,7 @@ class StateReader {
   /// the run's workers simulate the draw (RunView::for_each_prior_draw).
   virtual std::vector<double> prior_draw(std::uint64_t nth) const = 0;
   /// Returns log p_w of `count` blind throws as a person would make them, for comparison with the
-  /// log p_w of finds. Always returns the same throws.
+  /// log p_w of finds. Each call returns the values of the same throws.
   virtual std::vector<double> log_priors_of_throws(std::size_t /*count*/) const { return {}; }
 };
 

@@ -62,7 +62,7 @@ class ByteReader {
   BytesView rest_;
 };
 
-/// Returns the bytes of an array of scalars without copying.
+/// Returns a view of the bytes of an array of scalars.
 template <class T>
 requires std::is_arithmetic_v<T> BytesView bytes_of(std::span<const T> values) {
   return std::as_bytes(values);

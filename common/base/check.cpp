@@ -24,8 +24,8 @@ void print(const std::string& message) {
   std::fflush(stderr);
 }
 
-/// Two atomics, because 16 bytes are not atomic everywhere. The context is stored before the
-/// function that receives it.
+/// The listener is stored in two atomics, because 16 bytes are not atomic everywhere. The context
+/// is stored before the function that receives it.
 std::atomic<void*> listener_context = nullptr;
 std::atomic<decltype(BugListener::heard)> listener_heard = nullptr;
 
@@ -39,7 +39,8 @@ void tell_listener(const std::string& place, const std::string& words) {
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
   } catch (const std::bad_alloc&) {
-    // Libraries allocate even where nothing may be thrown. Lack of memory is not a bug to report.
+    // Libraries allocate memory even in functions that must not throw, so this may be mere lack of
+    // memory, which is no bug.
     std::fprintf(stderr, "%s\n", k_too_little_memory);
     std::_Exit(static_cast<int>(ExitCode::environment));
   } catch (const std::exception& failure) {

@@ -2,10 +2,10 @@
 // because an "impossible" state must not reach an archive. Expected failures (bad input, full disk,
 // a lost process) are never a CHECK: see result.h and error.h.
 //
-// A bug's report should allow the bug to be reproduced. So a program's main records what repeats
-// its run: the command line, the request, the seed. These notes and the bug listener are this
-// library's only global state. The notes and the listener affect only the output after a failed
-// check in any thread or an uncaught exception.
+// A bug's report should allow the bug to be reproduced. So a program's main function records the
+// data that repeat its run: the command line, the request, the seed. These notes and the bug
+// listener are this library's only global state. The notes and the listener affect only the output
+// after a failed check in any thread or an uncaught exception.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,18 +16,19 @@
 namespace sleight::base {
 
 /// Prints `file:line: check failed: condition (operands)` to stderr and aborts. Default arguments
-/// give the caller's place, because the clang that builds the fuzzers lacks std::source_location.
+/// provide the caller's place, because the clang that builds the fuzzers lacks
+/// std::source_location.
 [[noreturn]] void check_failed(std::string_view condition, std::string_view operands,
                                const char* file = __builtin_FILE(), int line = __builtin_LINE());
 
-/// Adds a line to the output after a failed check. For a program's main: a few lines, which are
-/// never freed. Thread-safe.
+/// Adds a line to the output after a failed check. Intended for a program's main function, with a
+/// few lines, which are never freed. Thread-safe.
 void add_repeat_note(std::string_view line);
 
 std::string repeat_notes();
 
 /// Called before the process aborts, for a failed check or an uncaught exception (`place` is then
-/// empty). Runs in any thread, so it may call little more than write(2).
+/// empty). The function runs in any thread, so it may call little more than write(2).
 struct BugListener {
   void (*heard)(void* context, const std::string& place, const std::string& words) = nullptr;
   void* context = nullptr;

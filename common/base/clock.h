@@ -27,7 +27,7 @@ class BootClock final : public Clock {
 
 double thread_processor_s();
 
-/// For tests: changes only when it is moved. Not thread-safe.
+/// A clock for tests, whose time changes only when a test sets it. Not thread-safe.
 class ManualClock final : public Clock {
  public:
   double now_s() const override { return now_s_; }

@@ -50,7 +50,8 @@ std::optional<std::uint32_t> core_quota(std::string_view groups, const std::stri
     if (!controllers.empty() && fmt::format(",{},", controllers).find(",cpu,") == std::string::npos)
       continue;
     const fs::path top = fs::path(root) / controllers;
-    // A container sees its own group as the top, whatever the path.
+    // In a container, the process's own group is at the top of the folder, although the path is
+    // longer.
     for (fs::path below = fs::path(path).relative_path();; below = below.parent_path()) {
       if (const auto quota = quota_of_group(top / below))
         least = std::min(least.value_or(*quota), *quota);

@@ -2,7 +2,7 @@
 // run.
 //
 // Errors are caught only in shells (a program's main), which print what() and exit with exit_code.
-// The message says what was tried, what happened and what to do.
+// The message names the attempted action, what happened and what to do.
 #pragma once
 
 #include <stdexcept>

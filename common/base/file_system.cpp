@@ -59,7 +59,7 @@ class PosixFile final : public File {
           ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
       if (put < 0 && errno == EINTR) continue;
       if (put < 0) return last_error();
-      // A write of zero bytes would be retried for ever.
+      // Treat a write of zero bytes as an error, because it would be retried forever.
       if (put == 0) return {ENOSPC, std::system_category()};
       bytes = bytes.subspan(static_cast<std::size_t>(put));
       offset += static_cast<std::uint64_t>(put);

@@ -1,8 +1,8 @@
 // The file operations on which durability depends, as an interface in which tests can make any of
 // them fail.
 //
-// Callers rely on this sequence: after writing a file beside its place, sync_file, rename and
-// sync_directory, in this order, a crash or power loss leaves the file complete or absent.
+// Callers rely on this sequence: write a temporary file, then call sync_file, rename and
+// sync_directory. After a crash or power loss, the renamed file is complete or absent.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ class File {
   virtual ~File() = default;  ///< closes the file, ignoring errors
   /// Writes all of `bytes`, or returns an error; then a part may have been written.
   virtual std::error_code write_at(std::uint64_t offset, BytesView bytes) = 0;
-  /// Fills `bytes`, with zeros beyond the end and after errors.
+  /// Fills `bytes`, using zeros beyond the file's end and after errors.
   virtual std::error_code read_at(std::uint64_t offset, std::span<std::byte> bytes) = 0;
   virtual std::error_code resize(std::uint64_t size) = 0;
   /// On a network file system a write may fail only here. REQUIRES: last call.

@@ -16,7 +16,7 @@ struct Id {
   friend constexpr auto operator<=>(Id, Id) = default;
 };
 
-/// An index into arrays as a type of its own. An Index converts to its number implicitly. Numbers
+/// A distinct type for an index into arrays. An Index converts to its number implicitly. Numbers
 /// and indices of other kinds convert to an Index only explicitly: Index{n}. Indices of different
 /// kinds don't compare.
 template <class Tag>

@@ -1,9 +1,9 @@
 // Detects disks shared with other machines. On shared disks, SQLite's shared memory and flock work
 // only within one machine, or not at all.
 //
-// The environment can override the detection: SLEIGHT_NETWORK_DISK=1 makes every disk a network
-// disk (for unknown disks, and for tests), 0 makes none (for a FUSE disk used by this machine
-// only). All programs that write a folder must use the same setting.
+// The environment can override the detection. With SLEIGHT_NETWORK_DISK=1 every disk counts as a
+// network disk (for unknown disks, and for tests). With 0 no disk does (for a FUSE disk that only
+// this machine uses). All programs that write a folder must use the same setting.
 //
 // Thread-safe.
 #pragma once

@@ -9,20 +9,21 @@
 
 namespace sleight::base {
 
-/// Returns the path written for `path`: links are followed, so that they stay and their target is
+/// Returns the path to write for `path`. Follows links, so that links stay and their target is
 /// replaced or created. Otherwise `path` without trailing slashes. Throws Error: usage for "-",
 /// because callers that accept it for standard output don't call this; environment for circular
 /// links.
 std::string where_links_lead(const std::string& path);
 
-/// A file written beside its place and renamed when complete. A pipe or device is written directly.
+/// A file that is written under a temporary name and renamed when complete. A pipe or device is
+/// written directly.
 class OutputBeside {
  public:
   /// Creates the temporary file. Throws Error(environment).
   explicit OutputBeside(const std::string& path);
   OutputBeside(const OutputBeside&) = delete;
   OutputBeside& operator=(const OutputBeside&) = delete;
-  /// Removes the temporary file unless it was put in place.
+  /// Removes the temporary file unless it was renamed.
   ~OutputBeside();
 
   const std::string& path() const { return beside_.empty() ? place_ : beside_; }

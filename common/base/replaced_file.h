@@ -16,8 +16,8 @@ enum class Readers : std::uint8_t {
   owner   ///< only the owner, from the first byte
 };
 
-/// Like write_text_file, but atomic and durable: writes beside the file, syncs and renames. Removes
-/// leftovers of earlier tries. Throws base::Error; the old content then stays.
+/// Like write_text_file, but atomic and durable: writes a temporary file, syncs and renames it.
+/// Removes leftovers of earlier tries. Throws base::Error; the old content then remains.
 void replace_text_file(FileSystem& files, const std::string& path, std::string_view text,
                        Readers readers = Readers::usual);
 

@@ -1,4 +1,4 @@
-// A value, or the reason why there is none, for expected outcomes.
+// A value, or the reason for its absence. For failures that are expected outcomes.
 #pragma once
 
 #include <utility>
@@ -8,7 +8,7 @@
 
 namespace sleight::base {
 
-/// Holds a T or an E. Reading the absent one is a bug and stops the process.
+/// Holds a T or an E. Reading the absent part is a bug and aborts the process.
 template <class T, class E>
 class [[nodiscard]] Result {
  public:

@@ -27,7 +27,8 @@ constexpr std::array<Unit, 10> k_sizes{{{"", 1},
                                         {"tib", 1024.0 * 1024 * 1024 * 1024}}};
 constexpr std::array<Unit, 4> k_times{{{"", 1}, {"s", 1}, {"m", 60}, {"h", 3600}}};
 
-/// Multiplies the number by its unit's factor; nothing if the number or the unit is invalid.
+/// Multiplies the number by its unit's factor. Returns nothing if the number or the unit is
+/// invalid.
 template <std::size_t n>
 std::optional<double> quantity_of(std::string_view text, const std::array<Unit, n>& units) {
   double number = 0;
@@ -69,7 +70,7 @@ std::string bytes_text(std::uint64_t bytes) {
 }
 
 std::string duration_text(double duration_s) {
-  // Multiples of a tenth of a unit read back exactly; others stay in seconds.
+  // Use a larger unit only for multiples of a tenth of that unit, which read back exactly.
   for (const auto& [factor, name] : {std::pair{3600.0, 'h'}, std::pair{60.0, 'm'}}) {
     if (duration_s >= factor && std::fmod(duration_s * 10, factor) == 0)
       return fmt::format("{}{}", duration_s / factor, name);

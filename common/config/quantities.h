@@ -15,11 +15,11 @@ inline constexpr double k_duration_s_max = 1e9;                        ///< 32 y
 
 /// Parses a number, an optional space, and B, kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB
 /// (powers of 1024), in any case; bytes without a unit. Rounds to whole bytes. Returns nothing for
-/// other text, and beyond k_bytes_max.
+/// other text, and for sizes above k_bytes_max.
 std::optional<std::uint64_t> bytes_of(std::string_view text);
 
-/// Parses "90", "90s", "5m" or "1.5h" to seconds. Returns nothing for other text, 0 and above
-/// k_duration_s_max.
+/// Parses "90", "90s", "5m" or "1.5h" to seconds. Returns nothing for other text, for 0, and for
+/// times above k_duration_s_max.
 std::optional<double> duration_s_of(std::string_view text);
 
 /// Formats bytes in the largest decimal unit with a whole number: "24 GB", "1500 MB", "17 B".

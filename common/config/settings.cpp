@@ -36,8 +36,9 @@ struct Range {
   std::string_view unit = "";
 };
 
-/// Lists each key once: name, member, type and help. A visitor has `path`, `name`, `address`,
-/// `flag`, `count` (also for limits), `bytes` (also for limits) and `duration_s`.
+/// Lists each key once, with its name, member, type and help. A visitor has functions `path`,
+/// `name`, `address`, `flag`, `count`, `bytes` and `duration_s`; `count` and `bytes` also have
+/// forms for limits.
 template <class AnySettings, class Visitor>
 void visit(AnySettings& s, Visitor& visitor) {
   visitor.path("state", s.state, "folder for jobs, archives and the log");
@@ -246,7 +247,7 @@ class Reader {
     return std::find(std::begin(k_sections), std::end(k_sections), name) != std::end(k_sections);
   }
 
-  /// Returns for example "'jobs' in [limits]" or "'cores'".
+  /// Returns a key's name for messages, such as "'jobs' in [limits]" or "'cores'".
   static std::string name_in_file(std::string_view key) {
     const std::size_t dot = key.find('.');
     if (dot == std::string_view::npos) return fmt::format("'{}'", key);
@@ -265,7 +266,7 @@ class Reader {
                                   : key == "allow_root" ? "SLEIGHT_ALLOW_ROOT"
                                                         : "";
     if (!name.empty()) {
-      // Shells pass a disabled variable as an empty one.
+      // Treat an empty variable as unset, because shell users disable variables that way.
       const auto text = surroundings_.variable(name);
       if (text && !text->empty())
         return Found{{*text, request::k_no_place}, Origin::environment, std::string(name)};
@@ -312,7 +313,8 @@ class Reader {
                                                    "above its keys",
                                                    entry.key));
     }
-    // A key in the wrong section is more likely than a mistyped one.
+    // First look for the key in other sections, because a wrong section is more likely than a
+    // typing error.
     std::string_view other_section;
     for (const std::string_view section : k_sections) {
       const std::string there = fmt::format("{}.{}", section, entry.key);
@@ -358,7 +360,7 @@ Settings defaults_of(const Surroundings& surroundings) {
   Settings settings;
   settings.state.value = xdg_folder(surroundings, "XDG_STATE_HOME", ".local/state").value_or("");
   settings.cores.value = std::min(surroundings.cores, k_cores_max);
-  // Whole megabytes are easier to read.
+  // Round to whole megabytes, which are easier to read.
   constexpr std::uint64_t k_megabyte = 1'000'000;
   settings.memory_bytes.value =
       std::max(surroundings.memory_bytes / 4 * 3 / k_megabyte * k_megabyte, k_megabyte);
@@ -384,7 +386,7 @@ void settle_certificate(const Settings& settings, std::vector<request::Diagnosti
                                              : "tls_certificate requires tls_key"});
 }
 
-/// Limits of jobs under a batch system don't depend on the daemon's machine.
+/// Under a batch system, limits of jobs don't depend on the daemon's machine.
 void settle_backend(Settings& settings, std::vector<request::Diagnostic>& wrong) {
   const std::string& backend = settings.backend.value;
   if (backend == "local") return;

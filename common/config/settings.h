@@ -1,4 +1,4 @@
-// The settings of the service on this machine, with their origin.
+// The settings of the service on this machine, and where each was set.
 //
 // Every setting has a default, so nothing needs configuring. The first of these sources that has a
 // setting determines it:
@@ -22,11 +22,11 @@
 //   partition = "batch"
 //
 // Invariants
-//   1. Every value is in its key's range, whatever its origin.
+//   1. Every value is within its key's range, wherever it was set.
 //   2. Paths are absolute; a socket's path fits into a sockaddr_un.
 //   3. Settings are a function of settings_of's arguments. Only settings_here accesses the file and
 //      the environment.
-// Values; thread-safe as such, except settings_here, which reads the environment.
+// Thread safety: values and pure functions, except settings_here, which reads the environment.
 #pragma once
 
 #include <cstdint>
@@ -62,7 +62,7 @@ struct UserLimits {
   Setting<std::optional<std::uint64_t>> cores;       ///< of running jobs
   Setting<std::optional<std::uint64_t>> core_hours;  ///< of all jobs still stored
   Setting<std::optional<std::uint64_t>> bytes;       ///< of the folders of all jobs still stored
-  // Limits for one job; larger jobs are refused with the calculation
+  // Limits for one job. The refusal of a larger job shows the calculation
   // (service/daemon/request_cost.h).
   Setting<std::optional<std::uint64_t>> states;       ///< chains x temperatures or particles
   Setting<std::optional<std::uint64_t>> simulations;  ///< as far as [stop] determines their number
@@ -104,22 +104,22 @@ struct Settings {
 };
 
 inline constexpr std::uint64_t k_disk_reserve_bytes = 1'000'000'000;
-/// A waiting job starts after the slice and the running job's clean stop. Short jobs of other users
-/// should finish within 15 s, of which the slice is 10 s.
+/// A waiting job starts when the running job's slice is over and it has stopped. Other users' short
+/// jobs should finish within 15 s, of which the slice is 10 s.
 inline constexpr double k_slice_s = 10;
 inline constexpr std::uint64_t k_keep_days = 30;
 inline constexpr std::uint64_t k_keep_bytes = 50'000'000'000;
 /// Equal to run::k_cache_bytes_max, which is inaccessible here; tests/programs compare them.
 inline constexpr std::uint64_t k_cache_mb = 256;
 inline constexpr std::uint64_t k_jobs_of_user = 20'000;
-// Defaults for the total resources of jobs under a batch system.
+// Defaults for the total resources of all jobs under a batch system.
 inline constexpr std::uint64_t k_system_cores = 1024;
 inline constexpr std::uint64_t k_system_memory_bytes = 4'000'000'000'000;
 inline constexpr std::uint64_t k_system_job_cores = 4;
 inline constexpr std::uint64_t k_states_of_job = 16'384;
 inline constexpr std::uint64_t k_simulations_of_job = 100'000'000'000;
 inline constexpr std::uint64_t k_cores_max = 65'536;
-/// Conventional socket of a machine's daemon, for clients whose user has no daemon.
+/// The usual socket of a machine's daemon, for clients whose user has no daemon.
 inline constexpr std::string_view k_machine_socket = "/run/sleight/socket";
 /// Longest path in a sockaddr_un, without the final zero.
 inline constexpr std::size_t k_socket_path_bytes_max = 107;
@@ -144,8 +144,8 @@ struct Given {
   std::string given_by;
 };
 
-/// Returns the settings or all errors, which name their place in the file or else their source
-/// (request::k_no_place). REQUIRES: the keys of `command_line` exist.
+/// Returns the settings, or all errors. Each error names its place in the file, or its other source
+/// (with request::k_no_place). REQUIRES: the keys of `command_line` exist.
 base::Result<Settings, std::vector<request::Diagnostic>> settings_of(
     const Surroundings& surroundings, const std::optional<ConfigFile>& file,
     const std::vector<Given>& command_line = {});

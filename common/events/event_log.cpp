@@ -118,7 +118,7 @@ void EventLog::append(const RunEvent& event) {
   const std::string line = to_line(event);
   if (bytes_ > 0 && bytes_ + line.size() > bytes_max_ / 2) turn_over();
   if (descriptor_ < 0) return;
-  // Remove an incomplete line, which would also spoil the line after it.
+  // Remove an incomplete line, because otherwise the next line would be appended to it.
   const ssize_t written = ::write(descriptor_, line.data(), line.size());
   if (written != static_cast<ssize_t>(line.size())) {
     const std::string reason = written < 0 ? std::strerror(errno) : "no space for a whole line";
@@ -150,7 +150,8 @@ void EventLog::give_up(const std::string& reason) {
 }
 
 std::vector<RunEvent> read_event_log(const std::string& folder) {
-  // Read both files of the same moment: the writer may rotate them between the two opens.
+  // Make sure that both files belong to the same moment, because the writer may rotate them between
+  // the two opens.
   std::string text;
   for (int tries = 0; tries < 100; ++tries) {
     const Reader now(event_log_path(folder));

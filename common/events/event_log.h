@@ -2,12 +2,12 @@
 // service that was not running at the time.
 //
 // There are two files, `events.log` and `events.old.log`, each at most half the size limit. When
-// the first is full, it replaces the second. Each event is a line as in run_event.h, appended as a
-// whole.
+// `events.log` is full, it replaces `events.old.log`. Each event is a line as in run_event.h,
+// appended as a whole.
 //
 // Nothing depends on the log, because lost events are restored from the store. So the log is not
 // synced, and a failing disk does not end a run: the failure is reported once, and writing is
-// retried after a second. A deleted log is started again in the same way.
+// retried after a second. If the log was deleted, writing starts a new one in the same way.
 //
 // Thread safety: one writer in one thread; any number of readers anywhere.
 #pragma once
@@ -22,10 +22,10 @@
 namespace sleight::events {
 
 inline constexpr std::uint64_t k_event_log_bytes_max = 4U << 20U;
-/// Interval for checking that the log can be written and still exists.
+/// Interval at which the writer checks that the log still exists, and retries after a failure.
 inline constexpr double k_event_log_look_every_s = 1;
 
-/// Return the paths of the log in a run's folder and of the previous log.
+/// Return the paths of the current and of the previous log in a run's folder.
 std::string event_log_path(const std::string& folder);
 std::string old_event_log_path(const std::string& folder);
 
@@ -57,8 +57,8 @@ class EventLog {
   bool has_complained_ = false;
 };
 
-/// Returns the log's events in order, without damaged lines and a line still being written. Empty
-/// if there is no log.
+/// Returns the log's events in order. Omits damaged lines, and a line that is still being written.
+/// Empty if there is no log.
 std::vector<RunEvent> read_event_log(const std::string& folder);
 
 }  // namespace sleight::events

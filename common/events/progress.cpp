@@ -8,7 +8,7 @@
 namespace sleight::events {
 namespace {
 
-/// Limit for displayed times, because a slow start can predict times that overflow an integer.
+/// Maximum displayed time, because a slow start can lead to estimates that overflow an integer.
 constexpr double k_seconds_max = 1e12;
 
 double percent(std::uint64_t part, std::uint64_t whole) {
@@ -38,7 +38,7 @@ std::string clock_time(double seconds) {
 
 namespace {
 
-/// Returns for example "5 found after 0.2 s", for this session.
+/// Returns this session's finds, such as "5 found after 0.2 s".
 std::string finds_in_words(const Progress& progress) {
   const plan::Finds& finds = progress.finds;
   const bool all = finds.found >= finds.wanted && finds.found > 0;
@@ -65,7 +65,7 @@ std::string scans_in_words(const Progress& progress) {
   return words;
 }
 
-/// Returns the simulation rate, and the work besides scans.
+/// Returns the simulation rate, and other work than scans.
 std::string effort_in_words(const Progress& progress) {
   const double rate = per_second(progress.session_simulations, progress);
   std::string words = fmt::format("{} sims/s", grouped(static_cast<std::uint64_t>(rate)));
@@ -99,7 +99,7 @@ std::string search_line(const std::string& name, const Progress& progress) {
     line += fmt::format("  {} of {} relaxed  {}", grouped(finds.relaxed),
                         grouped(finds.relaxed_wanted), scans_in_words(progress));
   }
-  // Simulations are counted when their start ends, which may take long.
+  // A start's simulations are counted when the start ends, which may take long.
   line += progress.session_simulations == 0
               ? fmt::format("  first starts running for {}", clock_time(progress.elapsed_s))
               : fmt::format("  {} simulations  {}", grouped(progress.session_simulations),

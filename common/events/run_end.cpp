@@ -57,7 +57,7 @@ std::string line_of(const RunEnd& end) {
   json::Value json;
   json::FieldWriter writer(json, json::None::null);
   end_fields(writer, end);
-  // Invalid UTF-8, as in a file's name, becomes U+FFFD.
+  // Replace invalid UTF-8, for example of a file's name, by U+FFFD.
   return json.dump() + "\n";
 }
 

@@ -1,13 +1,13 @@
-// The record of how a session of a run ended, stored in the run store and read by supervisors.
+// The record of a run session's end, stored in the run store and read by supervisors.
 //
 // A session is one start of a run's program. Before it exits, the session writes its record to the
 // run store and, if a supervisor requested it, as one line to a pipe (clients/cli/end_report.h).
-// The pipe is needed because after a full disk or a refusal the store has no record. A session
-// without a record died.
+// The pipe is needed because after a full disk or a refusal the store has no record. A session that
+// left no record died.
 //
-// The line is a JSON object with all fields below by name, `end` by name_of and `exit_code` as a
-// number, followed by a newline. The line has at most k_end_line_bytes_max bytes, so that a pipe
-// accepts it at once; longer messages lose their middle.
+// The line is a JSON object with all fields below by name, followed by a newline. `end` is written
+// by name_of, `exit_code` as a number. The line has at most k_end_line_bytes_max bytes, so that a
+// pipe accepts it at once; longer messages lose their middle.
 //
 // Thread safety: values.
 #pragma once
@@ -53,12 +53,12 @@ struct RunEnd {
 
 std::string_view name_of(End end);
 
-/// Returns the end of a session by an exception: base::Error's kind and message, or a bug.
+/// Returns the end of a session that an exception ended: base::Error's kind and message, or a bug.
 RunEnd end_by(const std::exception& error);
 
 std::string to_line(const RunEnd& end);
 
-/// Parses a line written by to_line, with or without its newline; nothing for other text.
+/// Parses a line that to_line wrote, with or without its newline. Returns nothing for other text.
 std::optional<RunEnd> run_end_of(std::string_view line);
 
 }  // namespace sleight::events

@@ -10,7 +10,7 @@ namespace {
 
 using Json = json::Value;
 
-// Each kind's fields, listed once for reading and writing.
+// The fields of each kind of event, listed once for reading and writing.
 template <class Visitor, class T>
 void visit_fields(Visitor& fields, T& what) {
   using Kind = std::remove_const_t<T>;

@@ -21,7 +21,7 @@
 
 namespace sleight::events {
 
-/// Work without a count, such as "writing the archive".
+/// A phase of work without a count, such as "writing the archive".
 struct Phase {
   std::string words;
   bool operator==(const Phase&) const = default;
@@ -73,7 +73,7 @@ std::string_view kind_of(const RunEvent& event);
 /// Returns the event as a line with its newline.
 std::string to_line(const RunEvent& event);
 
-/// Parses a line with or without its newline; nothing for other text.
+/// Parses a line, with or without its newline. Returns nothing for other text.
 std::optional<RunEvent> run_event_of(std::string_view line);
 
 }  // namespace sleight::events

@@ -75,7 +75,7 @@ class Keys {
     complain(value->place, fmt::format("'{}' must be an integer from 0 to {}", key, max));
     return 0;
   }
-  /// Returns parse(text), and records an error if it is empty.
+  /// Returns parse(text). If that is empty, records an error.
   template <class Parse>
   auto parsed(std::string_view key, const Parse& parse, std::string_view expected) {
     auto value = parse(text(key));
@@ -102,7 +102,8 @@ class Keys {
   std::optional<request::Diagnostic> complaint_;
 };
 
-/// Returns an error if the file's checksum is wrong; nothing if it is right or absent.
+/// Returns an error if the file's checksum is wrong, and nothing if the checksum is right or
+/// absent.
 std::optional<request::Diagnostic> damage_of(const request::Section& section, std::string_view text,
                                              const std::string& path) {
   const request::Entry* entry = section.find("checksum");

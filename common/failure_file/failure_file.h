@@ -39,12 +39,12 @@ struct FailureFile {
 
 std::string to_text(const FailureFile& file);
 
-/// Returns the file's content, or what is wrong with it. Does not parse the request.
+/// Returns the file's content, or the reason why it is invalid. Does not parse the request.
 base::Result<FailureFile, request::Diagnostic> read(std::string_view text, const std::string& path);
 
 /// Returns a failure's file name from its place in the run: "failure-0-3-1760.toml" is chain 0,
-/// replica 3, scan 1760. `nth`: index among the scan's failures; the first has no number in its
-/// name.
+/// replica 3, scan 1760. `nth`: index among the scan's failures. The first failure's file has no
+/// number in its name.
 std::string name_of(const plan::ReplicaKey& replica, base::ScanIndex scan, std::size_t nth);
 
 }  // namespace sleight::failure_file

@@ -22,7 +22,7 @@ class Sha256 {
 
   void update(std::span<const std::byte> bytes);
   void update(std::string_view text);
-  /// REQUIRES: not called before on this object.
+  /// REQUIRES: the function was not called before on this object.
   Value finish();
 
  private:

@@ -21,7 +21,7 @@
 
 namespace sleight::json {
 
-/// How an empty optional is written, and what a missing field means.
+/// How an empty optional is written, and how a missing field is read.
 enum class None {
   left_out,  ///< a missing field keeps its value
   null       ///< a missing field is an Error
@@ -82,7 +82,7 @@ class FieldReader {
   void operator()(const char* name, T& value) {
     read(name, value, [](const Value& found, auto& to) { assign(found, to); });
   }
-  /// `of` converts a stored value to an optional, which is empty for an unknown value.
+  /// `of` converts a stored value to an optional. Empty: the value is unknown.
   template <class T, class To, class Of>
   void as(const char* name, T& value, const To&, const Of& of) {
     read(name, value, [&](const Value& found, auto& to) {

@@ -11,8 +11,8 @@ namespace sleight::json {
 
 using Library = nlohmann::ordered_json;
 
-/// Converts values to and from the library's. Keys are unique on both sides, so members are
-/// appended without the look-up that the types' own operators make.
+/// Converts values to and from the library's. Keys are unique in both types, so append members
+/// without a look-up, which the types' operators would make.
 struct Conversion {
   static Library library(const Value& value) { return std::visit(Conversion(), value.value_); }
   static Value value(const Library& read, int depth);

@@ -2,12 +2,12 @@
 // source that includes it takes seconds longer to compile.
 //
 // Invariants
-//   1. An object keeps its keys in order of addition, each key once.
+//   1. An object has its keys in order of addition, each key once.
 //   2. Integers are stored as std::uint64_t from 0, as std::int64_t below 0. Other numbers are
 //      doubles.
 //   3. Parsed values are nested at most k_depth_max levels deep.
 //   4. Invalid UTF-8 is written as U+FFFD; NaN and infinities are written as null.
-// A value type; thread-safe as such.
+// Thread safety: a value type.
 #pragma once
 
 #include <concepts>
@@ -26,10 +26,11 @@
 
 namespace sleight::json {
 
-/// Deeper text is refused, because values are freed and written recursively.
+/// Maximum depth of parsed values. Deeper text is refused, because values are freed and written
+/// recursively.
 inline constexpr int k_depth_max = 200;
 
-/// Text is not JSON, or a value has an unexpected kind.
+/// Thrown if a text is not JSON, or if a value has an unexpected kind.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -141,7 +142,7 @@ class Value {
   std::size_t size() const;
   bool empty() const { return size() == 0; }
 
-  /// Returns a key's value; null pointer if the key is missing or this is not an object.
+  /// Returns a key's value, or a null pointer if the key is missing or this is not an object.
   const Value* find(std::string_view key) const;
   bool contains(std::string_view key) const { return find(key) != nullptr; }
   /// Throws Error if the key or the element is missing.
@@ -153,7 +154,8 @@ class Value {
   const Value& operator[](T index) const {
     return at(static_cast<std::size_t>(index));
   }
-  /// Adds null if the key is missing. Null becomes an object; throws Error for other kinds.
+  /// Returns the key's value; adds null if the key is missing. If this value is null, it becomes an
+  /// object. Throws Error for other kinds.
   Value& operator[](std::string_view key);
   Value& operator[](const char* key) { return (*this)[std::string_view(key)]; }
   template <std::integral T>
@@ -173,7 +175,7 @@ class Value {
   }
   std::string value(std::string_view key, const char* otherwise) const;
 
-  /// Null becomes an array; throws Error for other kinds.
+  /// If this value is null, it becomes an array. Throws Error for other kinds.
   void push_back(Value element);
   /// Removes a key if present.
   void erase(std::string_view key);
@@ -185,7 +187,7 @@ class Value {
   friend std::ostream& operator<<(std::ostream& out, const Value& value);
 
  private:
-  /// Integer arguments passed from the header's templates to value.cpp.
+  /// Integers as the header's templates pass them to value.cpp.
   struct Whole {
     std::uint64_t bits = 0;
     bool is_negative = false;

@@ -1,8 +1,8 @@
 // The fields of a segment, listed once for the columns of an archive's motions, the cached motions
 // beside a run's store, and the columns read by the gallery's page.
 //
-// A field added here is written and read in all three places. The archive's checker has a separate
-// list (common/archive/structure.cpp), so that it checks independently.
+// A field added to this list is written and read in all three places. The archive's checker has a
+// separate list (common/archive/structure.cpp), so that it checks independently.
 //
 // Thread safety: constants and pure functions.
 #pragma once
@@ -32,7 +32,8 @@ struct Field {
 template <class Record, class Value>
 Field(const char*, Value Record::*, const char*, const char* = "1") -> Field<Record, Value>;
 
-/// In the order of the archive's columns. The meanings define the numbers of modes and causes.
+/// In the order of the archive's columns. The fields' meanings define the numbers of modes and
+/// causes.
 inline constexpr std::tuple k_fields{
     Field{"body", &Segment::body, "feature of /scene that moves"},
     Field{"start_s", &Segment::start_s, "time at which the segment begins", "s"},

@@ -32,13 +32,14 @@ class Path {
   bool enters() const { return !segments_.empty(); }
   /// REQUIRES: the body enters.
   double start_s() const { return segments_.front().start_s; }
-  /// Start of the last segment, from which the body rests. REQUIRES: the body enters.
+  /// Returns the start of the last segment, when the body comes to rest. REQUIRES: the body enters.
   double rest_s() const { return segments_.back().start_s; }
 
-  /// Returns the segment at a time, the last of several that start then; null before the body
-  /// enters.
+  /// Returns the segment at a time, or null before the body enters. If several segments start at
+  /// that time, returns the last.
   const Segment* segment_at(double t_s) const;
-  /// Returns nothing before the body enters. After the last start, evaluates the last segment.
+  /// Returns nothing before the body enters. For times after the last start, evaluates the last
+  /// segment.
   std::optional<Pose> pose_at(double t_s) const;
   std::optional<math::Vec3> centre_at(double t_s) const;
 
@@ -49,10 +50,10 @@ class Path {
 
 class Animation {
  public:
-  /// Builds an animation from segments with any order of bodies, each body's in order of start.
-  /// Returns what is wrong if an untrusted file has unknown bodies, starts that decrease or are not
-  /// finite, numbers beyond k_number_max, or orientations that are not rotations. Stored
-  /// orientations have norm 1.
+  /// Builds an animation from segments. Bodies may be in any order, but each body's segments are in
+  /// order of start. Returns the reason if an untrusted file has unknown bodies, starts that
+  /// decrease or are not finite, numbers beyond k_number_max, or orientations that are not
+  /// rotations. Stored orientations have norm 1.
   static base::Result<Animation, std::string> of(std::span<const Segment> segments,
                                                  std::size_t bodies);
 

@@ -13,10 +13,11 @@ namespace {
 using math::Quat;
 using math::Vec3;
 
-/// Limit for the rotation in one step by the second term of Magnus' expansion. The neglected terms
-/// are about this times the step's angle.
+/// Maximum rotation in one step that comes from the second term of Magnus' expansion. The neglected
+/// terms are about this value times the step's angle.
 constexpr double k_second_term_rad = 1e-6;
-/// An axis that turns by a smaller share counts as fixed, because the turn is below rounding.
+/// An axis whose relative turn is smaller than this counts as fixed, because the turn is below
+/// rounding errors.
 constexpr double k_straight = 0x1p-40;
 
 Quat turned(const Quat& orientation, const Vec3& w, const Vec3& a, double s) {

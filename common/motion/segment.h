@@ -41,7 +41,7 @@ enum class Cause : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 4> k_cause_names{"start", "hit", "mode", "rest"};
 
-/// Partner of segments that no other thing caused.
+/// Partner of segments whose start no other thing caused.
 inline constexpr std::int32_t k_no_partner = -1;
 
 struct Segment {

@@ -143,7 +143,7 @@ void Binder::angle_deg(std::string_view key, double& value_rad, const NumberOpti
   in_degrees.unit = "degrees";
   const double fallback = degrees_of_radians(value_rad);
   const double degrees = *read_number(key, fallback, in_degrees);
-  // An unchanged default keeps its exact bits.
+  // Don't convert an unchanged default, so that it keeps its exact bits.
   if (degrees != fallback) value_rad = radians_of_degrees(degrees);
 }
 

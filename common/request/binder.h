@@ -1,4 +1,4 @@
-// A single declaration of each key for reading, normalising and help.
+// Declares each key once, for reading, normalising and help.
 //
 // A bind function names each key of a section once:
 //
@@ -14,13 +14,14 @@
 // normalised text).
 //
 // Invariants
-//   1. A member's value before the call is the key's default, and the member keeps it if no valid
-//      value is given. So after any run every member is in range, if its default was.
+//   1. A member's value before the call is the key's default. If the file has no valid value for
+//      the key, the member keeps its default. So afterwards every member is in range, if its
+//      default was.
 //   2. Defaults do not depend on other keys, and a bind function declares the same keys every time.
 //   3. After a run without errors, keys() written as TOML and read again gives the same members and
 //      the same keys().
-// Errors in the file become diagnostics, placed as diagnostic.h describes. A default out of range
-// or a key declared twice is a bug and stops the process. Not thread-safe.
+// Errors in the file become diagnostics with places as in diagnostic.h. A default out of range, or
+// a key that is declared twice, is a bug and aborts the process. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -97,7 +98,7 @@ struct TablesOptions {
   std::string_view help = "";
 };
 
-/// One of a key's choices: its name in the file and its value.
+/// One of a key's choices: the name in the file and the value.
 template <class T>
 struct Named {
   std::string_view name;
@@ -106,14 +107,14 @@ struct Named {
 
 class Binder {
  public:
-  /// Reads `section`. Null: nothing is read, and keys() lists the defaults. `section` and
-  /// `diagnostics` are borrowed.
+  /// Reads `section`. If `section` is null, nothing is read, and keys() lists the defaults.
+  /// `section` and `diagnostics` are borrowed.
   Binder(std::string section_name, const Section* section, Diagnostics& diagnostics);
 
   void number(std::string_view key, double& value, const NumberOptions& options);
 
-  /// An angle in degrees in the file and in `options`; `value_rad` is in radians. The normalised
-  /// text repeats the given degrees, so no digits appear from converting back and forth.
+  /// An angle. The file and `options` have degrees; `value_rad` is in radians. The normalised text
+  /// repeats the given degrees, because converting them back from radians could change digits.
   void angle_deg(std::string_view key, double& value_rad, const NumberOptions& options);
 
   /// An optional number. REQUIRES: `value` is empty.
@@ -164,9 +165,9 @@ class Binder {
     if (chosen) value = choices[*chosen].value;
   }
 
-  /// `[[section.key]]`: any number of tables. `bind` declares the keys of a table for one element
-  /// of `values`, which is resized to the number of tables. `bind` is also called once for a T{},
-  /// for help. Tables beyond the maximum are an error and are not bound.
+  /// `[[section.key]]`: any number of tables. `values` is resized to the number of tables, and
+  /// `bind` declares a table's keys for one element of `values`. `bind` is also called once for a
+  /// T{}, for help. Tables beyond the maximum are an error and are not bound.
   template <class T>
   void tables(std::string_view key, std::vector<T>& values, const TablesOptions& options,
               const std::function<void(Binder& table, T& value)>& bind) {
@@ -184,25 +185,25 @@ class Binder {
     }
   }
 
-  /// Sets the normalised text's value of a key absent from the file, if it follows from other keys.
-  /// Empty: the key is omitted. REQUIRES: the key is declared.
+  /// Sets the value that the normalised text has for a key that the file omits, if the value
+  /// follows from other keys. Empty: the key is omitted. REQUIRES: the key is declared.
   void settle(std::string_view key, std::string value);
 
-  /// Returns whether the file gives the key, valid or not.
+  /// Returns whether the file has the key, with a valid value or not.
   bool given(std::string_view key) const;
 
   /// Returns whether the key is declared and its value has no error. Checks of several keys call
   /// valid() first, so that an error is not reported twice.
   bool valid(std::string_view key) const;
 
-  /// Adds an error about this key's conflict with others, placed at the key, or at the section if
-  /// the key has its default. The message follows `'key' in [section]: `.
+  /// Adds an error about this key's conflict with others. Its place is the key, or the section if
+  /// the key has its default. `message` is the part after `'key' in [section]: `.
   void error(std::string_view key, std::string_view message);
 
   /// Returns whether all keys read so far are free of errors.
   bool is_sound() const { return invalid_.empty(); }
 
-  /// Line of the section's or table's header in the file. 0: not in a file.
+  /// Returns the line of the section's or table's header in the file. 0: not in a file.
   std::uint32_t line() const { return section_ == nullptr ? 0 : section_->place.line; }
 
   const std::string& section_name() const { return section_name_; }
@@ -231,7 +232,7 @@ class Binder {
                                          const std::vector<std::string>& names, Presence presence,
                                          std::string_view help);
 
-  /// Adds the key and returns its given value; null if the file does not give it.
+  /// Adds the key and returns its value in the file, or null if the file omits the key.
   const Value* declare(KeySpec spec);
   /// Returns null if there are no tables, or too many.
   const TableArray* declare_tables(std::string_view key, const TablesOptions& options);

@@ -232,8 +232,8 @@ constexpr std::array<std::string_view, 1> k_stop_keys_of_search{"found"};
 constexpr std::array<std::string_view, 1> k_stop_keys_of_takes{"takes"};
 constexpr std::array<std::string_view, 2> k_output_keys_of_search{"keep_max", "prior_draws"};
 
-/// Allows only `keys` among a section's first keys. Other keys are errors if given, and are omitted
-/// in the normalised text.
+/// Allows only `keys` among a section's first keys. Other keys are errors if the file has them, and
+/// the normalised text omits them.
 void keep_only(Binder& section, std::size_t first_keys, std::span<const std::string_view> keys,
                std::string_view why) {
   const std::vector<BoundKey> all = section.keys();
@@ -251,8 +251,8 @@ void settle_few_prior_draws(Binder& output, OutputParameters& p) {
   output.settle("prior_draws", fmt::format("{}", k_prior_draws_of_search));
 }
 
-/// Applies a search's rules after all keys are bound. Common keys are bound first; a world's keys
-/// apply to chains.
+/// Applies a search's rules after all keys are bound. The first `common_keys` keys of [sampler] are
+/// common ones; the others are a world's keys, which apply to chains.
 void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionRequest& request) {
   const auto all = [](const Binder& section) { return section.keys().size(); };
   const bool relaxes = request.sampler.relax_scans.has_value();
@@ -273,7 +273,7 @@ void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionR
   settle_few_prior_draws(sections.output, request.output);
 }
 
-/// Returns whether no key is given except the seed and perhaps `key`.
+/// Returns whether [sampler] has no key except perhaps the seed and `key`.
 bool leaves_open_but(const Binder& sampler, std::string_view key) {
   const auto& keys = sampler.keys();
   return std::none_of(keys.begin(), keys.end(), [&](const BoundKey& bound) {
@@ -294,7 +294,7 @@ void let_world_choose(SectionBinders& sections, DirectionRequest& request,
   world.serve_best(of_world, request.sampler, request.stop, request.parameters);
 }
 
-/// Chooses a search if the request has only finds or takes as stop rules, or leaves everything
+/// Chooses a search if the request's only stop rules are finds or takes, or if it leaves everything
 /// open.
 void settle_method(SectionBinders& sections, DirectionRequest& request, const WorldBinding& world) {
   const auto& rules = sections.stop.keys();
@@ -318,12 +318,13 @@ void settle_method(SectionBinders& sections, DirectionRequest& request, const Wo
   CHECK(request.sampler.relax_scans.has_value());
 }
 
-/// Lets the world choose the sampler if the request leaves it open. The run then shows finds before
+/// Lets the world choose the sampler if the request leaves it open. Such a run shows finds before
 /// it makes draws.
 void settle_default(SectionBinders& sections, DirectionRequest& request,
                     const WorldBinding& world) {
   if (request.sampler.method == Method::search) return;
-  // Naming `sequential` adds nothing to a request for odds, because no other method estimates them.
+  // For odds, treat a request with method `sequential` as open, because no other method estimates
+  // odds.
   const bool names_islands = request.stop.odds && request.sampler.method == Method::sequential;
   if (!leaves_open_but(sections.sampler, names_islands ? "method" : "") || !world.serve_best)
     return;
@@ -350,7 +351,8 @@ void settle_stop(SectionBinders& sections, DirectionRequest& request) {
   stop.settle(key, fmt::format("{}", k_solutions_asked_for));
 }
 
-/// Checks that `takes` and `relax_scans` occur together: takes are finds that a chain relaxes.
+/// Checks that `takes` and `relax_scans` occur together, because takes are finds that a chain
+/// relaxes.
 void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   const bool searches = request.sampler.method == Method::search;
   if (request.sampler.relax_scans && !searches && sections.sampler.valid("method"))
@@ -362,8 +364,8 @@ void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   }
 }
 
-/// Only islands estimate P(satisfied) on the way with a plannable error. With odds, a run makes
-/// only islands.
+/// Applies the rules for odds. Only islands estimate P(satisfied) while they run, with an error
+/// that can be planned. With odds, a run makes only islands.
 void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   const Method method = request.sampler.method;
   if (!sections.sampler.valid("method")) return;
@@ -389,8 +391,8 @@ void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   sections.output.settle("keep_max", fmt::format("{}", k_keep_max_of_odds));
 }
 
-/// Burn-ins of plain chains are judged over all chains, in rounds of their own; burn-ins of ladders
-/// by the origin of lineages.
+/// Checks chains that start at finds. Burn-ins of plain chains are judged over all chains, in
+/// separate rounds. Burn-ins of ladders are judged by the origin of lineages.
 void check_start(SectionBinders& sections, const DirectionRequest& request) {
   const SamplerParameters& p = request.sampler;
   if (p.start == Start::prior) return sections.sampler.settle("start", "");
@@ -417,7 +419,7 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
   }
 }
 
-/// Tours have their own burn-in and no rounds.
+/// Checks keys with tours, which have their own burn-in and no rounds.
 void check_tours(SectionBinders& sections, const DirectionRequest& request) {
   if (!request.sampler.tour_scans || !sections.sampler.valid("tour_scans")) return;
   if (sections.sampler.given("burn_in_rounds"))
@@ -430,7 +432,7 @@ void check_tours(SectionBinders& sections, const DirectionRequest& request) {
                         "instead");
 }
 
-/// Islands and searches require worlds that act in stages.
+/// Checks that the world acts in stages if the request uses islands or a search.
 void check_stages(SectionBinders& sections, const DirectionRequest& request,
                   const WorldBinding& world, std::span<const WorldBinding> worlds) {
   if (world.acts_in_stages) return;

@@ -30,7 +30,7 @@ struct SectionBinders {
 const WorldBinding* bind_sections(SectionBinders& sections, std::span<const WorldBinding> worlds,
                                   DirectionRequest& request);
 
-/// Returns whether people often expect this command-line option as a key of a request.
+/// Returns whether people often mistake this command-line option for a key of a request.
 bool is_command_line_option(std::string_view key);
 
 }  // namespace sleight::request

@@ -28,7 +28,7 @@ struct Place {
   friend auto operator<=>(const Place&, const Place&) = default;
 };
 
-/// Place of a value that is not in a file.
+/// Place of a value that is not from a file.
 inline constexpr Place k_no_place{.line = 0, .column = 0};
 
 struct Diagnostic {
@@ -38,10 +38,12 @@ struct Diagnostic {
   friend bool operator==(const Diagnostic&, const Diagnostic&) = default;
 };
 
-/// Returns `file:line:column: message`, or `file: message` without a line, without a line end.
+/// Returns `file:line:column: message`, or `file: message` if there is no line. The text has no
+/// line end.
 std::string to_string(const Diagnostic& diagnostic);
 
-/// Further errors are counted but not shown, so that a hostile file can't fill a terminal or a log.
+/// Maximum errors that are shown. Further ones are only counted, so that a hostile file can't fill
+/// a terminal or a log.
 inline constexpr std::size_t k_diagnostics_max = 200;
 
 /// Collects the errors of one file. Not thread-safe.
@@ -52,8 +54,9 @@ class Diagnostics {
   void add(Place place, std::string message);
   bool empty() const { return found_.empty(); }
 
-  /// Returns all errors sorted by place, and in order of addition at the same place. Beyond
-  /// k_diagnostics_max a last entry reports the number of further errors.
+  /// Returns all errors, sorted by place. Errors at the same place are in order of addition. If
+  /// there are more than k_diagnostics_max errors, the last entry reports the number of further
+  /// ones.
   std::vector<Diagnostic> sorted() const;
 
  private:

@@ -13,8 +13,9 @@
 // worlds.
 //
 // Invariants
-//   1. A key exists only if it may change results. Settings that can't (ranks, threads, cache,
-//      simulator) are command-line options, and as keys they are errors that name the option.
+//   1. A key exists only if it may change results. Settings that can't change results (ranks,
+//      threads, cache, simulator) are command-line options. Using one as a key is an error that
+//      names the option.
 //   2. All errors of a file are reported, ordered by place. A file that is not TOML has one error.
 //   3. normalised_text is canonical: every key with its value, in a fixed order. Reading it gives
 //      an equal request and the same text. The text depends only on values, not on the file's
@@ -60,8 +61,8 @@ struct SamplerParameters {
   /// Number of independent chains, or of ladders if tempered. 0 for a search without chains.
   std::uint32_t chains = 4;
   std::optional<std::uint32_t> replicas{};  ///< per ladder; empty: chosen by the ladder's barrier
-  /// Exponent of a first ladder's inverse temperatures, (i / (replicas - 1))^ladder_power; empty:
-  /// 6.
+  /// Exponent of the inverse temperatures of a first ladder: (i / (replicas - 1))^ladder_power.
+  /// Empty: 6.
   std::optional<std::uint32_t> ladder_power{};
   std::uint64_t seed = 1;                 ///< of all random numbers; at most k_seed_max
   std::uint32_t iterations_per_scan = 1;  ///< proposals between two recorded states
@@ -79,8 +80,8 @@ struct SamplerParameters {
   std::optional<std::uint32_t> steps_per_level{};
   /// For sequential: particles per island. Empty: k_particles.
   std::optional<std::uint32_t> particles{};
-  /// For sequential: scans after which a chain restarts; only the last of them is a draw. Empty: no
-  /// restarts.
+  /// For sequential: number of scans after which a chain restarts. Only the last scan before a
+  /// restart is a draw. Empty: no restarts.
   std::optional<std::uint32_t> tour_scans{};
   Start start = Start::prior;
   /// For a search with relaxed finds: scans of the chain that relaxes each find. Empty: finds stay
@@ -92,14 +93,15 @@ struct SamplerParameters {
 /// Returns each chain's scans whose states don't count: annealing and burn-in.
 std::uint64_t scans_before_draws(const SamplerParameters& sampler);
 
-/// Stop rules. At least one is given or set by default (k_solutions_asked_for). Rules depend on
-/// logical counts, never on a clock. The scans of `rounds` rounds, round_scans * (2^rounds - 1),
-/// are at most k_scans_max too.
+/// Stop rules. A request has at least one rule, given or by default (k_solutions_asked_for). Rules
+/// depend on logical counts, never on a clock. `rounds` rounds have round_scans * (2^rounds - 1)
+/// scans, which must be at most k_scans_max too.
 struct StopRule {
   /// Scans per chain, including its start (scan 0). More than scans_before_draws.
   std::optional<std::uint64_t> scans;
   std::optional<std::uint32_t> rounds;  ///< per chain
-  /// Lineages with a satisfying animation, over all chains, counted at the ends of rounds.
+  /// Number of lineages with a satisfying animation, over all chains, counted at the ends of
+  /// rounds.
   std::optional<std::uint32_t> independent_solutions;
   /// Number of finds that ends a search. In worlds that act in stages, a search may precede the
   /// chains and end by this rule.
@@ -108,7 +110,7 @@ struct StopRule {
   /// free islands. A run with `odds` makes only islands; `scans` limits their number
   /// (worker/sampling/odds_rule.h).
   std::optional<double> odds{};
-  /// Finds of a search, each relaxed by a chain of its own. Excludes other rules.
+  /// Number of takes: finds of a search, each relaxed by a separate chain. Excludes other rules.
   std::optional<std::uint32_t> takes{};
   friend bool operator==(const StopRule&, const StopRule&) = default;
 };
@@ -119,8 +121,8 @@ struct WorldSections {
   Binder& sampler;
 };
 
-/// The interface of a world to requests. Only the world knows the type of its parameters;
-/// bind_world makes a binding from functions with that type.
+/// The interface of a world to requests. Only the world uses the type of its parameters. bind_world
+/// makes a binding from functions with that type.
 struct WorldBinding {
   std::string name;     ///< value of `name` in [world]
   std::string summary;  ///< one line for help
@@ -168,7 +170,7 @@ WorldBinding bind_world(std::string name, std::string summary,
 inline constexpr std::uint32_t k_prior_draws = 1000;
 inline constexpr std::uint32_t k_prior_draws_of_search = 100;
 
-/// Default for runs that estimate odds: just enough to look at.
+/// Default for runs that estimate odds: just enough animations to look at.
 inline constexpr std::uint32_t k_keep_max_of_odds = 20;
 
 struct OutputParameters {
@@ -196,7 +198,8 @@ struct DirectionRequest {
       sections;         ///< all five sections and their tables, including the world's
   std::any parameters;  ///< the world's own, see parameters_of
 
-  /// Ignores `parameters`, which has no comparison: `sections` has the same values.
+  /// Doesn't compare `parameters`, which has no comparison operator: `sections` has the same
+  /// values.
   friend bool operator==(const DirectionRequest& a, const DirectionRequest& b) {
     return a.world == b.world && a.sampler == b.sampler && a.stop == b.stop &&
            a.output == b.output && a.sections == b.sections;
@@ -226,11 +229,11 @@ inline constexpr std::uint32_t k_rounds_max = 40;
 inline constexpr std::uint32_t k_round_scans_max = 1000000;
 inline constexpr std::uint32_t k_independent_solutions_max = 1000000;
 inline constexpr std::uint32_t k_found_max = 1000000;
-/// Every find, take or not, has a chain of its own.
+/// Takes are limited, because every find, whether it becomes a take or not, needs a separate chain.
 inline constexpr std::uint32_t k_takes_max = 10000;
 inline constexpr std::uint32_t k_relax_scans_max = 1000000;
-/// In nats. The required islands grow with the inverse square; above 1 the odds would be uncertain
-/// by a factor of 2.7 in either direction.
+/// In nats. The number of islands grows with the inverse square of the error. With an error above
+/// 1, the odds would be uncertain by more than a factor of 2.7 in either direction.
 inline constexpr double k_odds_min = 0.001;
 inline constexpr double k_odds_max = 1;
 /// Default number of takes, independent solutions or finds, if no rule is given.
@@ -239,7 +242,7 @@ inline constexpr std::uint32_t k_particles = 64;
 inline constexpr std::uint32_t k_particles_max = 4096;
 inline constexpr std::uint32_t k_island_burn_in_rounds = 1;
 
-/// Answers for a request that leaves the sampler open.
+/// Kinds of answers for a request that leaves the sampler open.
 enum class Answer : std::uint8_t {
   takes,         ///< relaxed finds of a search
   found,         ///< unrelaxed finds of a search
@@ -248,25 +251,25 @@ enum class Answer : std::uint8_t {
 
 /// Goals from the command line that replace a request's [stop].
 struct Asked {
-  /// Empty: the kind that [stop] requests (finds, takes or independent solutions). If [stop]
-  /// requests none: takes if the sampler is left open, finds for a search, else independent
-  /// solutions.
+  /// Kind of answer. Empty: the kind that [stop] requests (finds, takes or independent solutions).
+  /// If [stop] requests no kind: takes if the sampler is left open, finds for a search, and
+  /// otherwise independent solutions.
   std::optional<Answer> answer{};
   std::uint32_t number = k_solutions_asked_for;
 };
 
-/// Reads a request. `file` is only named in errors, not opened. REQUIRES: `worlds` is not empty and
-/// has distinct names; asked->number is from 1 to k_independent_solutions_max.
+/// Reads a request. `file` appears in errors, but is not opened. REQUIRES: `worlds` is not empty
+/// and has distinct names; asked->number is from 1 to k_independent_solutions_max.
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
     std::optional<Asked> asked = {});
 
-/// Returns the whole request in canonical form, which an archive stores if the run ended by its own
-/// rule.
+/// Returns the whole request in canonical form. An archive stores this text if the run ended by one
+/// of its own rules.
 std::string normalised_text(const DirectionRequest& request);
 
-/// The end of an archive's results. If finds are relaxed, the archive contains takes, or finds
-/// before the first take.
+/// The place in a run at which an archive's results end. If finds are relaxed, an archive contains
+/// takes, or finds before the first take.
 struct Cut {
   std::uint64_t scans = 0;
   std::uint64_t found = 0;
@@ -275,23 +278,23 @@ struct Cut {
 };
 
 /// Returns normalised_text with [stop] and prior_draws set to `cut`: the request that reproduces
-/// the archive exactly. Without scans and takes the text describes a search. Besides the scans of
-/// islands it retains the rules odds and independent_solutions, which end runs by their islands: an
-/// archive needs them to decide whether its islands count, and a run that ended by them before the
-/// cut ends there again. REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max, found <=
-/// k_found_max.
+/// the archive exactly. Without scans and takes the text describes a search. If there are islands,
+/// the text retains the rules odds and independent_solutions besides their scans, because these
+/// rules end runs by their islands. An archive needs them to decide whether its islands count, and
+/// a run that ended by one of them before the cut ends there again. REQUIRES: scans, found or
+/// relaxed is not 0; scans <= k_scans_max, found <= k_found_max.
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 
 /// Returns [world], [constraint] and [sampler] of the normalised text. Requests with equal text
 /// have the same chains, so one can resume the other's run.
 std::string identity_text(const DirectionRequest& request);
 
-/// Returns the request with another seed, as if its file had that seed. REQUIRES: seed <=
+/// Returns the request with another seed, as if the request's file had that seed. REQUIRES: seed <=
 /// k_seed_max.
 DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
 
-/// Returns a request for the search that precedes the request's chains; it has the same finds.
-/// REQUIRES: stop.found or stop.takes.
+/// Returns a request for only the search that precedes the request's chains. The search has the
+/// same finds. REQUIRES: stop.found or stop.takes.
 DirectionRequest search_of(DirectionRequest request);
 
 struct SectionKeys {

@@ -11,8 +11,8 @@
 #include "common/request/text.h"
 
 // toml++ is compiled here from its headers, because Debian's shared library throws exceptions and
-// has fixed limits. The assertions of toml++ are neither checked nor assumed (as NDEBUG would do):
-// some fail for hostile input, for which an error follows anyway.
+// has fixed limits. The assertions of toml++ are neither checked nor assumed, as NDEBUG would do.
+// Some of them fail for hostile input, which then leads to an error anyway.
 #ifdef NDEBUG
 #undef NDEBUG
 #endif
@@ -36,8 +36,8 @@
 namespace sleight::request {
 namespace {
 
-/// Characters that may follow a dot in a bitmap's string, which the normalised text writes on one
-/// line, but not in a dotted key.
+/// Characters that may follow a dot in the string of a bitmap, which the normalised text writes on
+/// one line. In a dotted key, they can't follow a dot.
 constexpr std::string_view k_never_after_a_keys_dot = ".#\\";
 
 constexpr std::size_t k_value_characters_max = 40;
@@ -47,7 +47,7 @@ Place place_of(const toml::source_position& position) {
   return {std::max<std::uint32_t>(position.line, 1), std::max<std::uint32_t>(position.column, 1)};
 }
 
-/// Moves a place into the text, because the parser counts one column too far at its end.
+/// Moves a place into the text, because the parser's place at the text's end is one column too far.
 Place within(std::string_view text, Place place) {
   for (std::uint32_t line = 1; line < place.line; ++line) {
     const std::size_t end = text.find('\n');
@@ -61,7 +61,7 @@ Place within(std::string_view text, Place place) {
   return {place.line, std::min(place.column, static_cast<std::uint32_t>(length) + 1)};
 }
 
-/// Returns why the text must not be parsed, and where, if so.
+/// Returns an error with its place if the text must not be parsed.
 std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
   if (text.size() > k_request_bytes_max) {
     return {{Place{}, fmt::format("the file has {} bytes; the limit for a request is {} (1 MiB)",

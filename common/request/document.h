@@ -1,12 +1,12 @@
-// A request file as sections of keys with their places. The rest of this folder reads this instead
-// of TOML, so that toml++ is compiled in only one source file.
+// A request file as sections of keys with their places. The rest of this folder uses these
+// sections, so that only one source file compiles toml++.
 //
 // Invariants
 //   1. Section names are distinct, and so are the keys of a section (TOML forbids duplicates). All
 //      tables of an array share the array's name.
 //   2. Sections and keys are ordered by place.
-//   3. Every place is in the file, or just behind a line's last character.
-// Values; thread-safe as such.
+//   3. Every place is inside the file, or just behind a line's last character. Values; thread-safe
+// as such.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +35,8 @@ struct Entry {
 
 struct Section;
 
-/// `[[section.key]]` with all its tables in the file. The section also has an entry with this key,
-/// of type array.
+/// An array of tables, `[[section.key]]`, with all its tables in the file. The section also has an
+/// entry with this key, of type array.
 struct TableArray {
   std::string key;
   std::vector<Section> tables;  ///< in order; their names are as between the brackets
@@ -67,11 +67,12 @@ inline constexpr std::size_t k_request_bytes_max = std::size_t{1} << 20;
 /// frees nested tables by unlimited recursion, so a megabyte of `a.a.a` would overflow the stack.
 inline constexpr std::size_t k_dots_per_line_max = 100;
 
-/// Reads TOML 1.0. Stops at the first error: not UTF-8, not TOML, duplicate keys, longer than
-/// k_request_bytes_max, or more dots than k_dots_per_line_max.
+/// Reads TOML 1.0. Stops at the first error: invalid UTF-8, invalid TOML, duplicate keys, more than
+/// k_request_bytes_max bytes, or more than k_dots_per_line_max dots.
 base::Result<Document, Diagnostic> parse_document(std::string_view text, std::string_view file);
 
-/// Describes a value for "found ...": `the string "4"`, `1.5`, `an array`. Printable and short.
+/// Describes a value, for messages with "found ...": `the string "4"`, `1.5`, `an array`. Printable
+/// and short.
 std::string description(const Value& value);
 
 }  // namespace sleight::request

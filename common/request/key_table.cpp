@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t k_columns = 5;
 using Row = std::array<std::string, k_columns>;
 
-/// Longer ranges, of many names, go to the last column.
+/// Maximum width of a range in its column. Longer ranges, with many names, are in the last column.
 constexpr std::size_t k_range_characters_max = 24;
 constexpr std::size_t k_help_characters = 60;
 
@@ -62,7 +62,7 @@ std::string aligned(const std::vector<Row>& rows) {
 }  // namespace
 
 std::vector<SectionKeys> request_keys(const WorldBinding& world) {
-  // A request with only this world's name has every key at its default.
+  // Use a request with only this world's name, in which every key has its default.
   Document document;
   document.sections.push_back({"world", {}, {{"name", {}, {.held = world.name, .place = {}}}}});
   Diagnostics diagnostics("keys");
@@ -88,7 +88,7 @@ std::vector<SectionKeys> request_keys(const WorldBinding& world) {
 
 std::string key_table(const WorldBinding& world) {
   std::vector<SectionKeys> sections = request_keys(world);
-  // [sampler] comes last, because it has the most keys and few people need them.
+  // Print [sampler] last, because it has the most keys and few people need them.
   std::stable_partition(sections.begin(), sections.end(),
                         [](const SectionKeys& keys) { return keys.name != "sampler"; });
   const Row title{"key", "unit", "range", "default", "meaning"};

@@ -41,7 +41,7 @@ class UnknownKeys {
                                                 meant_section(section.name)));
   }
 
-  /// `section_known`: all possible keys of the section are declared.
+  /// `section_known`: whether all possible keys of the section are declared.
   void key(const Entry& entry, const std::string& section, bool section_known) {
     const std::size_t index = static_cast<std::size_t>(
         std::find(section_names_.begin(), section_names_.end(), section) - section_names_.begin());
@@ -163,7 +163,8 @@ void report_unknown(const Document& document, const SectionBinders& sections, bo
   }
 }
 
-/// Returns whether a section exists, perhaps in a wrong form, which report_unknown reports.
+/// Returns whether a section exists. The section may have a wrong form, which report_unknown
+/// reports.
 bool is_mentioned(const Document& document, std::string_view section) {
   return document.find(section) != nullptr ||
          std::any_of(document.loose.begin(), document.loose.end(),
@@ -179,7 +180,8 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
   if (!stop.valid("scans") || !request.stop.scans) return;
   const std::uint64_t before = scans_before_draws(request.sampler);
   if (*request.stop.scans > before) return;
-  // If none of the deciding keys is given, the number of scans before draws is the default.
+  // If the file has none of the keys that determine the number of scans before draws, that number
+  // has its default.
   const bool is_chosen = sampler.given("method") || sampler.given("anneal_scans") ||
                          sampler.given("burn_in_rounds") || sampler.given("round_scans") ||
                          sampler.given("tour_scans");
@@ -294,7 +296,8 @@ void ask_for(Document& document, const Asked& asked, std::span<const WorldBindin
   document.sections.push_back(std::move(stop));
 }
 
-/// An error without a place in the file came from a set, whose text replaces the file name.
+/// An error without a place in the file belongs to a set, and the set's text replaces the file
+/// name.
 std::vector<Diagnostic> named_by_sets(std::vector<Diagnostic> errors,
                                       std::span<const KeySet> sets) {
   for (Diagnostic& error : errors) {

@@ -24,7 +24,7 @@ Diagnostic wrong(std::string_view text, std::string message) {
   return {printable(option_of(text), k_text_characters_max), k_no_place, std::move(message)};
 }
 
-/// A set as given, with ranges not yet expanded.
+/// A set as given, whose ranges are not expanded yet.
 struct Written {
   std::string section;
   std::string key;
@@ -58,7 +58,7 @@ base::Result<Value, std::string> value_of(std::string_view text) {
   auto document = parse_document(fmt::format("{} = {}\n", name, text), "");
   if (document) {
     const std::vector<Entry>& entries = document.value().loose;
-    // More than one value: the text continues after a line end.
+    // If there is more than one value, the text continues after a line end.
     if (entries.size() == 1 && entries.front().key == name && document.value().sections.empty())
       return Value{entries.front().value.held, k_no_place};
     if (entries.empty()) return Value{Unwanted::table, k_no_place};

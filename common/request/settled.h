@@ -17,7 +17,7 @@ namespace sleight::request {
 
 class Settled {
  public:
-  /// REQUIRES: the request does not give the sampler's keys.
+  /// REQUIRES: the request does not have these keys of [sampler].
   explicit Settled(Binder& sampler) : sampler_(sampler) {}
 
   void word(std::string_view key, std::string_view chosen) {

@@ -42,12 +42,12 @@ std::string toml_number(double value);
 /// Returns a TOML basic string with quotes. REQUIRES: text is UTF-8.
 std::string toml_string(std::string_view text);
 
-/// The conversion used everywhere between degrees for people and internal radians.
+/// Converts degrees, as people use them, to internal radians. All code uses this function.
 double radians_of_degrees(double degrees);
 
 /// Returns the shortest decimal that radians_of_degrees maps exactly to `radians`: 10, not
-/// 10.000000000000002. If there is none, the nearest number of degrees. REQUIRES: radians is
-/// finite.
+/// 10.000000000000002. If there is none, returns the nearest number of degrees. REQUIRES: radians
+/// is finite.
 double degrees_of_radians(double radians);
 
 }  // namespace sleight::request

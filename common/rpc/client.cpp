@@ -28,7 +28,8 @@ namespace sleight::rpc {
 namespace {
 
 constexpr std::uint64_t k_traversal_bytes_max = 64U << 20U;  // per answer
-// A server answers a watch without news after 20 s, and a read of a file sooner.
+// Maximum silence of a server: a watch without news is answered after 20 s, and a read of a file
+// sooner.
 constexpr double k_silence_s_max = 90;
 
 /// Returns the event loop shared by all clients of a thread, because KJ allows only one per thread.
@@ -75,7 +76,7 @@ struct Client::Impl final : Link {
 
   // -------------------------------------------------------------------------------------- waiting
 
-  /// Waits for an answer and converts failures to exceptions. `seconds` <= 0: no limit.
+  /// Waits for an answer, and throws failures as this class's exceptions. `seconds` <= 0: no limit.
   template <class T>
   T wait(kj::Promise<T> promise, double seconds) {
     try {
@@ -87,7 +88,8 @@ struct Client::Impl final : Link {
     }
   }
 
-  /// Like wait, but ends on interrupt(). A server silent for `silence_s_max` counts as lost.
+  /// Like wait(), but interrupt() ends it. A server that is silent for `silence_s_max` counts as
+  /// lost.
   template <class T>
   T wait_interruptibly(kj::Promise<T> promise, double silence_s_max) {
     if (take_interrupt()) throw Interrupted();
@@ -263,7 +265,8 @@ struct Client::Impl final : Link {
     }
   }
 
-  /// Makes a call: `send` returns the promise of its results, `read` extracts the value from them.
+  /// Makes a call: `send` returns the promise of the call's results, and `read` extracts the value
+  /// from the results.
   template <class Send, class Read>
   auto call(const Send& send, const Read& read) {
     was_repeated = false;
@@ -315,7 +318,7 @@ struct Client::Impl final : Link {
 
   base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) override {
     auto& files = connected().files;
-    // The files were opened by an earlier connection.
+    // If the file is missing, an earlier connection opened it.
     if (file >= files.size()) throw Lost("lost the connection to the server");
     auto request = files[file].readRequest();
     request.setOffset(offset);

@@ -1,12 +1,12 @@
 // The client's side of the service's calls. Each call waits for its answer.
 //
-// If a call's connection breaks, the client reconnects and repeats the call. A repeated call
-// changes nothing more (service.h). `watch` and `fetch` survive lost connections and killed daemons
-// until the service has been away for too long: a watcher receives every numbered event once and in
-// order, and a fetched file is complete or absent.
+// If a call's connection breaks, the client reconnects and repeats the call. Repeating a call has
+// no further effect (service.h). `watch` and `fetch` continue after lost connections and killed
+// daemons, unless the service has been away for too long. A watcher receives every numbered event
+// once and in order, and a fetched file is complete or absent.
 //
-// A service on another machine is called over TLS, with a token. The client sends nothing before it
-// has checked the server's certificate: either the certificate is the known one, or an authority
+// A service on another machine is called over TLS, with a token. Before the client sends anything,
+// it checks the server's certificate: either the certificate is the known one, or an authority
 // vouches for it and for the host's name.
 //
 // Exceptions, all base::Error or RefusedError:
@@ -69,7 +69,7 @@ struct RemoteService {
   /// The service's own certificate as PEM (certificates.h), or those of authorities that vouch for
   /// it. Empty: the system's trusted authorities.
   std::string certificate{};
-  /// Host name that `certificate` is for, if it is the service's own. Empty: it is an authority's.
+  /// If `certificate` is the service's own: the host name in it. Empty: it is an authority's.
   std::string own_name{};
 };
 
@@ -104,17 +104,16 @@ enum class Waited : std::uint8_t {
   interrupted,
 };
 
-/// Reports a fetch's progress and returns whether to continue. After false, received bytes stay for
-/// the next attempt.
+/// Reports a fetch's progress and returns whether to continue. If it returns false, the received
+/// bytes are stored for the next attempt.
 using FetchProgress = std::function<bool(const FileView& file, std::uint64_t bytes)>;
 
 /// Checks a received file at `path` before the file is moved to its place; the service's own copy
-/// may be damaged. Throws base::Error to refuse the file, which is then removed; its place stays
-/// untouched.
+/// may be damaged. Throws base::Error to refuse the file. The file is then removed, and its place
+/// isn't changed.
 using FetchCheck = std::function<void(const std::string& path)>;
 
-/// What happens to another file at a fetched file's place, even if that file appeared during the
-/// fetch.
+/// How to treat an existing file at a fetched file's place, even if it appeared during the fetch.
 enum class AtItsPlace : std::uint8_t {
   replaced,
   kept,  ///< the fetch fails (base::Error, conflict) if the contents differ
@@ -148,14 +147,16 @@ class Client {
   std::vector<TokenView> tokens();
   TokenView revoke_token(const std::string& id);
 
-  /// Watches each job from its point until all jobs are settled or refused. REQUIRES: at most
+  /// Watches each job from its WatchPoint until all jobs are settled or refused. REQUIRES: at most
   /// k_watch_jobs_max different jobs.
   Waited watch(const std::vector<WatchPoint>& points, WatchSink& sink);
-  /// Watches one job: events from `from_number` (1: all), and all state changes.
+  /// Watches one job: its events from number `from_number` on (1: all events), and all state
+  /// changes.
   Waited watch(JobId job, std::uint64_t from_number, WatchSink& sink);
 
-  /// Fetches the only file of `ask` to `path`: writes beside it, checks, renames. Resumes from an
-  /// earlier attempt's part if the service still has the same file.
+  /// Fetches the only file of `ask`: writes a temporary file, checks it and renames it to `path`.
+  /// If the service still has the same file, resumes with the part that an earlier attempt
+  /// received.
   FetchedFiles fetch_file(FetchAsk ask, const std::string& path, const FetchProgress& progress = {},
                           const FetchCheck& check = {}, AtItsPlace other = AtItsPlace::replaced);
   /// Fetches all files of `ask` into `folder` (created if missing) under the files' own names.

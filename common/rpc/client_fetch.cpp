@@ -1,4 +1,4 @@
-// Implements fetching of link.h without sockets.
+// Implements fetching over a Link (link.h), without sockets.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace sleight::rpc {
 namespace {
 
-/// Maximum tries for a file received with wrong bytes.
+/// Maximum tries for a file whose received bytes are wrong.
 constexpr int k_wrong_max = 3;
 
 constexpr std::size_t k_sha256_digits = 64;
@@ -43,7 +43,8 @@ class Fetching {
         check_(check),
         other_(other) {}
 
-  /// `place_of` maps a file's name to its path. `is_one`: expect one file; else fetch all pages.
+  /// `place_of` maps a file's name to its path. `is_one`: expect exactly one file. Otherwise fetch
+  /// all pages of files.
   FetchedFiles run(bool is_one, const std::function<std::string(const std::string&)>& place_of) {
     try {
       while (!is_over_) {
@@ -96,8 +97,8 @@ class Fetching {
     is_over_ = is_one || !arrived.has_more || arrived.files.empty();
   }
 
-  /// Receives a file. Returns nothing if the receiver stops, else whether the content matches its
-  /// digest.
+  /// Receives a file. Returns whether the content matches its digest, or nothing if the receiver
+  /// stops the fetch.
   std::optional<bool> take(std::size_t file, const FileView& view, const std::string& path) {
     PartFile part(path, view);
     while (true) {

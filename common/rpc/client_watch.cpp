@@ -1,4 +1,4 @@
-// Implements watching and Patience of link.h without sockets.
+// Implements watching over a Link and Patience (link.h), without sockets.
 #include <algorithm>
 #include <unordered_map>
 
@@ -90,7 +90,7 @@ Waited watch_over(Link& link, const ClientOptions& options, const std::vector<Wa
                   WatchSink& sink) {
   Watched watched(points, sink);
   Patience patience(link, options);
-  // The sink is told only of the first of several failed attempts.
+  // Report only the first of several failed attempts to the sink.
   const auto lost = [&](const std::string& words) {
     if (!patience.is_away() && !sink.lost(words)) return false;
     patience.again(words);

@@ -46,7 +46,7 @@ static_assert(static_cast<std::size_t>(generated::Scope::OPERATE) == std::size(k
 static_assert(static_cast<int>(generated::FetchAsk::Kind::FAILURE_FILES) ==
               static_cast<int>(FetchKind::failure_files));
 
-/// Truncates a text to `bytes_max`, at a whole UTF-8 character.
+/// Truncates a text to at most `bytes_max` bytes, between two UTF-8 characters.
 std::string_view cut(const std::string& text, std::size_t bytes_max) {
   if (text.size() <= bytes_max) return text;
   std::size_t size = bytes_max;
@@ -55,7 +55,7 @@ std::string_view cut(const std::string& text, std::size_t bytes_max) {
   return {text.data(), size};
 }
 
-/// A Cap'n Proto text ends with a zero byte, which a part of another text lacks.
+/// Copies a truncated text, because a Cap'n Proto text must end with a zero byte.
 void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
   const std::string_view short_text = cut(text, bytes_max);
   if (short_text.size() == text.size()) {
@@ -66,9 +66,9 @@ void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
   }
 }
 
-// Each struct lists its fields once, in `fields`, for Writer and Reader alike. A field has two
-// functions: the first sets the field in a builder (or initialises it, for a list or struct), the
-// second gets it from a reader.
+// Each struct lists its fields once, in `fields`, for both Writer and Reader. A field has two
+// functions. The first sets the field in a builder, or initialises a list or struct. The second
+// gets the field from a reader.
 
 #define SLEIGHT_GET(Name) [](auto from) { return from.get##Name(); }
 #define SLEIGHT_SET(Name) [](auto to, auto value) { to.set##Name(value); }
@@ -81,11 +81,11 @@ void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
   visit.list([](auto to, unsigned size) { return to.init##Name(size); }, SLEIGHT_GET(Name), ours, \
              Bounds{__VA_ARGS__})
 
-/// Limits of a list; elements beyond them are left out.
+/// Limits of a list. Elements beyond them are omitted.
 struct Bounds {
   std::size_t written = k_no_bound;
-  /// Maximum elements to read, one above the limit, so that limits.h refuses longer lists. Elements
-  /// without content cost nothing in a message.
+  /// Maximum elements to read, one more than the limit, so that limits.h refuses longer lists. A
+  /// list must be truncated, because elements without content cost nothing in a message.
   std::size_t read = k_no_bound;
   std::size_t text_bytes = k_no_bound;  ///< per text
 };
@@ -117,7 +117,8 @@ void write(const Target& target, generated::Target::Builder to, bool) {
   }
 }
 
-// A kind of target from a newer client becomes job 0, which does not exist.
+// Reads a target. An unknown kind of target, from a newer client, becomes job 0, which does not
+// exist.
 void read(generated::Target::Reader from, Target& target) {
   target = from.isGroup() ? Target::of(GroupId{from.getGroup()})
                           : Target::of(JobId{from.isJob() ? from.getJob() : 0});
@@ -137,7 +138,7 @@ struct Writer {
     } else if constexpr (std::same_as<T, std::string>) {
       return as_text(ours);
     } else if constexpr (is_optional<T>) {
-      // An empty optional is 0 for unsigned types, else -1.
+      // An empty optional is written as 0 for unsigned types, and as -1 for others.
       return ours ? static_cast<Theirs>(wire<Theirs>(*ours))
                   : static_cast<Theirs>(std::unsigned_integral<Theirs> ? 0 : -1);
     } else if constexpr (requires { ours.value; }) {
@@ -441,7 +442,7 @@ void fields(auto& visit, Is<ServerView> auto& server) {
   SLEIGHT_TEXT(Fingerprint, server.fingerprint, k_line_bytes_max);
 }
 
-// Texts of tokens are short, because limits.h checks them on creation.
+// A token's texts need no limit here, because limits.h checks them on creation.
 void fields(auto& visit, Is<TokenAsk> auto& ask) {
   SLEIGHT_FIELD(Token, ask.token);
   SLEIGHT_FIELD(Name, ask.name);

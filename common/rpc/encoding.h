@@ -24,7 +24,7 @@ void put(const Submission& from, generated::Submission::Builder to);
 void put(const Submitted& from, generated::Submitted::Builder to);
 void put(const JobView& from, generated::JobView::Builder to);
 void put(const ListAsk& from, generated::ListAsk::Builder to);
-/// Writes the page's jobs without history, log and command, and with texts cut to a line.
+/// Writes the page's jobs without history, log and command, and truncates their texts to a line.
 void put(const JobPage& from, generated::JobPage::Builder to);
 void put(const Touched& from, generated::Touched::Builder to);
 void put(const ChangeAsk& from, generated::ChangeAsk::Builder to);

@@ -1,4 +1,4 @@
-// Points in time for KJ's timers, counted from now by the clock. KJ's own `afterDelay` and
+// Points in time for KJ's timers, counted from now by the clock. KJ's functions `afterDelay` and
 // `timeoutAfter` count from the loop's last wake-up, so they fire early after a long callback or a
 // pause between two calls.
 #pragma once

@@ -12,15 +12,15 @@ namespace {
 /// Messages larger than this trigger a check of the bytes held by all connections.
 constexpr std::size_t k_large_bytes = 64U << 10U;
 
-/// Ends the connection. The message contains nothing that a peer sent.
+/// Ends the connection. The error message contains nothing that a peer sent.
 kj::Exception refusal(kj::StringPtr words) {
   return {kj::Exception::Type::DISCONNECTED, __FILE__, __LINE__, kj::str(words)};
 }
 
 }  // namespace
 
-// Framing of a message, in 32-bit numbers: the number of segments minus one, then each segment's
-// size in words, padded to a whole word. The segments follow.
+// A message being received. It starts with 32-bit numbers: the number of segments minus one, then
+// each segment's size in words, padded to a whole word. The segments follow.
 struct GuardedMessages::Incoming {
   std::uint32_t head[2] = {0, 0};         ///< number of segments minus one, size of the first
   kj::Array<std::uint32_t> more_sizes{};  ///< of the other segments, with padding
@@ -122,8 +122,8 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
     case capnp::rpc::Message::ABORT:
       break;
     default:
-      // Messages about the peer's capabilities and promises, of which it has none, or answers to
-      // calls that the server never made.
+      // These messages are about capabilities and promises of the peer, which has none, or they
+      // answer calls that the server never made.
       kj::throwFatalException(refusal("a message of a kind that clients never send"));
   }
   if (questions_.size() > k_questions_max) kj::throwFatalException(refusal("too many open calls"));

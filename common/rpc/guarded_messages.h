@@ -1,7 +1,8 @@
 // A server's end of a connection as messages, within the limits of server.h.
 //
-// Cap'n Proto's own stream allocates a message before its bytes arrive, keeps every answer until
-// the peer acknowledges it, and continues reading while answers pile up. GuardedMessages differs:
+// This class replaces Cap'n Proto's stream, which allocates a message before its bytes arrive,
+// stores every answer until the peer acknowledges it, and continues reading while answers pile up.
+// GuardedMessages differs:
 //
 //   1. A message starts with its size. A message that is too large ends the connection before
 //      anything is allocated. The bytes that a connection holds are counted.
@@ -10,7 +11,7 @@
 //   3. A connection has at most k_questions_max calls whose answers it has not released. A call
 //      that redirects its answer away from the caller ends the connection.
 //   4. A peer sends no capabilities, because no call takes one (service.capnp, law 4). Messages
-//      about capabilities end the connection: some of them make Cap'n Proto 0.9 leak the
+//      about capabilities end the connection, because some of them make Cap'n Proto 0.9 leak the
 //      connection's memory (found by tests/attacks).
 //
 // Thread safety: all on the loop's thread.

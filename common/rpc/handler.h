@@ -1,20 +1,20 @@
-// The service's side of the calls, which the daemon implements.
+// The interface of the service's calls, which the daemon implements.
 //
 // The server (server.h) decodes a call, checks it against the limits of service.h and passes it to
 // the handler, on the loop's thread. Each call comes with a Reply. The handler answers the Reply at
 // once, or stores it and answers later, for example when a change is durable.
 //
-// Watching is pull-based. The server requests what a watcher lacks and answers as soon as there is
-// something; the daemon calls Server::news(job) when there may be more. The watcher calls again
-// after reading the answer. So a slow watcher receives every numbered event but only the newest
-// unnumbered ones, and the service queues nothing for it.
+// Watching is pull-based. The server requests the events that a watcher lacks, and answers as soon
+// as there are any. The daemon calls Server::news(job) when there may be more. After reading an
+// answer, the watcher calls again. So a slow watcher receives every numbered event, but only the
+// newest unnumbered ones, and the service needs no queue for the watcher.
 //
 // Invariants
-//   1. A Reply is answered at most once. A Reply dropped without an answer refuses the call as a
-//      bug of the service.
-//   2. A handler must cope with anything that a client can write, such as ids that don't exist or
-//      texts that aren't requests. Sizes and counts are within service.h's limits, and enumerations
-//      in requests are never `unknown`.
+//   1. A Reply is answered at most once. If a Reply is destroyed without an answer, the call is
+//      refused as a bug of the service.
+//   2. A handler must accept anything that a client can send, such as ids that don't exist or texts
+//      that aren't requests. Sizes and counts are within service.h's limits, and enumerations in
+//      requests are never `unknown`.
 //   3. The caller's token allows the call (see the table in service_calls.cpp).
 //   4. The user of a call is the peer's uid as reported by the kernel, or over TCP the user of the
 //      peer's token.
@@ -56,7 +56,7 @@ class Reply {
   using Answer = base::Result<T, Refusal>;
   using Send = std::function<void(Answer)>;
 
-  /// `send` is called once, at the latest when the Reply is destroyed.
+  /// `send` is called exactly once, at the latest when the Reply is destroyed.
   explicit Reply(Send send) : send_(std::move(send)) {}
   Reply(Reply&& other) noexcept : send_(std::exchange(other.send_, nullptr)) {}
   Reply& operator=(Reply&& other) noexcept {
@@ -104,7 +104,7 @@ using Audit = std::function<void(const Caller&, const AuditLine&)>;
 class Authority {
  public:
   virtual ~Authority() = default;
-  /// Returns the token's user. The refusal does not reveal what is wrong with the token.
+  /// Returns the token's user. A refusal does not reveal what is wrong with the token.
   virtual base::Result<Caller, Refusal> login(const std::string& token,
                                               const std::string& address) = 0;
   /// Returns whether a session may continue: its token is neither revoked nor expired. Called at
@@ -112,33 +112,33 @@ class Authority {
   virtual bool lets_go_on(const Caller& caller) = 0;
 };
 
-/// The news that a watcher of a job lacks.
+/// A job's events and state changes that a watcher lacks.
 struct Batch {
   std::vector<StateChange> changes{};  ///< consecutive, from WatchPoint::change + 1 on
-  /// Numbered events, consecutive from WatchPoint::event + 1. Between them may be unnumbered events
-  /// that `mark` does not cover, at most the newest of each kind.
+  /// Numbered events, consecutive from WatchPoint::event + 1. Among them may be unnumbered events
+  /// that the watcher's mark does not cover, at most the newest of each kind.
   std::vector<events::RunEvent> events{};
   std::uint64_t mark = 0;  ///< covers this batch's unnumbered events
-  /// The job is settled, and this batch completes the watcher's numbered events. False for a batch
-  /// truncated for its size.
+  /// True if the job is settled and this batch completes the watcher's numbered events. False if
+  /// the batch was truncated because of its size.
   bool settled = false;
 
   bool empty() const { return changes.empty() && events.empty() && !settled; }
 };
 
-/// A file being fetched. Lives until the client releases it or disconnects.
+/// A file being fetched. The object lives until the client releases it or disconnects.
 class Source {
  public:
   virtual ~Source() = default;
   /// Returns the same value at every call.
   virtual FileView view() const = 0;
-  /// Answers `bytes` bytes from `offset`. REQUIRES: the range is within the file's size, and bytes
-  /// <= k_piece_bytes_max. The file's content must not change.
+  /// Answers with `bytes` bytes from `offset` on. REQUIRES: the range is within the file's size,
+  /// and bytes <= k_piece_bytes_max. The file's content must not change.
   virtual void read(std::uint64_t offset, std::size_t bytes, Reply<base::Bytes> reply) = 0;
 };
 
-/// Opens a file on disk with digest `sha256`. The file stays open, so it may be replaced or removed
-/// during the fetch. Throws base::Error if the file can't be opened.
+/// Opens a file on disk whose digest is `sha256`. The file stays open, so it may be replaced or
+/// removed during the fetch. Throws base::Error if the file can't be opened.
 std::unique_ptr<Source> open_source(const std::string& path, std::string name, std::string sha256);
 
 struct Fetched {
@@ -154,8 +154,8 @@ class Handler {
   virtual void list(const Caller&, ListAsk, Reply<JobPage>) = 0;
   /// Answers with the job's history.
   virtual void status(const Caller&, JobId, Reply<JobView>) = 0;
-  /// Returns what a watcher lacks, at most `events_max` events. Called often, so an empty result
-  /// must be cheap.
+  /// Returns the news that a watcher lacks, with at most `events_max` events. Called often, so an
+  /// empty result must be cheap.
   virtual base::Result<Batch, Refusal> events_after(const Caller&, const WatchPoint&,
                                                     std::size_t events_max) = 0;
   virtual void logs(const Caller&, LogAsk, Reply<LogPiece>) = 0;
@@ -163,7 +163,7 @@ class Handler {
   virtual void change(const Caller&, ChangeAsk, Reply<std::vector<Touched>>) = 0;
   virtual void fetch(const Caller&, FetchAsk, Reply<Fetched>) = 0;
 
-  /// The server fills in connections and watchers.
+  /// The server then fills in the numbers of connections and watchers.
   virtual void info(const Caller&, Reply<ServerView>) = 0;
   /// Starts no more jobs and stops running jobs cleanly. Answered at once.
   virtual void drain(const Caller&, Reply<Nothing>) = 0;

@@ -20,7 +20,7 @@ Refusal refuse(RefusalKind kind, std::string sentence, std::string what_to_do = 
           .diagnostics = {}};
 }
 
-/// Accepts only text that can't affect a terminal.
+/// Refuses text that could control a terminal.
 bool is_printable(const std::string& text) {
   return std::none_of(text.begin(), text.end(), [](char c) {
     const auto byte = static_cast<unsigned char>(c);

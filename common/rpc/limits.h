@@ -1,6 +1,7 @@
-// Checks requests against the limits of service.h and for values unknown to this program.
+// Checks that requests are within the limits of service.h and contain no values unknown to this
+// program.
 //
-// Each function returns why a request is refused, if so, and reduces the requested counts of
+// Each function returns a refusal if the request is invalid, and reduces requested counts of
 // results to their maximum.
 //
 // Thread safety: pure functions.

@@ -1,6 +1,6 @@
-// A client's connection as watch and fetch use it: blocking calls with distinct failures.
+// A client's connection for watch and fetch: blocking calls with distinct failures.
 //
-// Thread safety: belongs to the thread of its Client.
+// Thread safety: a Link belongs to its Client's thread.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,8 @@
 
 namespace sleight::rpc {
 
-/// The connection broke, or a running server could not accept it. The caller tries again.
+/// Thrown if the connection broke, or if a running server could not accept it. The caller tries
+/// again.
 class Lost : public std::exception {
  public:
   explicit Lost(std::string words) : words_(std::move(words)) {}
@@ -26,8 +27,8 @@ class Lost : public std::exception {
 
 class Interrupted : public std::exception {};
 
-/// The news of one job as received. Events are JSON lines, because a newer service's events may
-/// have types unknown here.
+/// A job's events and state changes as received. Events are JSON lines, because a newer service may
+/// send types of events that are unknown here.
 struct ArrivedBatch {
   JobId job{};
   std::optional<Refusal> refusal{};
@@ -47,7 +48,7 @@ class Link {
  public:
   virtual ~Link() = default;
   virtual std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>& points) = 0;
-  /// The files stay open until the next fetch() or a lost connection.
+  /// The files stay open until the next fetch(), or until the connection is lost.
   virtual ArrivedFiles fetch(const FetchAsk& ask) = 0;
   /// Reads from a file of the last fetch. REQUIRES: `file` < number of those files.
   virtual base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) = 0;
@@ -63,9 +64,9 @@ class Patience {
   void again(const std::string& words);
   /// Call after a successful attempt.
   void reset();
-  /// True if the last attempt failed.
+  /// Returns whether the last attempt failed.
   bool is_away() const { return is_away_; }
-  /// True if the service has answered or been found running at any time.
+  /// Returns whether the service has ever answered or been found running.
   bool was_there() const { return was_there_; }
 
  private:

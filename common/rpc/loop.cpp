@@ -25,8 +25,8 @@ constexpr std::array<int, 3> k_stop_signals = {SIGTERM, SIGINT, SIGHUP};
 /// Descriptor that the signal handler writes to; -1: none.
 std::atomic<int> signal_target = -1;
 
-/// Signals are counted in one sum: SIGTERM, SIGINT and SIGHUP each use 16 bits of the eventfd's
-/// count.
+/// Returns the amount that a signal adds to the eventfd's count. SIGTERM, SIGINT and SIGHUP each
+/// use 16 bits of the count.
 constexpr std::uint64_t signal_unit(std::size_t index) {
   return std::uint64_t{1} << (16 * index);
 }
@@ -50,8 +50,8 @@ bool is_readable(int descriptor) {
 
 // ---------------------------------------------------------------------------------------- handles
 
-/// A handle's promise waits and calls. If a callback destroys its own handle, the loop takes over
-/// the promise, because a promise can't destroy itself.
+/// A handle's promise waits for its event and calls the callback. If a callback destroys its own
+/// handle, the loop takes over the promise, because a promise can't destroy itself.
 struct Loop::Handle::State {
   State(Impl& loop_impl, Callback to_call) : loop(loop_impl), callback(std::move(to_call)) {}
 
@@ -85,7 +85,7 @@ kj::Promise<void> tick(const std::shared_ptr<State>& state) {
 }
 
 kj::Promise<void> look(const std::shared_ptr<State>& state) {
-  // KJ reports edges, not levels, so a descriptor that is still readable is checked again.
+  // Check again whether the descriptor is still readable, because KJ reports only changes.
   auto ready =
       is_readable(state->descriptor) ? kj::evalLast([] {}) : state->observer->whenBecomesReadable();
   return ready.then([state]() -> kj::Promise<void> {
@@ -126,7 +126,7 @@ void Loop::Handle::end() {
       state->loop.tasks.add(kj::mv(ended));
     }
   }
-  // Reset at once, because the caller may close the descriptor next.
+  // Destroy the promise at once, because the caller may close the descriptor next.
   state->observer = nullptr;
 }
 

@@ -2,7 +2,7 @@
 // and runs callbacks one at a time.
 //
 // Invariants
-//   1. Callbacks run on the thread that called run(), never inside a call of this class.
+//   1. Callbacks run on the thread that called run(), never inside another function of this class.
 //   2. Destroying a Handle takes effect at once: its callback is not called any more. A callback
 //      may destroy its own Handle.
 //   3. Destroy every Handle and every Server before the Loop.
@@ -10,8 +10,8 @@
 // If a callback throws, run() ends with that exception.
 //
 // Thread safety: `post` and `stop` may be called from any thread, and `stop` also from a signal
-// handler. All else belongs to the thread that made the Loop. A thread has at most one Loop and
-// must not use a Client (client.h), because a Client blocks.
+// handler. All other functions belong to the thread that made the Loop. A thread has at most one
+// Loop and must not use a Client (client.h), because a Client blocks.
 #pragma once
 
 #include <functional>
@@ -49,7 +49,7 @@ class Loop {
 
   /// Calls `callback` once, after `seconds`.
   [[nodiscard]] Handle call_later(double seconds, Callback callback);
-  /// Calls `callback` periodically. Calls missed while the loop was busy are not made up for.
+  /// Calls `callback` periodically. Calls missed while the loop was busy are skipped.
   [[nodiscard]] Handle call_every(double seconds, Callback callback);
   /// Calls `callback` while the descriptor is readable or its other end is closed, repeatedly until
   /// the data are read. REQUIRES: the descriptor stays open as long as the Handle.

@@ -23,7 +23,7 @@ struct Loop::Impl final : kj::TaskSet::ErrorHandler {
   Impl& operator=(const Impl&) = delete;
 
   kj::Timer& timer() { return io.provider->getTimer(); }
-  /// Stores a callback's exception, which run() rethrows.
+  /// Stores a callback's exception, and makes run() rethrow it.
   void fail(std::exception_ptr error);
   /// Calls `callback`; fails with any exception that it throws.
   void call(const Callback& callback);

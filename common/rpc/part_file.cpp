@@ -64,7 +64,8 @@ PartFile::PartFile(const std::string& path, FileView view)
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("another process is fetching {}", path_));
   }
-  // Hash what an earlier attempt wrote. A part that is too long can't belong to this file.
+  // Hash the bytes that an earlier attempt wrote. Discard a part that is longer than the file, to
+  // which it can't belong.
   std::vector<std::byte> buffer(k_piece_bytes_max);
   while (true) {
     const auto got = ::pread(descriptor_, buffer.data(), buffer.size(), static_cast<off_t>(bytes_));
@@ -87,7 +88,7 @@ PartFile::PartFile(const std::string& path, FileView view)
 }
 
 PartFile::~PartFile() {
-  // An empty part is useless to the next attempt.
+  // Remove an empty part, which is useless to the next attempt.
   if (bytes_ == 0) ::unlink(part_.c_str());
   if (descriptor_ >= 0) ::close(descriptor_);
 }
@@ -132,8 +133,8 @@ void PartFile::put_in_place(AtItsPlace other) {
     base::PosixFileSystem().rename(part_, path_);
     return;
   }
-  // Check and rename must be one atomic step. If the file system lacks RENAME_NOREPLACE, link() is
-  // atomic too.
+  // Checking for another file and renaming must be one atomic step. If the file system lacks
+  // RENAME_NOREPLACE, use link(), which is atomic too.
   if (::renameat2(AT_FDCWD, part_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) == 0) return;
   if (errno != EEXIST && ::link(part_.c_str(), path_.c_str()) == 0) {
     ::unlink(part_.c_str());

@@ -1,8 +1,8 @@
-// A file received in pieces: written beside its place, checked against its digest and renamed, so
-// that the file is complete or absent.
+// A file that is received in pieces. The pieces are written to a temporary file, the part, which is
+// checked against its digest and renamed, so that the file is complete or absent.
 //
-// The part's name includes the start of the digest: `.ball.h5.0123456789abcdef.part`. A later
-// attempt therefore resumes a part only if the content is the same.
+// The part's name includes the start of the digest: `.ball.h5.0123456789abcdef.part`. So a later
+// attempt resumes a part only if the content is the same.
 //
 // Thread safety: belongs to one thread. If two processes fetch the same file, the second is
 // refused.
@@ -30,13 +30,13 @@ class PartFile {
   std::uint64_t bytes() const { return bytes_; }
   bool is_whole() const { return bytes_ == view_.size; }
 
-  /// REQUIRES: `piece` is no longer than the missing rest.
+  /// REQUIRES: `piece` is not longer than the missing rest.
   void append(base::BytesView piece);
 
   /// Moves the part to its place durably, and removes parts of other contents. Returns false and
-  /// removes the part if the content does not match the announced digest. Also removes the part if
-  /// `check`, called with the part's path, throws, or if another file at its place is kept.
-  /// REQUIRES: is_whole(), first call.
+  /// removes the part if the content does not match the announced digest. The part is also removed
+  /// if `check`, which is called with the part's path, throws, or if another file at its place is
+  /// not replaced. REQUIRES: is_whole(), first call.
   [[nodiscard]] bool finish(const FetchCheck& check = {}, AtItsPlace other = AtItsPlace::replaced);
 
  private:

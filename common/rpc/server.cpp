@@ -34,8 +34,8 @@ double seconds(kj::Duration duration) {
 
 capnp::ReaderOptions reader_options(const ServerLimits& limits) {
   capnp::ReaderOptions options;
-  // Messages have a size limit of their own. The traversal limit bounds how much data a message can
-  // claim by pointing to the same words repeatedly.
+  // Messages have a size limit of their own. The traversal limit bounds the data that a message can
+  // claim to have by pointing to the same words repeatedly.
   options.traversalLimitInWords = 2 * limits.message_bytes_max / sizeof(capnp::word);
   options.nestingLimit = k_nesting_max;
   return options;
@@ -87,7 +87,7 @@ struct Server::Impl final : kj::TaskSet::ErrorHandler {
 struct Server::Impl::Guest {
   explicit Guest(Impl& server_impl) : server(server_impl), began(server.timer.now()) {}
   KJ_DISALLOW_COPY(Guest);
-  /// Takes effect in a later turn of the loop.
+  /// Ends the connection in a later turn of the loop.
   void end() {
     if (std::exchange(is_ending, true)) return;
     ++server.ended;
@@ -125,8 +125,8 @@ struct Server::Impl::Connection : Guest {
   bool is_idle() const {
     return conversation->calls == 0 && traffic.writes == 0 && traffic.incoming_bytes == 0;
   }
-  /// Returns how long a message or an answer has been in transit, or else how long the connection
-  /// has been idle.
+  /// Returns how long a message or an answer has been in transit. If there is none, returns how
+  /// long the connection has been idle.
   double waiting_s(kj::TimePoint now) const {
     kj::TimePoint since = now;
     if (traffic.incoming_bytes > 0) since = kj::min(since, traffic.incoming_since);
@@ -245,7 +245,7 @@ void Server::Impl::admit(kj::Own<kj::AsyncIoStream> stream) {
   }
 }
 
-/// Ends the connection that has been idle longest, if any has been idle for long enough.
+/// Ends the connection that has been idle longest, if that is long enough.
 bool Server::Impl::make_room() {
   const kj::TimePoint now = timer.now();
   Connection* longest = nullptr;
@@ -259,7 +259,7 @@ bool Server::Impl::make_room() {
   return true;
 }
 
-/// Returns all strangers except those that are ending.
+/// Returns all strangers except those whose connection is ending.
 std::vector<Server::Impl::Guest*> Server::Impl::strangers() const {
   std::vector<Guest*> found;
   for (Handshake* handshake : handshakes)
@@ -305,7 +305,7 @@ void Server::Impl::serve(kj::Own<kj::AsyncIoStream> stream, Caller caller, bool 
   ++accepted;
   const bool is_tls = !connection->conversation->caller.address.empty();
   auto over = connection->network.onDisconnect().exclusiveJoin(kj::mv(connection->ender.promise));
-  // TLS reports a peer that breaks off as a protocol failure.
+  // If a peer breaks off, TLS reports a protocol failure.
   if (is_tls) over = over.catch_([](kj::Exception&&) {});
   tasks.add(over.attach(kj::mv(connection)));
 }
@@ -356,8 +356,9 @@ void Server::Impl::taskFailed(kj::Exception&& exception) {
 Server::Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerOptions options)
     : impl_(std::make_unique<Impl>(loop, socket_path, handler, std::move(options))) {
   // Return large blocks to the system when they are freed. By default glibc raises the mmap
-  // threshold and keeps such blocks; a piece of a file is slightly smaller than the message it is
-  // copied into, so its block could not be reused, and memory would exceed the bound of server.h.
+  // threshold and keeps freed large blocks. The block of a file's piece is slightly too small for
+  // the message into which the piece is copied, so it could not be reused. Memory would then exceed
+  // the bound of server.h.
   ::mallopt(M_MMAP_THRESHOLD, 256 << 10);
 }
 

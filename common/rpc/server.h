@@ -13,11 +13,12 @@
 //   5. Over TLS a peer is a stranger until it has shown a token. A stranger has `login_s_max` for
 //      handshake and login, messages of at most `stranger_bytes_max`, and one try. There are at
 //      most `strangers_max` strangers, counted apart from other connections; the oldest stranger
-//      makes room for a new one, as in 4. A session ends as soon as its token does.
-// An ended connection costs a client nothing, because the client reconnects (client.h).
+//      makes room for a new one, as in 4. A session ends as soon as its token is revoked or
+//      expires.
+// Ending a connection does a client no harm, because the client reconnects (client.h).
 //
-// Errors are answered as a Refusal. An exception of a handler is answered as a bug, without its
-// message, which goes to `complain`.
+// Errors are answered as a Refusal. If a handler throws, the call is refused as a bug. `complain`
+// receives the exception's message, the client doesn't.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -54,7 +55,7 @@ struct ServerOptions {
   ServerLimits limits{};
   std::function<void(const std::string&)> complain{};
   std::optional<std::uint32_t> group{};  ///< group that may use the socket besides its owner
-  /// Called until the last reply is destroyed, possibly after the server.
+  /// Called until the last reply is destroyed, possibly after the server was destroyed.
   Audit audit{};
 };
 
@@ -70,8 +71,8 @@ struct ServerCounts {
 
 class Server {
  public:
-  /// Starts listening. The socket belongs to its owner (mode 0600), or also to a group (0660). The
-  /// kernel reports each peer's uid. Replaces the file of a server that has exited. Throws
+  /// Starts listening. Only its owner can use the socket (mode 0600), or also a group (0660). The
+  /// kernel reports each peer's uid. Replaces the socket file of a server that has exited. Throws
   /// base::Error with ExitCode::conflict if another server is listening, and with
   /// ExitCode::environment if the socket can't be created. `handler` and `loop` must outlive the
   /// server.
@@ -87,7 +88,7 @@ class Server {
   access::ServerAddress listen(const access::ServerAddress& address, const access::Keypair& keypair,
                                Authority& authority);
 
-  /// A job may have news for its watchers. Cheap if nobody watches the job.
+  /// Call when a job may have news for its watchers. Cheap if nobody watches the job.
   void news(JobId job);
 
   ServerCounts counts() const;

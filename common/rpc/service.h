@@ -1,16 +1,17 @@
 // The values that a service and its clients exchange.
 //
 // The schema common/schema/service.capnp specifies the calls. This header has the schema's structs
-// for C++; no code outside common/rpc uses Cap'n Proto. handler.h is the service's side of the
-// calls, client.h the client's.
+// as C++ values, so that no code outside common/rpc uses Cap'n Proto. handler.h is the service's
+// side of the calls, client.h the client's.
 //
 // Invariants
-//   1. Repeating a call changes nothing more, because submissions carry the client's key and
-//      everything that a call sets is absolute. A client may therefore repeat a call whose answer
-//      was lost.
-//   2. Text for people consists of whole sentences without control characters, and names no
+//   1. Repeating a call has no further effect, because submissions have a client's key, and all
+//      values that calls set are absolute. A client may therefore repeat a call whose answer was
+//      lost.
+//   2. Text for people consists of whole sentences without control characters, and doesn't mention
 //      internals of the service.
-//   3. Values from a newer program are distinguished from wrong ones: enumerations have `unknown`.
+//   3. Enumerations have the value `unknown`, which distinguishes values of a newer program from
+//      wrong ones.
 //
 // Times are seconds since 1970 of the service's wall clock, for display only.
 //
@@ -73,7 +74,7 @@ struct JobOption {
   bool operator==(const JobOption&) const = default;
 };
 
-/// A job to submit: its request and its resources.
+/// A job to be submitted, with its request and resources.
 struct JobAsk {
   std::string name{};                    ///< for people; empty: the request's world
   std::string request{};                 ///< TOML text with overrides applied, never a path
@@ -129,7 +130,7 @@ inline constexpr std::size_t k_job_states = 9;
 std::string_view name_of(JobState state);
 std::optional<JobState> job_state_of(std::string_view name);
 
-/// True for the final states, which only extending or resuming the job changes.
+/// Returns whether the state is final, so that only extending or resuming the job changes it.
 constexpr bool is_settled(JobState state) {
   return state == JobState::done || state == JobState::failed || state == JobState::cancelled;
 }
@@ -144,7 +145,7 @@ struct StateChange {
   bool operator==(const StateChange&) const = default;
 };
 
-/// Counts of solutions: those that a search built, and independent ones of chains.
+/// Counts of solutions: finds, which a search built, and independent solutions, which chains made.
 struct SolutionCounts {
   std::uint64_t found = 0;
   std::uint64_t found_wanted = 0;  ///< 0: none requested
@@ -230,7 +231,8 @@ struct Touched {
 
 enum class ExtendBy : std::uint8_t { unknown, scans, rounds, solutions, odds };
 
-/// A new, absolute [stop] limit of the normalised request. For `odds` it is the relative error.
+/// A new, absolute [stop] limit of the normalised request. For `odds`, the limit is the relative
+/// error.
 struct Extension {
   ExtendBy by = ExtendBy::unknown;
   double to = 0;  ///< whole number, except for odds
@@ -262,7 +264,7 @@ struct ChangeAsk {
 
 // ---------------------------------------------------------------------------------------- watching
 
-/// What a watcher already has of a job.
+/// The events and changes of a job that a watcher already has.
 struct WatchPoint {
   JobId job{};
   std::uint64_t event = 0;   ///< number of the last numbered event received
@@ -275,8 +277,8 @@ struct WatchPoint {
 
 // -------------------------------------------------------------------------------------------- logs
 
-/// Requests either the last lines, or bytes from an offset. Offsets count all bytes that the job
-/// has ever logged, of which the service stores only the newest.
+/// Requests either the last lines of a log, or bytes from an offset on. Offsets count all bytes
+/// that the job has ever logged, of which the service stores only the newest.
 struct LogAsk {
   JobId job{};
   std::optional<std::uint64_t> from{};  ///< empty: the last `lines`
@@ -286,7 +288,7 @@ struct LogAsk {
 };
 
 struct LogPiece {
-  /// Offset of the first byte. Larger than requested if older bytes are lost.
+  /// Offset of the first byte, larger than requested if older bytes are lost.
   std::uint64_t first = 0;
   std::string text{};
   std::uint64_t end = 0;  ///< current end of the log
@@ -439,8 +441,8 @@ inline constexpr std::size_t k_tokens_max = 1000;       ///< per user and per an
 inline constexpr std::uint32_t k_no_user = UINT32_MAX;
 inline constexpr double k_token_s_max = 3650.0 * 86400;
 
-/// True if a fetched file may have this name: a file name without a folder, not hidden, without
-/// control characters, at most k_name_bytes_max long.
+/// Returns whether a fetched file may have this name: a file name without a folder, not hidden,
+/// without control characters, at most k_name_bytes_max bytes long.
 bool is_file_name(std::string_view name);
 
 }  // namespace sleight::rpc

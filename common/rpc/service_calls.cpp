@@ -46,7 +46,8 @@ std::optional<Refusal> check(const std::string& id) {
 struct Rule {
   /// Empty: no token suffices. Tokens are created, listed and revoked only over the Unix socket.
   std::optional<Scope> scope{};
-  /// Empty: not audited, because the call is frequent, changes nothing and delivers no file.
+  /// Name in the audit log. Empty: the call isn't audited, because it is frequent, changes nothing
+  /// and delivers no file.
   std::string_view audited_as{};
 };
 
@@ -64,7 +65,7 @@ constexpr Rule k_create_token{{}, "create_token"};
 constexpr Rule k_list_tokens{{}, "list_tokens"};
 constexpr Rule k_revoke_token{{}, "revoke_token"};
 
-/// Returns why the caller's token does not allow the call, if so.
+/// Returns a refusal if the caller's token does not allow the call.
 std::optional<Refusal> beyond_token(const Rule& rule, const Caller& caller) {
   if (!rule.scope) {
     if (caller.token_id.empty()) return std::nullopt;
@@ -159,7 +160,7 @@ struct Serving {
   std::shared_ptr<Calls> calls;
   std::shared_ptr<Conversation> conversation;
 
-  /// Returns why a call can't be accepted now, if so.
+  /// Returns a refusal if a call can't be accepted now.
   std::optional<Refusal> unwelcome() const {
     ++calls->count;
     if (calls->handler == nullptr) {
@@ -200,8 +201,8 @@ struct Serving {
     return kj::mv(owed.promise);
   }
 
-  /// Handles a call: decodes its parameters, checks them, calls `start` if the rule allows, and
-  /// writes the answer. `write` may return why the answer can't be written.
+  /// Handles a call: decodes its parameters, checks them, calls `start` if the call's rule allows
+  /// it, and writes the answer. `write` may return the reason why the answer can't be written.
   template <class T, class Context, class Decode, class Start, class Write>
   kj::Promise<void> serve(const Rule& rule, Context context, const Decode& decode,
                           const Start& start, Write write) const {

@@ -1,4 +1,4 @@
-// A listening TCP socket and the names of a connection's ends, as descriptors.
+// TCP sockets as descriptors: a listening socket, and the names of a connection's ends.
 //
 // Thread safety: free functions.
 #pragma once
@@ -20,7 +20,7 @@ std::string peer_address_of(int descriptor);
 /// Returns the local end's address. Throws base::Error.
 access::ServerAddress own_address_of(int descriptor);
 
-/// Sends small messages at once, and detects dead peers within some minutes.
+/// Makes a socket send small messages at once, and detect dead peers within some minutes.
 void tune(int descriptor);
 
 }  // namespace sleight::rpc

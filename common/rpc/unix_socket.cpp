@@ -67,8 +67,8 @@ const sockaddr* as_address(const sockaddr_un& address) {
 
 }  // namespace
 
-// The socket starts to listen under a temporary name beside its own and is then renamed. So no
-// client meets a socket that is world-accessible or not listening, and a stale socket is replaced
+// The socket starts to listen under a temporary name and is then renamed. So no client finds a
+// socket that is accessible to everybody or not yet listening, and a stale socket is replaced
 // atomically.
 ListeningSocket::ListeningSocket(const std::string& path, std::optional<gid_t> group)
     : path_(path) {
@@ -130,7 +130,7 @@ base::Result<int, Unconnected> connect_to(const std::string& path) {
   Descriptor socket(make_socket());
   const sockaddr_un address = address_of(folder.get(), path);
   if (::connect(socket.get(), as_address(address), sizeof address) == 0) return socket.take();
-  // ECONNREFUSED: no process listens, or the file is not a socket.
+  // On ECONNREFUSED, no process listens, or the file is not a socket.
   if (errno == ENOENT || errno == ECONNREFUSED) return Unconnected::nobody;
   if (errno == EAGAIN) return Unconnected::busy;
   if (errno == EACCES) {

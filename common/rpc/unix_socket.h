@@ -1,7 +1,7 @@
 // A Unix socket's two ends, as file descriptors.
 //
-// A socket's path may exceed the system's limit of 107 bytes, because the socket is reached through
-// its folder's descriptor.
+// A socket's path may exceed the system's limit of 107 bytes, because these functions use a path
+// relative to the folder's descriptor.
 //
 // Thread safety: free functions; a ListeningSocket belongs to one thread.
 #pragma once
@@ -21,7 +21,7 @@ class ListeningSocket {
   /// Creates the socket with mode 0600, or 0660 with `group`. Throws base::Error with
   /// ExitCode::conflict if a server is listening there.
   explicit ListeningSocket(const std::string& path, std::optional<gid_t> group = {});
-  /// Closes the socket, and removes the name if it still belongs to this socket.
+  /// Closes the socket, and removes its file if the file still belongs to this socket.
   ~ListeningSocket();
   ListeningSocket(const ListeningSocket&) = delete;
   ListeningSocket& operator=(const ListeningSocket&) = delete;

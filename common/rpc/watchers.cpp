@@ -9,7 +9,7 @@
 namespace sleight::rpc {
 namespace {
 
-/// Size limit of one answer; the next answer has the rest.
+/// Maximum size of one answer. The next answer has the rest.
 constexpr std::size_t k_answer_bytes_max = 1U << 20U;
 
 std::size_t bytes_in(const Batch& batch) {
@@ -106,7 +106,7 @@ void Watchers::news(JobId job) {
     if (std::find(fresh.begin(), fresh.end(), place.point) == fresh.end())
       fresh.push_back(place.point);
   }
-  // News of one turn of the loop are delivered together.
+  // All news of one turn of the loop is delivered together.
   if (was_idle && !due_.empty()) tasks_.add(kj::evalLast([this] { tell_due(); }));
 }
 

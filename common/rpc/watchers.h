@@ -1,7 +1,7 @@
 // Watch calls that wait for news.
 //
-// A watch call names several jobs. The handler is queried for all of them at first, and later only
-// for those with news. The call is answered once, as soon as any job has something.
+// A watch call names several jobs. At first, the handler is queried for all of these jobs, and
+// later only for those with news. The call is answered once, as soon as any of its jobs has news.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -56,7 +56,7 @@ class Watchers final : kj::TaskSet::ErrorHandler {
   std::size_t waiting_ = 0;
   std::unordered_map<std::uint64_t, std::vector<Place>> by_job_;
   std::vector<Waiter*> due_;  ///< waiters with news
-  /// Used by waiters; null once this object is destroyed.
+  /// Waiters' access to this object. Null once this object is destroyed.
   std::shared_ptr<Watchers*> self_ = std::make_shared<Watchers*>(this);
   kj::TaskSet tasks_;
 };

@@ -1,13 +1,13 @@
-// A scene description: how bodies, fixed things and goals look. Enough to draw a run's animations
-// without its world's code.
+// A scene description: how bodies, fixed things and goals look. With it, a viewer can draw a run's
+// animations without the world's code.
 //
 // A scene is a list of features: first the bodies, in the order of their numbers in motions
-// (common/motion), then fixed things, then goals. A feature is drawn as its parts. An animation may
-// vary some of them (Variation): displaced vertices, additional parts, or the control points of a
-// surface.
+// (common/motion), then fixed things, then goals. A feature is drawn as its parts. A Variation
+// changes the scene for one animation: displaced vertices, additional parts, or the control points
+// of a surface.
 //
-// Frame: right-handed, z up, SI. Parts of bodies are in the body's frame, all others in the
-// scene's. Thread safety: values.
+// Frame: right-handed, z up, SI. Parts of bodies are in the body's frame, and all other parts in
+// the scene's frame. Thread safety: values.
 #pragma once
 
 #include <array>
@@ -53,7 +53,7 @@ struct Part {
   Vec3 size_m{0, 0, 0};
   Vec3 position_m{0, 0, 0};  ///< of the part's middle
   Quat orientation = Quat::Identity();
-  // For a mesh: its rows in the scene's triangles.
+  // For a mesh: the rows of the scene's triangles that belong to it.
   std::uint32_t first_triangle = 0;
   std::uint32_t triangles = 0;
 };
@@ -63,7 +63,8 @@ inline constexpr std::int32_t k_none = -1;
 struct Feature {
   std::string name{};  ///< for people and queries: "die 3", "table"
   FeatureKind kind = FeatureKind::body;
-  /// The first of the bodies that are interchangeable with this one; this body itself if none is.
+  /// The first of the bodies that are interchangeable with this one. If there is none, this body
+  /// itself.
   std::uint32_t twin_of = 0;
   /// The body that a goal is for. None: any body, or not a goal.
   std::int32_t body = k_none;
@@ -71,7 +72,7 @@ struct Feature {
 
 struct Vertex {
   Vec3 place_m{0, 0, 0};  ///< in the part's frame
-  /// Row of the animation's offset added to the vertex. None: fixed.
+  /// Row of the animation's offset that is added to the vertex. None: fixed.
   std::int32_t offset = k_none;
 };
 
@@ -80,11 +81,12 @@ struct Scene {
   std::vector<Part> parts{};  ///< sorted by feature
   std::vector<Vertex> vertices{};
   std::vector<std::array<std::uint32_t, 3>> triangles{};  ///< counter-clockwise seen from outside
-  /// Variable of states with the vertices' offsets, (vertex, xyz) in metres. Empty: none.
+  /// Name of the states' variable with the vertices' offsets: (vertex, xyz), in metres. Empty:
+  /// none.
   std::string offset_variable{};
   bool has_own_parts = false;   ///< animations have parts of their own
   bool has_own_points = false;  ///< animations have control points
-  /// A box around all motion of bodies, for choosing a view.
+  /// A box that contains all motion of bodies, for choosing a view.
   Vec3 low_m{0, 0, 0};
   Vec3 high_m{0, 0, 0};
 
@@ -107,9 +109,9 @@ struct Variation {
   std::vector<ControlPoint> points{};  ///< the needed points, sorted by (j, i)
 };
 
-/// Returns what is wrong with a scene from a file; empty if nothing. Checks that names are
-/// non-empty and unique, bodies come first, indices are in range, numbers are finite and rotations
-/// valid.
+/// Returns the fault of a scene that was read from a file. Empty: the scene is valid. Checks that
+/// names are non-empty and unique, bodies come first, indices are in range, numbers are finite and
+/// rotations valid.
 std::string fault_of(const Scene& scene);
 /// Like fault_of, for an animation's own parts.
 std::string fault_of_parts(std::span<const Part> parts, const Scene& scene);

@@ -14,7 +14,7 @@ std::pair<std::int32_t, std::int32_t> key_of(const ControlPoint& point) {
   return {point.j, point.i};
 }
 
-/// Limit for patch indices; no table extends that far.
+/// Maximum patch index, beyond any table.
 constexpr double k_index_max = 1e9;
 
 std::optional<std::int32_t> patch_at(double place_m, double spacing_m) {
@@ -35,7 +35,7 @@ Surface::Surface(std::span<const ControlPoint> points, double spacing_m)
     : points_(points.begin(), points.end()), spacing_m_(spacing_m) {
   CHECK_GT(spacing_m, 0);
   for (const ControlPoint& point : points_) {
-    // A point is the second one, on both axes, of the patch with the same index.
+    // A point has the index of the patch whose second point it is on both axes.
     const auto [i, j] = std::pair(point.i, point.j);
     bool is_whole = true;
     for (std::int32_t row = j - 1; is_whole && row <= j + 2; ++row) {

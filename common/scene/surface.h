@@ -33,7 +33,7 @@ class Surface {
     std::int32_t i = 0;
     std::int32_t j = 0;
   };
-  /// All patches with complete points, sorted by (j, i).
+  /// Returns all patches that have all their points, sorted by (j, i).
   const std::vector<Patch>& patches() const { return patches_; }
   double spacing_m() const { return spacing_m_; }
 
@@ -45,8 +45,8 @@ class Surface {
   std::vector<Patch> patches_{};
 };
 
-/// Returns, as (i, j), the distinct points of the patches that a square with half-side half_m
-/// around any place touches, sorted by (j, i).
+/// Returns the distinct points, as (i, j), of all patches that are touched by a square of half-side
+/// half_m around any of the places. Sorted by (j, i).
 std::vector<std::array<std::int32_t, 2>> indices_about(std::span<const Vec3> places_m,
                                                        double half_m, double spacing_m);
 

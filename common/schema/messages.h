@@ -21,7 +21,7 @@ struct Assignment {
   plan::Block block;
   std::vector<plan::GivenState> states;  ///< by member
 };
-/// Results contain only the replica, first scan and number of scans of their units.
+/// Each result contains only the replica, first scan and number of scans of its unit.
 struct Delivery {
   std::uint64_t epoch = 0;
   std::uint64_t assignment = 0;

@@ -12,14 +12,15 @@
 namespace sleight::store {
 namespace {
 
-/// Collects fields and hashes them at once.
+/// Collects fields, and hashes all of them together.
 class Checksum {
  public:
   template <class T>
   void add(T value) {
     bytes(base::bytes_of(std::span<const T>(&value, 1)));
   }
-  /// Adds the length first, so that moving elements between neighbouring arrays is detected.
+  /// Adds the length first, so that a checksum detects elements that moved between neighbouring
+  /// arrays.
   void array(base::BytesView values) {
     add(std::uint64_t{values.size()});
     bytes(values);

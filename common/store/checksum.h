@@ -1,5 +1,5 @@
 // Checksums of the run store's rows (XXH3, 64 bits). SQLite has no checksums, so a flipped bit on
-// the disk would yield a different animation without any error.
+// the disk would change an animation without any error.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@
 
 namespace sleight::store {
 
-/// Returns the salt of one run's checksums, which prevents rows from moving between stores.
+/// Returns the salt of one run's checksums. Because of the salt, a row from another store is
+/// detected.
 std::uint64_t salt_of(std::string_view identity_text);
 
 /// Covers a scan's key and every field of its result.
@@ -41,10 +42,10 @@ std::int64_t checksum_of(std::uint64_t salt, const ToldFrontier& told);
 std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::int64_t ends,
                                 std::uint64_t columns, base::BytesView numbers);
 
-/// Covers a text and its place, such as "job/17/", so that rows can't change places.
+/// Covers a text and its place, such as "job/17/", so that a text at another place is detected.
 std::int64_t checksum_of_text(std::string_view place, std::string_view text);
 
-/// Throws base::Error: the database at `path` was changed or damaged.
+/// Throws base::Error, which reports that the database at `path` was changed or damaged.
 [[noreturn]] void refuse_damaged(const std::string& path, const std::string& what);
 
 }  // namespace sleight::store

@@ -45,22 +45,22 @@ DatabaseError::Kind kind_of(int basic_code) {
   throw DatabaseError(fmt::format("{}: {}{}", path, reason, advice), kind_of(basic), reason);
 }
 
-/// Returns whether no process can change the database: it has no log, and this process can't create
-/// one, which SQLite would need even for reading.
+/// Returns whether the database can be read as unchangeable: it has no log, and this process can't
+/// create one, which SQLite would otherwise need even for reading.
 bool nobody_can_write(const std::string& path) {
   const std::string folder = base::directory_of(path);
   return ::access((path + "-wal").c_str(), F_OK) != 0 && ::access(folder.c_str(), W_OK) != 0;
 }
 
-/// Creates the file with the umask's permissions. SQLite would make it writable only by its owner,
-/// and gives its other files the same mode.
+/// Creates the file with the umask's permissions. SQLite would create a file that only its owner
+/// can write, and gives its other files the file's mode.
 void make_file(const std::string& path) {
   const int made = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (made >= 0) ::close(made);
 }
 
-/// Returns whether the disk supports locks. Lustre may be mounted without them, NFS may lack its
-/// lock server. REQUIRES: this process has no connection to the file, because closing this
+/// Returns whether the disk supports locks. Lustre may be mounted without locks, and NFS may lack
+/// its lock server. REQUIRES: this process has no connection to the file, because closing this
 /// descriptor would release the connection's locks.
 bool has_file_locks(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
@@ -119,7 +119,7 @@ Statement& Statement::bind(int index, std::string_view value) {
 }
 
 Statement& Statement::bind(int index, base::BytesView value) {
-  // A null pointer would bind NULL, so an empty blob needs a non-null address.
+  // Use a non-null address for an empty blob, because a null pointer would bind NULL.
   const void* data = value.empty() ? static_cast<const void*>("") : value.data();
   check(sqlite3_bind_blob64(statement_.get(), index, data, value.size(), SQLITE_STATIC));
   return *this;
@@ -192,12 +192,13 @@ Database::Database(const std::string& path, Access access)
 
 void Database::set_write_mode() {
   if (is_exclusive_) {
-    // Before the first access to the log, whose index would otherwise be in shared memory.
+    // Set this before the first access to the log, whose index would otherwise be in shared memory.
     execute("PRAGMA locking_mode=EXCLUSIVE");
     sqlite3_db_config(connection_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   }
   Statement mode = prepare("PRAGMA journal_mode=WAL");
-  // SQLite silently falls back to another mode, which would remove its journal by name.
+  // Check the mode, because SQLite silently falls back to another mode, which would remove its
+  // journal by name.
   if (const bool is_log = mode.step() && mode.text(0) == "wal"; is_exclusive_ && !is_log) {
     throw base::Error(fmt::format(
         "{}: SQLite can't use a write-ahead log on this disk; put the run on another disk", path_));

@@ -1,5 +1,5 @@
-// A small RAII wrapper of SQLite's C interface. The wrapper checks every return value; a failure is
-// a base::Error with the file, the reason and what to do.
+// A small RAII wrapper of SQLite's C interface. The wrapper checks every return value, and throws a
+// base::Error with the file, the reason and what to do.
 //
 // Thread safety: only one thread at a time may use a connection.
 #pragma once
@@ -55,7 +55,7 @@ class Statement {
 enum class Access { read_only, read_write };
 
 /// A failure of SQLite: base::Error with advice for run-store users. Other callers use kind() and
-/// the bare reason.
+/// reason(), which has no advice.
 class DatabaseError : public base::Error {
  public:
   enum class Kind { damaged, full, busy, other };
@@ -71,16 +71,17 @@ class DatabaseError : public base::Error {
 
 class Database {
  public:
-  /// Opens a file, which read_write creates if missing, in WAL mode with synchronous=FULL: after
-  /// COMMIT returns, the rows survive kill -9 and power loss. On a network disk, a read_write
-  /// connection must be the file's only one in all processes, because SQLite then uses no shared
-  /// memory; if the disk lacks file locks (fcntl), only the caller's lock ensures this. Closing
-  /// then leaves the log, because a process that has lost its lock could otherwise delete its
+  /// Opens a file in WAL mode with synchronous=FULL: after COMMIT returns, the rows survive kill -9
+  /// and power loss. read_write creates a missing file. On a network disk, a read_write connection
+  /// must be the file's only one in all processes, because SQLite then uses no shared memory; if
+  /// the disk lacks file locks (fcntl), only the caller's lock ensures this. Closing such a
+  /// connection leaves the log, because a process that has lost its lock could otherwise delete its
   /// successor's log by name.
   Database(const std::string& path, Access access);
-  /// Returns whether this must be the file's only connection.
+  /// Returns whether this connection must be the file's only one.
   bool is_exclusive() const { return is_exclusive_; }
-  /// Moves the log into the file, as closing does unless the connection is exclusive.
+  /// Moves the log's contents into the file. Closing a connection also does this, unless the
+  /// connection is exclusive.
   void empty_log();
 
   void execute(const std::string& sql);

@@ -6,7 +6,7 @@
 namespace sleight::store {
 namespace {
 
-/// Returns the approximate size of a result in the queue, for limiting memory and group sizes.
+/// Returns the approximate size of a result in the queue, by which memory and groups are limited.
 std::size_t bytes_of(const plan::UnitResult& result) {
   std::size_t bytes = sizeof(result) + result.state_after.size();
   for (const plan::ScanRecord& scan : result.scans) {
@@ -64,13 +64,15 @@ void GroupCommit::put_into(std::vector<T> Group::*part, T what) {
   (queue_.*part).push_back(std::move(what));
   queue_bytes_ += bytes;
   ++put_;
-  // Wake the writer for a group's first entry, which starts the wait, and for its last.
+  // Wake the writer for a group's first entry, which starts the group's waiting time, and for its
+  // last entry.
   if (is_first || queue_bytes_ >= k_group_bytes) changed_.notify_all();
 }
 
 void GroupCommit::flush() {
   std::unique_lock lock(mutex_);
-  // Wait only for earlier entries, because other threads might never stop putting new ones.
+  // Wait only for entries that are already in the queue, because other threads might never stop
+  // adding new ones.
   const std::uint64_t wanted = put_;
   ++flushing_;
   changed_.notify_all();
@@ -90,7 +92,7 @@ void GroupCommit::work() {
     changed_.wait(lock, [&] { return ending_ || !is_empty(queue_); });
     if (is_empty(queue_)) return;
 
-    // Wait for more entries, unless a caller is waiting in flush.
+    // Wait for more entries, unless a caller is waiting in flush().
     changed_.wait_for(lock, std::chrono::duration<double>(k_group_wait_s),
                       [&] { return ending_ || flushing_ > 0 || queue_bytes_ >= k_group_bytes; });
     Group group = std::exchange(queue_, {});

@@ -6,9 +6,9 @@
 //      before.
 //   2. committed() counts scans whose commit has returned, without prior draws. Only committed
 //      scans may be reported as done.
-//   3. After a failed commit nothing more is written. The next put or flush throws the failure in
-//      its caller's thread.
-//   4. The thread starts with the first result, so the process may fork safely until then.
+//   3. After a failed commit nothing more is written. The next put() or flush() throws the failure
+//      in its caller's thread.
+//   4. The thread starts with the first result, so the process may fork safely before it.
 // Thread-safe. Results lost before their commit are computed again, with the same bits.
 #pragma once
 
@@ -48,8 +48,8 @@ class GroupCommit {
   GroupCommit(const GroupCommit&) = delete;
   GroupCommit& operator=(const GroupCommit&) = delete;
 
-  /// Commits pending results without reporting failures, so call flush() before. Afterwards
-  /// `commit` is not called any more. REQUIRES: no put() follows.
+  /// Commits pending results without reporting failures, so call flush() first. Afterwards `commit`
+  /// is not called any more. REQUIRES: no put() follows.
   void end();
 
   void put(plan::UnitResult result);

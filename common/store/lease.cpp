@@ -16,10 +16,11 @@ namespace sleight::store {
 namespace {
 
 constexpr std::string_view k_title = "sleight lease 1";
-/// Maximum length of a value: a host's name has at most 64 bytes.
+/// Maximum length of a value. A host's name has at most 64 bytes.
 constexpr std::size_t k_value_bytes_max = 128;
 
-/// Returns one printable line; the text comes from the system or from a file writable by others.
+/// Returns the text as one printable line. The text comes from the system, or from a file that
+/// others can write.
 std::string value_of(std::string_view text) {
   std::string value(text.substr(0, k_value_bytes_max));
   std::ranges::replace_if(
@@ -27,7 +28,7 @@ std::string value_of(std::string_view text) {
   return value;
 }
 
-/// Returns the lines `key value` below the title; nothing if the text has another form.
+/// Returns the lines `key value` below the title, or nothing if the text has another form.
 std::optional<std::map<std::string, std::string, std::less<>>> lines_of(std::string_view text) {
   std::map<std::string, std::string, std::less<>> values;
   for (bool is_first = true; !text.empty(); is_first = false) {
@@ -81,7 +82,7 @@ std::optional<LeaseText> LeaseText::from_text(const std::string& text) {
                         read_number(value("lease_s"), lease.lease_s) &&
                         read_number(value("epoch"), lease.epoch) &&
                         read_number(value("beat"), lease.beat);
-  // Negated, so that NaN is refused too.
+  // The condition is negated, so that NaN is refused too.
   if (!is_whole || !(lease.lease_s > 0 && lease.lease_s <= k_lease_s_max)) return std::nullopt;
   return lease;
 }
@@ -104,7 +105,7 @@ Lease::Outcome Lease::try_take() {
     return take(newest + 1, other->owes_copies);
   if (other && files_.is_here(other->holder)) return Held{other};
 
-  // The holder is on another machine: it lives if it renews.
+  // The holder is on another machine, and lives if it renews its lease.
   const double lease_s = other ? other->lease_s : k_lease_s;
   if (!seen_ || seen_->generation != newest) {
     seen_ = Seen{.generation = newest, .text = *std::move(text), .since_s = seen_s};
@@ -122,8 +123,8 @@ Lease::Outcome Lease::take(std::uint64_t generation, bool owes_copies) {
   own_ = files_.make(generation, text_.to_text());
   if (!own_) return Unsure{};  // another process was faster
 
-  // An out-of-date list may have led to a generation already used. In that case a newer generation
-  // exists.
+  // Because of an out-of-date list, the generation may have been used before. In that case a newer
+  // generation exists.
   const std::vector<std::uint64_t> all = files_.list();
   if (!all.empty() && all.back() > generation) {
     own_.reset();
@@ -147,7 +148,7 @@ bool Lease::renew() {
   const std::vector<std::uint64_t> all = files_.list();
   // A late renewal does not count, because observers may have missed it.
   const bool is_in_time = clock_.now_s() < end_s_;
-  // Nobody takes a lease renewed in time, unless this clock has stalled.
+  // Nobody can have taken a lease that was renewed in time, unless this clock has stalled.
   const bool is_newest = all.empty() || all.back() <= generation_;
   if (!is_in_time || !is_newest) {
     is_lost_ = true;
@@ -159,7 +160,7 @@ bool Lease::renew() {
 
 void Lease::release() {
   if (!may_act()) return;
-  // Set first, because the next holder may read the file before write() returns.
+  // Set this before writing, because the next holder may read the file before write() returns.
   is_lost_ = true;
   text_.is_released = true;
   own_->write(text_.to_text());

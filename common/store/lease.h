@@ -1,12 +1,13 @@
-// A lock for disks shared by several machines, where flock works only within one machine or not at
-// all. The lock is a file with a lease that its holder renews.
+// A lock for disks that several machines share. On these, flock works only within one machine, or
+// not at all. The lock is a file with a lease that its holder renews.
 //
-// Every hold of the lock has a number, its generation, and a file `lease.N`. Whichever process
-// creates that file has the lock: creation, like link(2), succeeds for exactly one process. A
-// process that requests the lock reads the newest file. The process creates the next file if the
-// newest holder has released the lock, is known to be dead, or has not renewed for a whole lease. A
-// holder's file is never taken away: renaming or removing a lock file would leave a moment without
-// one, in which a third process takes the lock while the second believes that it has it.
+// Each time a process takes the lock, the lease has a new number, its generation N, and a file
+// `lease.N`. The process that creates this file has the lock. Creating the file, as with link(2),
+// succeeds for exactly one process. A process that requests the lock reads the newest file. If the
+// newest holder has released the lock, is known to be dead, or has not renewed for a whole lease,
+// the process creates the next file. Nobody renames or removes the newest holder's file. Otherwise
+// there would be a moment without a file, in which a third process takes the lock while the second
+// believes that it has the lock.
 //
 // Each process measures time with its own clock; clocks of different machines are never compared.
 // The holder of a 60 s lease (k_lease_s) renews it every 3 s by writing its file. The holder may
@@ -23,15 +24,15 @@
 // Invariants
 //   1. No two holders may act at the same moment. Suppose that a holder's last renewal began at s
 //      and was readable before an observer's first read at t >= s. A later renewal would count only
-//      if it was readable before s + 45 s, hence before the observer's last read after t + 60 s,
-//      and the observer would have seen it. So the holder stopped at s + 45 s. The remaining 15 s
+//      if it was readable before s + 45 s. The observer's last read is after t + 60 s, so the
+//      observer would have seen the renewal. So the holder stopped at s + 45 s. The remaining 15 s
 //      allow for clocks that run at different rates.
-//   2. An expired lease is never renewed: its holder stops for good.
+//   2. An expired lease is never renewed: its holder stops permanently.
 //   3. The newest file is never removed, so generations only grow. Older files are removed.
-//   4. Processes of one machine see each other: a dead holder is noticed at once, and a live one
-//      keeps the lock even after its lease has expired.
-// REQUIRES of the disk: a read that begins after a write has ended sees the write (NFS: close to
-// open). A folder's list is up to date after a change by the same machine.
+//   4. Processes of one machine see each other. So they notice a dead holder at once, and a live
+//      holder keeps the lock even after its lease has expired.
+// The disk must guarantee that a read that begins after a write has ended sees the write (NFS:
+// close to open). A folder's list is up to date after a change by the same machine.
 //
 // Pure except for LeaseFiles and the clock. Thread safety: may_act from any thread, the rest from
 // one thread at a time.
@@ -57,7 +58,7 @@ inline constexpr double k_renew_share = 0.05;
 /// Longest lease accepted in a file.
 inline constexpr double k_lease_s_max = 600;
 
-/// A process that holds or requests a lock.
+/// Identifies a process that holds or requests a lock.
 struct LeaseHolder {
   std::string host{};         ///< host name: for people, and part of `machine`
   std::string machine{};      ///< identifies boot and process-number space; "": unknown
@@ -86,11 +87,12 @@ inline constexpr std::size_t k_lease_text_bytes = 1024;
 /// real ones. Functions throw base::Error if the disk fails.
 class LeaseFiles {
  public:
-  /// A lease's own file, open for writing. Never another lease's file under the same name.
+  /// The file that a lease created, open for writing. Never another lease's file that has the same
+  /// name.
   class Own {
    public:
     virtual ~Own() = default;
-    /// Replaces the text, and returns once the server has it.
+    /// Replaces the text, and returns once the server has stored it.
     virtual void write(const std::string& text) = 0;
   };
 
@@ -103,9 +105,9 @@ class LeaseFiles {
   virtual std::unique_ptr<Own> make(std::uint64_t generation, const std::string& text) = 0;
   /// Not an error if the file does not exist.
   virtual void remove(std::uint64_t generation) = 0;
-  /// True only if the holder ran on this machine and has ended.
+  /// Returns true only if the holder ran on this machine and has ended.
   virtual bool is_gone(const LeaseHolder& holder) = 0;
-  /// True if the holder is running on this machine.
+  /// Returns whether the holder is running on this machine.
   virtual bool is_here(const LeaseHolder& holder) = 0;
 };
 
@@ -115,7 +117,7 @@ class Lease {
   Lease(LeaseFiles& files, const base::Clock& clock, LeaseText text);
 
   struct Taken {};
-  /// Another process has the lease: it renewed, or runs on this machine.
+  /// Another process has the lease. That process renewed it, or runs on this machine.
   struct Held {
     std::optional<LeaseText> by{};  ///< empty: the file can't be parsed
   };
@@ -125,17 +127,17 @@ class Lease {
     double left_s = 0;  ///< until the holder counts as dead unless it renews
   };
   using Outcome = std::variant<Taken, Held, Unsure>;
-  /// Tries to take the lease; call repeatedly while Unsure. REQUIRES: not taken yet.
+  /// Tries to take the lease. Call again while the answer is Unsure. REQUIRES: not taken yet.
   Outcome try_take();
 
-  /// True if a holder on another machine never released the lock, so that it may still write its
-  /// open files, and nobody has replaced these files since.
+  /// Returns true if a holder on another machine never released the lock, so that it may still
+  /// write its open files, and nobody has replaced these files since.
   bool owes_copies() const { return text_.owes_copies; }
   /// Marks the files as replaced. The next renewal writes the mark.
   void set_copied() { text_.owes_copies = false; }
 
-  /// Renews the lease, and returns whether the holder may continue. If the disk fails, the next
-  /// call tries again until the lease ends. REQUIRES: taken.
+  /// Renews the lease, and returns whether the holder may continue. If the disk fails, later calls
+  /// try again until the lease ends. REQUIRES: taken.
   bool renew();
   /// Written by the next renewal.
   void set_epoch(std::uint64_t epoch) { text_.epoch = epoch; }

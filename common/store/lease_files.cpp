@@ -90,7 +90,7 @@ std::string kernel_text(const std::string& path) {
   }
 }
 
-/// Returns when a local process started, in kernel ticks. Returns nothing if there is no such
+/// Returns a local process's start time in kernel ticks. Returns nothing if there is no such
 /// process, or if it has ended but was not reaped.
 std::optional<std::uint64_t> start_of(std::int64_t process) {
   const std::string folder = fmt::format("/proc/{}", process);
@@ -127,7 +127,7 @@ bool has_no_links(int reason) {
 LeaseHolder this_process() {
   std::array<char, HOST_NAME_MAX + 1> host{};
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
-  // Identifies the boot, and within it one space of process numbers.
+  // Identifies a boot of the machine, and within it a namespace of process ids.
   std::string boot = kernel_text("/proc/sys/kernel/random/boot_id");
   boot = boot.substr(0, boot.find('\n'));
   std::error_code failure;
@@ -149,7 +149,8 @@ LeaseHolder this_process() {
 
 std::string make_token() {
   std::array<std::uint64_t, 2> random{};
-  // Without random bytes two processes could mistake each other's file for their own.
+  // Fail if there are no random bytes, because two processes could mistake each other's file for
+  // their own.
   CHECK_EQ(::getrandom(random.data(), sizeof random, 0), static_cast<ssize_t>(sizeof random));
   return fmt::format("{:016x}{:016x}", random[0], random[1]);
 }
@@ -200,7 +201,8 @@ std::unique_ptr<LeaseFiles::Own> PosixLeaseFiles::make(std::uint64_t generation,
   }
   ::unlink(unique.c_str());
 
-  // The content shows who created the file, as link() may have been repeated after a lost answer.
+  // Read the content to find out who created the file, because link() may have been repeated after
+  // a lost answer.
   Descriptor file(open_file(path, O_RDWR));
   if (!file.is_open()) {
     if (errno == ENOENT || errno == ESTALE) return nullptr;
@@ -208,8 +210,8 @@ std::unique_ptr<LeaseFiles::Own> PosixLeaseFiles::make(std::uint64_t generation,
   }
   if (read_whole(file.number(), path) != text) return nullptr;
 
-  // Remove leftovers of killed processes. A live process whose file is removed tries again and
-  // finds this lease.
+  // Remove leftovers of killed processes. If the file belongs to a live process, that process tries
+  // again and finds this lease.
   for (const std::string& name : base::PosixFileSystem().names_in(folder_)) {
     if (name.starts_with(k_new_prefix)) ::unlink((folder_ + "/" + name).c_str());
   }

@@ -1,9 +1,9 @@
-// Leases (lease.h) as files in a folder on a shared disk, and what a machine can tell about its
-// processes.
+// Implements LeaseFiles (lease.h): leases as files in a folder on a shared disk, and whether
+// processes of this machine are alive.
 //
 // A lease's file is written completely under a temporary name, then linked to `lease.N`. link(2) is
 // exclusive on every network disk with links, and O_EXCL on those without (some FUSE and SMB). The
-// server's answer may be lost, so the file's content shows who created it.
+// server's answer may be lost, so the process reads the file's content to find out who created it.
 //
 // Thread safety: as Lease.
 #pragma once
@@ -17,10 +17,10 @@
 
 namespace sleight::store {
 
-/// Returns this process as a holder since now.
+/// Returns this process as a holder, with the current time.
 LeaseHolder this_process();
 
-/// Returns a text that is never repeated.
+/// Returns a text that is different at each call.
 std::string make_token();
 
 class PosixLeaseFiles final : public LeaseFiles {
@@ -35,7 +35,7 @@ class PosixLeaseFiles final : public LeaseFiles {
   bool is_gone(const LeaseHolder& holder) override;
   bool is_here(const LeaseHolder& holder) override;
 
-  /// Returns whether a folder has a lease that was not released.
+  /// Returns whether the folder has a lease that was not released.
   static bool any_held(const std::string& folder);
 
  private:

@@ -1,4 +1,4 @@
-// Events on their way into the run store, and the progress of event numbering.
+// Events that are put into the run store, and the progress of event numbering.
 //
 // Thread safety: values.
 #pragma once
@@ -11,7 +11,7 @@
 namespace sleight::store {
 
 /// The results whose events have been created, and the number of those events. The next events
-/// follow from it (service/coordinator/event_sequence.h).
+/// follow from this frontier (service/coordinator/event_sequence.h).
 struct ToldFrontier {
   std::uint64_t scans = 0;      ///< of all chains
   std::uint64_t starts = 0;     ///< of the search

@@ -26,7 +26,7 @@
 namespace sleight::store {
 namespace {
 
-/// Interval for checking another's lease and stop_requested.
+/// Interval at which another holder's lease and stop_requested are checked.
 constexpr std::chrono::milliseconds k_look_every(100);
 
 std::string name_of(const LeaseText& lease) {
@@ -64,7 +64,7 @@ struct RunLock::Leased {
     try {
       lease.release();
     } catch (const base::Error&) {
-      // The disk is unavailable, so the lease expires by itself.
+      // Ignore the failure: the disk is unavailable, so the lease expires by itself.
     }
   }
   Leased(const Leased&) = delete;
@@ -117,7 +117,7 @@ void RunLock::Leased::renew_now() {
   try {
     (void)lease.renew();
   } catch (const base::Error&) {
-    // The disk failed. Renewing is retried until the lease ends, which check() then reports.
+    // The disk failed. Renewing is retried until the lease ends. check() then reports that.
   }
 }
 
@@ -192,7 +192,7 @@ void RunLock::check() const {
     const std::scoped_lock lock(leased_->mutex);
     by = leased_->lease.successor();
   } catch (const base::Error&) {
-    // The new holder is unknown here; the next start will report it.
+    // The new holder isn't known here, but the next start will report it.
   }
   throw base::Error(
       base::ExitCode::conflict,

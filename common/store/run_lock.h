@@ -3,9 +3,9 @@
 // On a local disk the lock is flock on the file `lock`, which the kernel releases however the
 // process ends. On a network disk (base/network_disk.h) it is a lease (lease.h). A lease may end
 // during the process's life, because the disk or the process stalled for too long. Then another
-// process may have the run, and this one must not write, so `check` precedes and follows every
-// commit. A folder with a lease file is always locked by a lease, so that processes that disagree
-// about the disk use the same lock.
+// process may have the run, and this one must not write. So `check` is called before and after
+// every commit. A folder with a lease file is always locked by a lease, so that processes that
+// disagree about the disk use the same lock.
 //
 // Thread safety: check from any thread, set_epoch from one; the rest belongs to the owner.
 #pragma once
@@ -21,10 +21,11 @@
 namespace sleight::store {
 
 struct RunLockOptions {
-  /// Polled while waiting for a dead holder's lease to end. If true, throws
+  /// Polled while the lock waits for a dead holder's lease to end. If true, throws
   /// base::Error(interrupted).
   std::function<bool()> stop_requested{};
-  /// False: don't wait; treat the lease of a holder on another machine as held, alive or not.
+  /// False: don't wait, and treat the lease of a holder on another machine as held, whether the
+  /// holder is alive or dead.
   bool waits = true;
   double lease_s = k_lease_s;
   std::optional<LeaseHolder> self{};  ///< for tests: this process as on another machine
@@ -33,25 +34,26 @@ struct RunLockOptions {
 class RunLock {
  public:
   /// Locks the folder, creating it if missing. Throws base::Error(conflict) naming the holder if
-  /// the lock is held. On a network disk this takes one renewal if the holder is alive on another
-  /// machine, and a whole lease if it died there.
+  /// the lock is held. On a network disk, this takes the time of one renewal if the holder is alive
+  /// on another machine, and the time of a whole lease if it died there.
   explicit RunLock(const std::string& folder, RunLockOptions options = {});
   /// Releases the lock. REQUIRES: nothing is written any more.
   ~RunLock();
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
 
-  /// Starts a thread that renews the lease. Until then the process may fork safely, and must call
-  /// keep or renew within the lease. No effect on a local disk, or if already started.
+  /// Starts a thread that renews the lease. Before this call the process may fork safely, but must
+  /// call keep or renew in time, before the lease ends. No effect on a local disk, or if already
+  /// started.
   void keep();
-  /// Renews the lease now if due, during long work before keep.
+  /// Renews the lease now if that is due. For long work before keep.
   void renew();
   /// Throws base::Error(conflict) if another process may have the run now.
   void check() const;
-  /// Sets the session's number, shown to processes that are refused.
+  /// Sets the session's number, which processes that are refused will report.
   void set_epoch(std::uint64_t epoch);
-  /// True if a holder on another machine never released the lock. Whatever the lock says, that
-  /// process may still write files that it has open; they must be replaced (take_over.h).
+  /// Returns whether a holder on another machine never released the lock. Even without the lock,
+  /// that process may still write files that it has open, so they must be replaced (take_over.h).
   bool owes_copies() const;
   void set_copied();
 

@@ -15,8 +15,8 @@
 namespace sleight::store {
 namespace {
 
-// The densities have no type, because a REAL column would return a stored -0 as 0. Failures are
-// NULL if there are none, so that their index is empty in most runs.
+// The columns of densities have no type, because a REAL column would return a stored -0 as 0.
+// Failures are NULL if there are none, so that their index is empty in most runs.
 constexpr const char* k_schema = R"(
   CREATE TABLE IF NOT EXISTS run(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
   CREATE TABLE IF NOT EXISTS scan(
@@ -93,7 +93,7 @@ RunStore::RunStore(const std::string& folder, const RunIdentity& identity, RunLo
       connection_(open_to_write(folder, lock)),
       database_(connection_->only_database()) {
   create_or_check(identity);
-  // A new file's name is durable only after syncing its folder.
+  // Sync the folder, because a new file's name is durable only after that.
   base::PosixFileSystem file_system;
   file_system.sync_directory_of(database_path(folder));
   file_system.sync_directory_of(folder);
@@ -142,7 +142,7 @@ void RunStore::create_or_check(const RunIdentity& identity) {
             identity.program_version));
   }
 
-  // Refuse stored results without the keys that identify their run.
+  // Refuse a store that has results but lacks the keys that identify their run.
   const bool is_new = !stored_text("epoch");
   Statement any =
       database_.prepare("SELECT EXISTS(SELECT 1 FROM scan), EXISTS(SELECT 1 FROM replica)");
@@ -341,7 +341,8 @@ void RunStore::commit(GroupCommit::Group& group) {
   database_.execute("BEGIN IMMEDIATE");
   std::uint64_t last = last_event_;
   try {
-    // Fence: a session presumed dead must not write beside its successor.
+    // Check the epoch (fencing), because a session that was presumed dead must not write beside its
+    // successor.
     refuse_if_fenced(writer_->current_epoch);
     for (const plan::UnitResult& result : group.results)
       insert(result);
@@ -354,7 +355,8 @@ void RunStore::commit(GroupCommit::Group& group) {
     if (!group.events.empty()) set_told(group.events.back().reached);
     refuse_if_lock_is_lost();
     database_.execute("COMMIT");
-    // If the lock ended before the commit did, the next holder's copy may lack the commit.
+    // Check the lock again: if it ended before the commit, the next holder's copy may lack the
+    // commit.
     refuse_if_lock_is_lost();
   } catch (...) {
     roll_back(database_);
@@ -393,7 +395,7 @@ void RunStore::insert(const plan::UnitResult& result) {
   const bool is_known = next.step();
   const std::int64_t next_scan = is_known ? next.integer(0) : 0;
   next.reset();
-  // A replica added later begins at its chain's current scan.
+  // A replica that was added later begins at its chain's current scan.
   if (is_known || replica == 0)
     CHECK_LE(result.unit.first_scan.value, static_cast<std::uint64_t>(next_scan));
 

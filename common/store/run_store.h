@@ -5,13 +5,13 @@
 //
 // Invariants
 //   1. Everything that committed() counts survives kill -9 of any process and power loss.
-//   2. A key's first result stays: a doubled or late one changes nothing.
+//   2. A key's first result stays: a doubled or late result changes nothing.
 //   3. A store belongs to one request and one results version. Every session that writes takes a
 //      new epoch, and writers of older epochs are refused (fencing).
 //   4. Each replica's scans from its first, usually 0, to next_scan-1 are present without gaps, and
 //      so is the state after the last of them. All scans of a unit become visible in one
 //      transaction.
-//   5. Every row has a checksum: changes by a disk or a person are refused on reading.
+//   5. Every row has a checksum. Reading refuses a row that a disk or a person changed.
 //   6. On a network disk a commit counts only if this process still holds the run's lock
 //      afterwards.
 //   7. A session that ends cleanly or by an error records how it ended (sessions.h). A session
@@ -54,7 +54,7 @@ struct RunIdentity {
   std::uint32_t chains = 0;
 };
 
-/// The point from which a replica continues.
+/// The scan and the state from which a replica continues.
 struct ReplicaProgress {
   plan::ReplicaKey replica;
   std::uint64_t next_scan = 0;
@@ -65,7 +65,7 @@ class RunStore {
  public:
   /// Opens or creates the store in a folder, with a new epoch. Throws base::Error(conflict) if the
   /// store belongs to another request or results version. REQUIRES: the caller holds the folder's
-  /// RunLock, which is borrowed. Null is allowed only if the lock is no lease (run_lock.h).
+  /// RunLock, which is borrowed. The lock may be null only if it wouldn't be a lease (run_lock.h).
   RunStore(const std::string& folder, const RunIdentity& identity, RunLock* lock = nullptr);
   /// Commits pending results if possible, without reporting failures; call flush() first.
   ~RunStore();
@@ -73,12 +73,13 @@ class RunStore {
   std::uint64_t epoch() const { return epoch_; }
 
   /// Returns what earlier sessions stored, ordered by replica; empty for a new run. Throws
-  /// base::Error if the store is damaged, as does replay.
+  /// base::Error if the store is damaged. So does replay.
   std::vector<ReplicaProgress> progress();
   /// Visits every stored scan of a replica in order, in batches, so that a plan can catch up.
   /// Records lack state and outcome. Throws base::Error if the stored rows were changed.
   void replay(plan::ReplicaKey replica, const ReplayVisit& visit);
-  /// Visits the scans of all replicas; the one furthest behind comes first (scan_rows.h).
+  /// Visits the scans of all replicas. The replica that is furthest behind is visited first
+  /// (scan_rows.h).
   void replay_all(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                            std::span<const plan::ScanRecord>)>& visit);
 
@@ -89,11 +90,11 @@ class RunStore {
   void flush();
   /// Returns the progress of event numbering in earlier sessions.
   const ToldFrontier& told() const { return told_; }
-  /// Queues events with the frontier that they reach. The events are numbered and committed after
-  /// all results put before. Throws like put.
+  /// Queues events, with the frontier that is reached with them. The events are numbered and
+  /// committed after all results put before. Throws like put.
   void put(PutEvents events);
   /// Sets the function that receives events with their numbers right after their commit, in the
-  /// committing thread. After return the previous function is not called any more.
+  /// committing thread. After this function returns, the previous listener is not called any more.
   using Told = std::function<void(std::span<const events::RunEvent>)>;
   void on_told(Told told);
   /// Commits queued results and records how the session ended, under the store's epoch regardless
@@ -102,9 +103,9 @@ class RunStore {
   std::uint64_t close(events::RunEnd end);
   std::uint64_t committed() const;
 
-  /// Returns a database for readers in this process, in any thread: a connection of its own, which
-  /// sees only committed rows, or on a network disk the writer's connection. REQUIRES: released
-  /// before the store is destroyed.
+  /// Returns a database for readers in this process, in any thread. This is a separate connection,
+  /// which sees only committed rows, or on a network disk the writer's connection. REQUIRES: the
+  /// database is released before the store is destroyed.
   std::shared_ptr<SharedDatabase> to_read();
 
   static std::string database_path(const std::string& folder) { return folder + "/store.sqlite"; }

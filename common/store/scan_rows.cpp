@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t k_replay_batch = 4096;
 
-/// The row's checksum detects a length that does not fit.
+/// The row's checksum detects a wrong length.
 template <class T>
 void assign_bytes(std::vector<T>& values, base::BytesView bytes) {
   values.resize(bytes.size() / sizeof(T));
@@ -76,7 +76,7 @@ bool RowReplay::step(const ReplayVisit& visit) {
     select.bind(3, static_cast<std::int64_t>(next_)).bind(4, static_cast<std::int64_t>(end_));
     while (select.step()) {
       const auto scan = static_cast<std::uint64_t>(select.integer(0));
-      // A replica may have been added later than its chain began.
+      // A replica may have been added after its chain's first scan.
       if (!has_begun_) next_ = scan;
       has_begun_ = true;
       if (scan != next_) break;
@@ -88,8 +88,8 @@ bool RowReplay::step(const ReplayVisit& visit) {
     }
   }
   is_over_ = batch_.size() < k_replay_batch;
-  // No statement is active between batches, so a writer can truncate its log, or take its turn on a
-  // network disk.
+  // No statement is active between batches. So a writer can truncate its log, or on a network disk
+  // take its turn.
   if (batch_.empty()) return false;
   visit(base::ScanIndex{next_ - batch_.size()}, batch_);
   return true;

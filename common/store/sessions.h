@@ -1,7 +1,7 @@
 // Reads the sessions of a run from its store, for example after a process has ended in any way.
 //
-// Uses a separate connection: beside a writer on a local disk, on a network disk only if nobody
-// writes (open_to_read). Thread safety: a pure function of the file.
+// Uses a separate connection. On a local disk a writer may be active; on a network disk this works
+// only if nobody writes (open_to_read). Thread safety: pure functions of the file.
 #pragma once
 
 #include <cstdint>

@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::string_view k_folder_ending = ".run";
 
-/// Reports why a store on a network disk can't be read now, and what can be read instead.
+/// Throws the reason why a store on a network disk can't be read now, and names what can be read
+/// instead.
 [[noreturn]] void refuse_to_read(const std::string& folder, const std::string& disk,
                                  const std::string& reason) {
   const std::string own = own_archive_of(folder);
@@ -60,7 +61,7 @@ std::shared_ptr<SharedDatabase> open_to_read(const std::string& folder) {
   if (!disk || !base::PosixFileSystem().exists(path))
     return std::make_shared<SharedDatabase>(path, Access::read_only);
 
-  // Open as a temporary writer, because recovering the log may require writing.
+  // Become the run's writer meanwhile, because recovering the log may require writing.
   std::unique_ptr<RunLock> lock;
   try {
     lock = std::make_unique<RunLock>(folder, RunLockOptions{.waits = false});

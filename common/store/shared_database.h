@@ -2,14 +2,13 @@
 //
 // On a local disk SQLite allows any number of reading connections beside a writing one. On a
 // network disk connections can't share memory, so a process has a single connection, used in turns
-// by group commits and readers. Turns are granted in the order of requests, so a commit waits for
-// at most one turn of each other thread. A reader's turn covers a batch of rows, which it visits
-// afterwards.
+// by group commits and readers. Turns are granted in the order of requests. So a commit waits for
+// at most one turn of each other thread. In one turn a reader reads a batch of rows, which it
+// visits after the turn.
 //
 // Invariants
 //   1. Between turns no statement is active and no transaction is open.
-//   2. Code within a turn must not call anything that might take a turn.
-// Thread-safe.
+//   2. Code that has a turn must not call functions that may take a turn. Thread-safe.
 #pragma once
 
 #include <condition_variable>
@@ -31,7 +30,7 @@ class SharedDatabase {
   SharedDatabase(const SharedDatabase&) = delete;
   SharedDatabase& operator=(const SharedDatabase&) = delete;
 
-  /// Reserves the connection for the calling thread while the object lives.
+  /// Reserves the connection for the calling thread during the object's life.
   class Turn {
    public:
     explicit Turn(SharedDatabase& shared);

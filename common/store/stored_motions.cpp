@@ -16,7 +16,7 @@
 namespace sleight::store {
 namespace {
 
-// The key is the whole state, so two states never share a motion.
+// The key is the whole state, so that two states never share a motion.
 constexpr const char* k_motions_schema = R"(
   CREATE TABLE IF NOT EXISTS motion(
     state BLOB PRIMARY KEY, ends INTEGER NOT NULL, columns INTEGER NOT NULL, numbers BLOB NOT NULL,
@@ -57,7 +57,8 @@ std::optional<std::vector<motion::Segment>> segments_of(base::BytesView bytes) {
   return is_sound ? std::optional(std::move(segments)) : std::nullopt;
 }
 
-/// Returns the bytes as a map key; GCC 12 warns wrongly about comparing vectors of bytes.
+/// Returns the bytes as a map key. The key is no vector of bytes, because GCC 12 warns wrongly
+/// about comparing those.
 std::string text_of(base::BytesView bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -72,7 +73,8 @@ std::uintmax_t bytes_of_file(const std::string& path) {
 
 struct StoredMotions::File {
   explicit File(const std::string& path) : database(path, Access::read_write) {
-    // Motions lost in a power failure are simulated again. Don't wait for other processes.
+    // Don't sync, because motions lost in a power failure are simulated again. Don't wait for other
+    // processes.
     database.execute("PRAGMA synchronous=OFF");
     database.execute("PRAGMA busy_timeout=200");
     database.execute(k_motions_schema);

@@ -1,12 +1,12 @@
 // A cache of kept animations' motions beside a run's store: `motions.sqlite` in its folder.
 //
 // The cache is not part of the run: it may be deleted at any time, and missing or damaged motions
-// are simulated again. So nothing waits for the disk, every row has a checksum, and a damaged file
-// is replaced by an empty one. If the file can't be used, nothing is cached, which is reported
-// once; on a full disk the file is also removed. The file does not grow beyond
-// k_motions_file_bytes_max. Motions belong to one request and one program version, because a
-// results version does not cover readers. Checksums are salted with both, so that no program uses
-// another version's motions.
+// are simulated again. So nothing waits for the disk. Every row has a checksum, and a damaged file
+// is replaced by an empty one. If the file can't be used, nothing is cached, and this is reported
+// once. If the disk is full, the file is also removed. The file does not grow beyond
+// k_motions_file_bytes_max. Motions belong to one request and one program version, because programs
+// with the same results version may read states differently. Checksums are salted with both, so
+// that no program uses another version's motions.
 //
 // Thread safety: one thread at a time; several processes may share one file.
 #pragma once
@@ -31,8 +31,9 @@ inline constexpr std::uint64_t k_motions_file_bytes_max = std::uint64_t{2} << 30
 
 class StoredMotions final : public archive::Motions {
  public:
-  /// Opens or creates the file. `owner`: text of everything besides the state that motions depend
-  /// on. Motions of another owner count as damaged and are replaced when simulated again.
+  /// Opens or creates the file. `owner`: text of everything, besides the state, that motions depend
+  /// on. Motions with another owner count as damaged, and are replaced when they are simulated
+  /// again.
   StoredMotions(const std::string& folder, const std::string& owner,
                 std::uint64_t file_bytes_max = k_motions_file_bytes_max);
   /// Writes pending motions if possible.

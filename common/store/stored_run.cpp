@@ -14,9 +14,9 @@
 namespace sleight::store {
 namespace {
 
-/// Scans of a chain read at once for draws.
+/// Number of a chain's scans that are read at once for draws.
 constexpr std::uint64_t k_scans_at_a_time = 256;
-/// Rows per turn; few, because their states may be large.
+/// Number of rows per turn. Few, because their states may be large.
 constexpr std::uint64_t k_rows_at_a_time = 64;
 constexpr std::uint64_t k_failures_at_a_time = 1024;
 /// Starts per turn. Only their success is read.
@@ -42,7 +42,7 @@ RowKey StoredRun::key_of(base::ChainId chain, std::int64_t replica, std::int64_t
 }
 
 std::uint32_t StoredRun::count_replicas() const {
-  // Only replicas within the cut, as a ladder may have gained levels since.
+  // Count only replicas within the cut, because a ladder may have gained levels since.
   const SharedDatabase::Turn turn = database_->turn();
   Statement most = turn->prepare(
       "SELECT MAX(replica) FROM replica AS known WHERE chain<?1 AND EXISTS(SELECT 1 FROM scan "
@@ -85,7 +85,7 @@ void StoredRun::for_each_draw(
   std::uint64_t draw = 0;
   for (const auto& [first, end] : draw_ranges()) {
     // Read some scans of all replicas, then visit them in order. Visiting may take long, so no
-    // statement is active and a writer can truncate its log.
+    // statement must be active meanwhile, so that a writer can truncate its log.
     for (std::uint64_t scan = first; scan < end; scan += k_scans_at_a_time) {
       read_some(scan, std::min(end, scan + k_scans_at_a_time));
       std::ranges::sort(some, {}, [](const Draw& one) { return std::pair(one.scan, one.replica); });
@@ -198,7 +198,8 @@ std::vector<std::pair<std::int64_t, std::int64_t>> StoredRun::find_places(
     std::uint64_t finds) const {
   std::vector<std::pair<std::int64_t, std::int64_t>> places;
   for (const std::int64_t lane : lanes()) {
-    // A lane's finds are in order, so only its first `finds` can be among the first of all lanes.
+    // Each lane's finds are in order, so only the first `finds` of a lane can be among the first of
+    // all lanes.
     std::int64_t next = 0;
     for (std::uint64_t found = 0; found < finds;) {
       const SharedDatabase::Turn turn = database_->turn();
@@ -314,7 +315,8 @@ plan::FailureCounts StoredRun::failures() const {
       scans = std::uint64_t{cut_.relax_scans} + 1;
     }
   }
-  // Ordered by (scan, chain, replica) like the index; each batch starts after the previous one.
+  // The order is that of the index: (scan, chain, replica). Each batch starts after the end of the
+  // previous one.
   const std::string rows = fmt::format(
       "SELECT chain, replica, scan, {} FROM scan INDEXED BY scan_failures "
       "WHERE failures IS NOT NULL AND (chain>=?2 OR (scan<?1 AND chain<?7)) AND scan>=?3 "
@@ -372,7 +374,7 @@ void for_each_stored(SharedDatabase& database,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit) {
   const std::uint64_t salt = salt_of(run_value(database, "identity"));
-  // Read each replica's progress at one moment; rows up to there never change.
+  // Read the progress of all replicas at one moment, because rows up to that progress never change.
   std::vector<std::pair<plan::ReplicaKey, std::uint64_t>> replicas;
   {
     const SharedDatabase::Turn turn = database.turn();

@@ -1,7 +1,7 @@
-// A run's results from its store, cut at a common scan, from which archives are derived.
+// A run's results as read from its store, up to a common scan. Archives are derived from them.
 //
-// Works beside a writer, in short turns; no statement is active while rows are visited. Thread
-// safety: one thread at a time.
+// Can be used while a writer is active. Reading is done in short turns, and no statement is active
+// while rows are visited. Thread safety: one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@
 
 namespace sleight::store {
 
-/// How much of a run is read.
+/// The part of a run that is read.
 struct StoredCut {
   std::uint32_t chains = 0;
   std::uint64_t scans = 0;        ///< the first `scans` of every chain
@@ -33,9 +33,10 @@ class StoredRun final : public archive::RunView {
  public:
   /// REQUIRES: everything in the cut is committed.
   StoredRun(std::shared_ptr<SharedDatabase> database, const StoredCut& cut);
-  /// Uses a connection of its own (open_to_read).
+  /// Opens a separate connection (open_to_read).
   StoredRun(const std::string& folder, const StoredCut& cut);
-  /// Sets which scans are draws, if not all are. REQUIRES: these scans are in the cut.
+  /// Sets which scans are draws, for runs in which some scans are not. REQUIRES: these scans are in
+  /// the cut.
   void set_draws(plan::Draws draws);
 
   std::uint32_t chains() const override { return cut_.chains; }
@@ -68,7 +69,7 @@ class StoredRun final : public archive::RunView {
   std::uint32_t count_replicas() const;
   void for_each_island(
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const;
-  /// Visits rows in batches by their places. `what` names a missing row in the error.
+  /// Visits rows at the given places, in batches. `what`: the name of a missing row in the error.
   using PlaceOfRow = std::function<std::pair<base::ChainId, std::uint64_t>(std::uint64_t nth)>;
   void for_each_row(
       std::uint64_t count, const char* what, const PlaceOfRow& place_of,
@@ -80,7 +81,7 @@ class StoredRun final : public archive::RunView {
   std::vector<std::int64_t> lanes() const;
   /// Returns the first `finds` successful starts of the search, as (scan, lane), in order.
   std::vector<std::pair<std::int64_t, std::int64_t>> find_places(std::uint64_t finds) const;
-  /// Returns the chain of each take: the first chains whose relaxed finds satisfy.
+  /// Returns the chains of the takes: the first chains whose relaxed find satisfies.
   std::vector<std::int64_t> chains_of_takes() const;
   /// The number of a find's start, and the find's row.
   struct FindRow {
@@ -99,8 +100,8 @@ class StoredRun final : public archive::RunView {
   plan::Report report_;
 };
 
-/// Visits all committed scans, replica by replica in order, in batches, as of one moment; later
-/// commits of a writer are not seen. Records lack state and outcome. Throws base::Error if the
+/// Visits all committed scans in batches, replica by replica, each in order. Commits that a writer
+/// makes during the visit are not seen. Records lack state and outcome. Throws base::Error if the
 /// store can't be read or was changed.
 void for_each_stored(SharedDatabase& database,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,

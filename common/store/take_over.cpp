@@ -44,7 +44,7 @@ void copy_file(const std::string& from, const std::string& to, base::FileSystem&
   std::vector<char> piece(k_piece_bytes);
   for (std::uint64_t at = 0; at < size; at += piece.size()) {
     const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(piece.size(), size - at));
-    // Neither a database nor its log ever shrinks.
+    // A short read is a failure, because neither a database nor its log ever shrinks.
     if (!source.read(piece.data(), static_cast<std::streamsize>(bytes)))
       failed(std::make_error_code(std::errc::io_error));
     failed(
@@ -61,7 +61,7 @@ void copy_file(const std::string& from, const std::string& to, base::FileSystem&
 void replace_files_of_run(const std::string& folder, RunLock& lock) {
   base::PosixFileSystem files;
   const std::string database = RunStore::database_path(folder);
-  // In the order required by the header.
+  // Copy in the order that the header requires.
   const std::array<std::string, 2> names{database, database + "-wal"};
   if (files.exists(database)) {
     logging::info(

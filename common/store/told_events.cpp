@@ -26,13 +26,14 @@ namespace sleight::store {
 namespace {
 
 constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
-/// Maximum attempts, because the writer may rotate the log between two reads.
+/// Maximum attempts to read both log files, because the writer may rotate the log between two
+/// reads.
 constexpr int k_looks_max = 100;
-/// Bytes read from a file at once, far more than a line has.
+/// Number of bytes that are read from a file at once, far more than a line has.
 constexpr std::uint64_t k_told_piece_bytes = 256U << 10U;
 
-/// Returns the store's connection. Null until the run's tables exist, which are all created at
-/// once.
+/// Returns a connection to the store. Null: the run's tables, which are all created at once, don't
+/// exist yet.
 std::shared_ptr<SharedDatabase> open_store(const std::string& folder) {
   if (::access(RunStore::database_path(folder).c_str(), F_OK) != 0) return nullptr;
   std::shared_ptr<SharedDatabase> database = open_to_read(folder);
@@ -84,7 +85,7 @@ class ToldEvents::LogFile {
     return offset == 0 || (::pread(descriptor_, &before, 1, static_cast<off_t>(offset - 1)) == 1 &&
                            before == '\n');
   }
-  /// Returns a piece from `offset`, within the file's size when opened.
+  /// Returns a piece of the file from `offset` on, up to the file's size when it was opened.
   std::string piece_from(std::uint64_t offset) const {
     std::string text;
     if (!is_there() || offset >= bytes_) return text;
@@ -154,7 +155,7 @@ void ToldEvents::read_log(Answer& answer) {
       take(now, answer);
       return;
     }
-    // The file differs from the last one, which may have become the old log.
+    // The log's file was replaced since the last call. The replaced file may be the old log now.
     const LogFile old(events::old_event_log_path(folder_));
     if (LogFile again(path); again.is_there() != now.is_there() ||
                              (now.is_there() && !again.is(now.device(), now.inode())))
@@ -172,7 +173,7 @@ void ToldEvents::read_log(Answer& answer) {
   }
 }
 
-/// Reads the file from place_. False: the answer has no room for the rest.
+/// Reads the file from place_. Returns false if the answer has no room for the rest.
 bool ToldEvents::take(const LogFile& file, Answer& answer) {
   while (true) {
     const std::uint64_t begin = place_.offset;
@@ -183,7 +184,7 @@ bool ToldEvents::take(const LogFile& file, Answer& answer) {
   }
 }
 
-/// Reads whole lines and moves the place past them. False as in take().
+/// Reads whole lines, and moves the place behind them. False as in take().
 bool ToldEvents::take_lines(const std::string& text, Answer& answer) {
   for (std::size_t begin = 0;;) {
     const std::size_t end = text.find('\n', begin);
@@ -206,7 +207,7 @@ bool ToldEvents::take_lines(const std::string& text, Answer& answer) {
   }
 }
 
-/// Adds events before `end` as far as the answer has room.
+/// Adds events with numbers below `end`, as many as the answer has room for.
 void ToldEvents::fill_from_store(std::uint64_t end, Answer& answer) {
   if (answer.is_full()) return;
   const std::shared_ptr<SharedDatabase> database = open_store(folder_);

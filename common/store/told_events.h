@@ -1,5 +1,5 @@
-// Reads a run's events from its folder: the event log (common/events/event_log.h), and from the
-// store the numbered events missing in the log.
+// Reads a run's events from its folder: from the event log (common/events/event_log.h), and from
+// the store if numbered events are missing in the log.
 //
 // Invariants
 //   1. Numbered events are returned in order from the requested number, without gaps, each once.
@@ -26,19 +26,19 @@ namespace sleight::store {
 ///   ToldEvents told(folder, last_number_seen + 1);
 ///   told.next(100) -> {5, 6, 7, progress}    told.next(100) -> {}    told.next(100) -> {8} ...
 ///
-/// The folder and its run may be created later, and the log may be deleted meanwhile.
+/// The folder and its run may be created after this object, and the log may be deleted at any time.
 class ToldEvents {
  public:
   /// REQUIRES: number >= 1.
   explicit ToldEvents(std::string folder, std::uint64_t number = 1);
 
-  /// Returns new events of the log, at most `numbered_max` numbered ones, with missing ones from
-  /// the store. If there is nothing new, this costs opening a file and reading its size. Throws
-  /// base::Error if the store is needed and can't be read. REQUIRES: numbered_max >= 1.
+  /// Returns the log's new events, at most `numbered_max` of them numbered. Missing numbered events
+  /// come from the store. If there are no new events, this only opens a file and reads its size.
+  /// Throws base::Error if the store is needed and can't be read. REQUIRES: numbered_max >= 1.
   std::vector<events::RunEvent> next(std::size_t numbered_max);
 
-  /// Returns what next() does, followed by events that are only in the store because the log
-  /// couldn't be written. Call after a program has ended, and from time to time.
+  /// Like next(), but also returns events that are only in the store because the log couldn't be
+  /// written. Call after a program has ended, and from time to time.
   std::vector<events::RunEvent> rest(std::size_t numbered_max);
 
   std::uint64_t number() const { return number_; }
@@ -62,7 +62,7 @@ class ToldEvents {
   LogPlace place_;
 };
 
-/// Returns all events from `number` in log and store, at most `numbered_max` numbered ones.
+/// Returns all events from `number` on in log and store, at most `numbered_max` of them numbered.
 std::vector<events::RunEvent> events_told(const std::string& folder, std::uint64_t number,
                                           std::size_t numbered_max);
 

@@ -22,7 +22,7 @@ std::uint64_t canonical_bits(double value) {
   return std::isnan(value) ? k_canonical_nan : std::bit_cast<std::uint64_t>(value);
 }
 
-/// Hashes one dataset's values; the split into batches doesn't matter.
+/// Hashes one dataset's values. The hash doesn't depend on the split into batches.
 class ValueHash {
  public:
   void update(const ValuesView& values) {

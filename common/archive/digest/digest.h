@@ -11,11 +11,10 @@
 // Lines after the first are sorted as bytes. A double attribute is written as its 16 hexadecimal
 // digits. A dataset's values are hashed in row-major order: f64, i64 and i32 as little-endian
 // bytes, every NaN as 0x7ff8000000000000, a boolean as its byte, text as its length (8 bytes) and
-// its bytes. The digest therefore does not depend on chunks, compression, creation order or NaN
-// payloads.
+// its bytes. So the digest does not depend on chunks, compression, creation order or NaN payloads.
 //
 // The manifest omits the root attributes content_digest, inference_library_version, results_version
-// and run_id (format.h). Comparing two manifests shows in which object two archives differ.
+// and run_id (format.h). A comparison of two manifests shows in which objects the archives differ.
 #pragma once
 
 #include <functional>
@@ -30,9 +29,9 @@ std::string manifest(const Source& source);
 /// Returns 64 hexadecimal digits.
 std::string digest(const Source& source);
 
-/// Lets `fill` write an archive into `sink` while checking model.h's invariants. Computes the
-/// digest meanwhile, adds it as root attribute content_digest, finishes the sink and returns the
-/// digest. REQUIRES: `fill` does not call finish.
+/// Lets `fill` write an archive into `sink` while checking model.h's invariants. Also computes the
+/// digest, adds it as root attribute content_digest, finishes the sink and returns the digest.
+/// REQUIRES: `fill` does not call finish.
 std::string write_digested(Sink& sink, const std::function<void(Sink&)>& fill);
 
 }  // namespace sleight::archive

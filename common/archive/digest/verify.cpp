@@ -24,7 +24,7 @@ bool same(double a, double b) {
          (std::isnan(a) && std::isnan(b));
 }
 
-/// Counts violations of a rule and records the first; yields one finding per rule.
+/// Counts violations of a rule and records the place of the first, for one finding per rule.
 class Rule {
  public:
   explicit Rule(std::string text) : text_(std::move(text)) {}
@@ -125,7 +125,7 @@ void check_coordinates(const Reader& reader, Findings& findings) {
   check_progression(reader, k_animations, "segment", 1, findings);
 
   if (reader.size(k_replicas, "replica") > 1) {
-    // Scans always count from the start of the run, draws don't.
+    // Scans are numbered from the start of the run. Draws need not be.
     Rule place("/replicas/scan is a multiple of thin, or -1");
     for_each_batch(
         reader.elements(k_replicas, "scan"), [&](std::uint64_t first, std::uint64_t count) {
@@ -267,7 +267,8 @@ class AnimationCheck {
       order_.expect(first + i == 0 || before_ < at, here);
       before_ = at;
       segments_.expect(start[i] == next_segment_ && rows[i] >= 0, here);
-      // Unsigned arithmetic wraps instead of overflowing, as the numbers may be anything.
+      // Use unsigned arithmetic, which wraps instead of overflowing, because the file may contain
+      // any numbers.
       next_segment_ = static_cast<std::int64_t>(static_cast<std::uint64_t>(start[i]) +
                                                 static_cast<std::uint64_t>(rows[i]));
       const bool inside = chain[i] >= 0 && std::cmp_less(chain[i], chains_) && draw[i] >= 0 &&
@@ -302,7 +303,7 @@ class AnimationCheck {
   Rule segments_{"segments are contiguous"};
 };
 
-/// Checks the finds: the number kept, the order of starts, and their segments.
+/// Checks the finds: the number of kept finds, the order of their starts, and their segments.
 void check_finds(const Reader& reader, Findings& findings) {
   if (!reader.has_group(k_finds)) return;
   for (const char* dim : {"animation", "segment", "throw"})
@@ -337,7 +338,8 @@ void check_finds(const Reader& reader, Findings& findings) {
   segments.report(findings);
 }
 
-/// Checks that each animation's rows along a dimension follow the previous animation's without gap.
+/// Checks that each animation's rows along a dimension directly follow the previous animation's
+/// rows.
 void check_rows(const Reader& reader, std::string_view group, const std::string& dim,
                 Findings& findings) {
   check_progression(reader, group, dim, 1, findings);
@@ -433,7 +435,7 @@ void check_prior(const Reader& reader, Findings& findings) {
   truth.report(findings);
 }
 
-/// Checks that failures are counted under known kinds, and are never 0.
+/// Checks that failure counts have known kinds and are never 0.
 void check_failures(const Reader& reader, Findings& findings) {
   for (const Attribute& attribute : reader.group(k_root).attributes) {
     if (!attribute.name.starts_with(k_failed_prefix)) continue;
@@ -468,7 +470,7 @@ std::vector<std::string> verify(const Source& source) {
   check_proposals(reader, findings);
   AnimationCheck(reader).run(findings);
   check_finds(reader, findings);
-  // Skip the scene if rows are out of place, because its checks would report them again.
+  // If rows are out of place, skip the checks of the scene, which would report these rows again.
   if (findings.empty()) check_scene(source, reader, findings);
   check_prior(reader, findings);
   check_digest(source, findings);

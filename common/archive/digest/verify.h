@@ -16,9 +16,9 @@
 
 namespace sleight::archive {
 
-/// Returns one sentence per kind of fault with the first place where it occurs; empty for a valid
-/// archive. Checks values only if the structure is right. Reads the archive once or twice, in
-/// batches. Throws what the source throws if data can't be read.
+/// Returns one sentence per kind of fault, with the first place at which the fault occurs. Empty:
+/// the archive is valid. Checks values only if the structure is right. Reads the archive once or
+/// twice, in batches. If data can't be read, the source's exception is passed on.
 std::vector<std::string> verify(const Source& source);
 
 }  // namespace sleight::archive

@@ -1,5 +1,5 @@
-// Reads the attributes of an untrusted HDF5 object: the archive's own and those of dimension scales
-// (reader.h).
+// Reads the attributes of an untrusted HDF5 object: the archive's attributes, and those of
+// dimension scales (reader.h).
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace sleight::archive::hdf5 {
 
-/// An entry of a scale's REFERENCE_LIST: the scale measures this dimension of that dataset.
+/// An entry of a scale's REFERENCE_LIST: a dataset, and its dimension that the scale measures.
 struct ScaleUse {
   haddr_t dataset = HADDR_UNDEF;  ///< address of the dataset's header
   std::uint32_t dimension = 0;
@@ -25,7 +25,7 @@ struct ObjectAttributes {
   std::vector<ScaleUse> uses;
 };
 
-/// `path` names the object in messages. Throws as described in reader.h.
+/// `path`: the object's name in messages. Throws as described in reader.h.
 ObjectAttributes read_attributes(const Api& api, hid_t object, const std::string& path);
 
 }  // namespace sleight::archive::hdf5

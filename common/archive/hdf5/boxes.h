@@ -9,7 +9,7 @@
 
 namespace sleight::archive::hdf5 {
 
-/// `start` and `count` by dimension, for H5Sselect_hyperslab. Empty for a scalar.
+/// A box's `start` and `count` by dimension, for H5Sselect_hyperslab. Empty for a scalar.
 struct Box {
   std::vector<std::uint64_t> start;
   std::vector<std::uint64_t> count;
@@ -29,7 +29,8 @@ inline Box box_at(const std::vector<std::uint64_t>& dims, std::uint64_t first,
     box.start[d] = first % dims[d];
     first /= dims[d];
   }
-  // Extend over whole inner dimensions while the run starts at their beginning and covers them.
+  // Extend the box over whole inner dimensions while the run starts at their beginning and covers
+  // them.
   for (std::size_t d = rank; d-- > 0;) {
     const std::uint64_t left = dims[d] - box.start[d];
     box.count[d] = left < count ? left : count;

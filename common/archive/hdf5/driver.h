@@ -2,7 +2,8 @@
 // refers to a State, which represents the file. HDF5 sees an unlimited address space and no block
 // structure.
 //
-// A State has `allocated`, HDF5's end of allocation. The functions are C callbacks for HDF5.
+// A State has a member `allocated`: HDF5's end of allocation. The functions are C callbacks for
+// HDF5.
 #pragma once
 
 #include <hdf5.h>
@@ -12,7 +13,7 @@
 
 namespace sleight::archive::hdf5 {
 
-/// HDF5's view of an open file: HDF5's own fields, followed by ours.
+/// The struct for an open file that HDF5 expects: HDF5's own fields, followed by ours.
 template <class State>
 struct DriverFile {
   H5FD_t base;

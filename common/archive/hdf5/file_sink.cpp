@@ -16,7 +16,7 @@ namespace {
 /// Fixed-size datasets up to this size are stored uncompressed, because a chunk's overhead exceeds
 /// what compression saves.
 constexpr std::uint64_t k_contiguous_bytes_max = 64 * 1024;
-/// Higher levels take three times as long and save only some percent on such data.
+/// Deflate's level. Higher levels take three times as long and save only some percent on such data.
 constexpr unsigned k_deflate_level = 1;
 /// Assumed size of a growing first dimension, for splitting runs into boxes.
 constexpr std::uint64_t k_unbounded = std::uint64_t{1} << 62;
@@ -33,13 +33,13 @@ bool grows(const DatasetSpec& spec) {
   return !spec.dims.empty() && spec.dims[0].size == k_growing;
 }
 
-/// HDF5 does not allow strings of zero bytes.
+/// Returns at least 1, because HDF5 does not allow strings of zero bytes.
 std::size_t width_in_file(std::size_t bytes) {
   return std::max<std::size_t>(1, bytes);
 }
 
-/// Returns the bytes of one text element. A scalar keeps its NUL, because netCDF-C 4.9.0 reads
-/// until it finds one.
+/// Returns the bytes of one text element. A scalar text is stored with its NUL, because netCDF-C
+/// 4.9.0 reads until it finds a NUL.
 std::size_t width_in_file(const DatasetSpec& spec) {
   return spec.dims.empty() ? spec.text_bytes + 1 : width_in_file(spec.text_bytes);
 }
@@ -81,7 +81,7 @@ Handle file_type(const Api& api, const DatasetSpec& spec) {
   return api.id(H5Tcopy(plain_file_type(spec.type)), H5Tclose, spec.name, "create a datatype");
 }
 
-/// Disables times and tracks creation order as netCDF-4 expects, for files and groups.
+/// Makes files and groups store no times, and track creation order, as netCDF-4 expects.
 void set_group_order(const Api& api, hid_t list) {
   constexpr unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
   api.ok(H5Pset_obj_track_times(list, false), "", "disable object times");
@@ -108,7 +108,7 @@ Handle creation_list(const Api& api, const DatasetSpec& spec,
   api.ok(H5Pset_obj_track_times(list.get(), false), spec.name, "disable object times");
   api.ok(H5Pset_attr_creation_order(list.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
          spec.name, "track the order of attributes");
-  // Without a fill value, the unused rest of a last chunk would have undefined bytes.
+  // Set a fill value, because otherwise the unused rest of a last chunk would have undefined bytes.
   api.ok(H5Pset_fill_time(list.get(), H5D_FILL_TIME_ALLOC), spec.name, "set the fill time");
   const std::uint64_t bytes = grows(spec) ? 0 : element_count(spec) * 8;
   if (spec.type == ElementType::text || (!grows(spec) && bytes <= k_contiguous_bytes_max)) {
@@ -358,7 +358,7 @@ void FileSink::make_scales() {
     dataset.dimension_id = next_dimension_id_++;
     put_integers(id, dataset.path, k_netcdf_dimension_id, {dataset.dimension_id}, true);
     if (!is_text_array(dataset.spec)) continue;
-    // A scale has no scales of its own, so netCDF-4 names a second dimension by number.
+    // A scale can't have scales, so netCDF-4 names its second dimension by number.
     const Width& width = width_of(dataset.group, dataset.spec.text_bytes);
     put_integers(id, dataset.path, k_netcdf_coordinates, {dataset.dimension_id, width.dimension_id},
                  false);

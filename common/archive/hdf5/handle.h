@@ -1,9 +1,9 @@
 // Ownership and error checks for the HDF5 C API. Included only by this folder's sources.
 //
-// Every result goes through Api::id, Api::ok or Api::count, which turn failures into a base::Error
-// with the file, the object and HDF5's innermost reason. HDF5 itself prints nothing. HDF5 loads no
-// plugins, because a file must not choose code to run. HDF5 does not clean up at exit: no object is
-// open then, and the clean-up can crash after a failed write.
+// Every result is checked by Api::id, Api::ok or Api::count, which throw a base::Error with the
+// file, the object and HDF5's innermost reason on failure. HDF5 itself prints nothing. Plugins of
+// HDF5 are disabled, because a file must not decide which code runs. HDF5's clean-up at exit is
+// disabled: no object is open then, and the clean-up can crash after a failed write.
 //
 // HDF5 is one global library, so only one thread of the process may use this folder at a time.
 #pragma once
@@ -36,7 +36,7 @@ class Handle {
   }
 
   hid_t get() const { return id_; }
-  /// Closes now and returns the function's result; 0 if nothing was open.
+  /// Closes the identifier and returns the closing function's result; 0 if nothing was open.
   herr_t close() {
     const Closer closer = std::exchange(closer_, nullptr);
     return closer == nullptr ? 0 : closer(id_);
@@ -54,7 +54,7 @@ class Handle {
 /// Checks the results of HDF5 calls for one file.
 class Api {
  public:
-  /// Starts the library on first use. `exit_code` is the exit code for failures of this file.
+  /// Starts the library on first use. `exit_code`: for errors about this file.
   Api(std::string path, base::ExitCode exit_code);
 
   [[noreturn]] void fail(std::string_view object, std::string_view reason) const;

@@ -14,7 +14,7 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
-/// A dataset whose dimensions have no names yet.
+/// A dataset as it is read first, without names of dimensions.
 struct FoundDataset {
   std::string name;
   haddr_t address = HADDR_UNDEF;
@@ -149,7 +149,7 @@ class Walk {
     found.stored.id =
         api_.id(H5Dopen2(group, link.name.c_str(), H5P_DEFAULT), H5Dclose, path, "open");
     const hid_t id = found.stored.id.get();
-    // Check the storage first: a virtual dataset's space would already access other files.
+    // Check the storage first, because reading a virtual dataset's space would access other files.
     const Handle list = api_.id(H5Dget_create_plist(id), H5Pclose, path, "read the property list");
     check_storage(list.get(), path);
     found.attributes = read_attributes(api_, id, path);
@@ -193,7 +193,7 @@ class Walk {
     const H5S_class_t kind = H5Sget_simple_extent_type(space.get());
     if (kind == H5S_SCALAR) return {};
     const int rank = H5Sget_simple_extent_ndims(space.get());
-    // A text array has one dimension more in the file than in the model.
+    // In the file, a text array has one more dimension than in the model.
     if (kind != H5S_SIMPLE || rank < 1 || rank > static_cast<int>(k_rank_max) + 1) {
       api_.fail(path, fmt::format("expected at most {1} dimensions, found {0}", rank, k_rank_max));
     }

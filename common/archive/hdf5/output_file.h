@@ -2,8 +2,8 @@
 //
 // If a write fails (a full disk), HDF5 1.10.8 can neither close the file nor abandon it: objects
 // stay open until the process ends, and closing again crashes (both observed). So the driver
-// records the first failure, writes nothing more and reports success. HDF5 closes cleanly; the
-// writer then checks for the failure and drops the file.
+// records the first failure, writes nothing more and reports success. HDF5 then closes cleanly, and
+// the writer checks for the failure and removes the file.
 //
 // Not thread-safe.
 #pragma once
@@ -26,16 +26,16 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Makes H5Fcreate with this file-access list write to this file, whatever name H5Fcreate gets.
-  /// Returns a negative value on failure, like HDF5. The list may be used once, while this object
-  /// lives.
+  /// Makes H5Fcreate with this file-access list write to this file and ignore its name argument.
+  /// Returns a negative value on failure, like HDF5. The list may be used once, during this
+  /// object's life.
   herr_t use_in(hid_t file_access_list);
 
   /// Throws base::Error with the first failed read or write since creation, if any.
   void throw_failure() const;
 
-  /// Closes the file; on a network file system a write may fail only now. Throws like
-  /// throw_failure. REQUIRES: HDF5 has closed the file.
+  /// Closes the file. On a network file system, close may report an earlier write's failure. Throws
+  /// like throw_failure. REQUIRES: HDF5 has closed the file.
   void close();
 
   struct State {

@@ -71,7 +71,7 @@ class FileSource final : public Source {
   std::vector<std::string> read_texts(const std::string& path, const StoredDataset& stored,
                                       std::uint64_t first, std::uint64_t count) const {
     const std::uint64_t width = stored.text_bytes;
-    // A file's text arrays may be within k_dataset_bytes_max but exceed memory.
+    // A text array within k_dataset_bytes_max may still exceed the memory.
     if (count * width > k_text_bytes_max) api_.fail(path, "texts are too long");
     const Handle type = api_.id(H5Dget_type(stored.id.get()), H5Tclose, path, "read the datatype");
     std::string bytes(count * width, '\0');
@@ -137,7 +137,7 @@ void start() {
 
 std::unique_ptr<Source> open_file(const std::string& path) {
   start();
-  // Don't block on a pipe or a device.
+  // Open without blocking, in case the file is a pipe or a device.
   base::Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   struct stat status {};
   if (!file || ::fstat(file.get(), &status) != 0) {
@@ -157,7 +157,7 @@ std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile&
   api.ok(input->use_in(access.get()), "", "set the file driver");
   api.ok(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "", "set the close degree");
   if (!input->has_signature()) api.fail("", "not an HDF5 file");
-  // The driver needs no name, but a relative one would make HDF5 query the working folder.
+  // The driver ignores the name, but a relative name would make HDF5 query the working folder.
   Handle file =
       api.id(H5Fopen("/archive", H5F_ACC_RDONLY, access.get()), H5Fclose, "", "open as HDF5");
   Contents contents = inspect(api, file.get(), open.bytes);

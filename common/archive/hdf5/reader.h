@@ -8,10 +8,10 @@
 // of dimensions come from the scales' REFERENCE_LIST, not from DIMENSION_LIST.
 //
 // Each refusal is a base::Error with ExitCode::bad_archive that names the file, the object and the
-// reason. Damage in compressed values is detected only when they are read, and damage in
-// uncompressed values only by the digest (verify.h). HDF5 itself may crash or hang on a damaged
-// file before any of our checks. So programs open archives through a reader process
-// (archive/remote), which calls open_descriptor.
+// reason. Damage in compressed values is detected when they are read. Damage in uncompressed values
+// is detected only by the digest (verify.h). HDF5 itself may crash or hang on a damaged file before
+// any of our checks. So programs open archives through a reader process (archive/remote), which
+// calls open_descriptor.
 //
 // One thread at a time in the process (handle.h).
 #pragma once
@@ -27,14 +27,14 @@ namespace sleight::archive::hdf5 {
 
 /// Uncompressed size of a chunk, which HDF5 reads at once.
 inline constexpr std::uint64_t k_chunk_bytes_max = 64 * 1024 * 1024;
-/// Deflate's maximum ratio, so a dataset is at most this many times its storage.
+/// Deflate's maximum ratio: a dataset's size divided by its stored size is at most this.
 inline constexpr std::uint64_t k_deflate_ratio_max = 1032;
 
-/// Starts the HDF5 library ahead of the first open.
+/// Starts the HDF5 library. Otherwise the first open starts it.
 void start();
 
 /// Opens an archive for reading. Throws ExitCode::environment if the file does not exist or can't
-/// be read; otherwise see above.
+/// be read, and bad_archive as above.
 std::unique_ptr<Source> open_file(const std::string& path);
 
 struct OpenFile {
@@ -43,8 +43,8 @@ struct OpenFile {
 };
 
 /// Like open_file, for an open file, of which it takes ownership. `name`: for messages. REQUIRES:
-/// start() was called, and the file is regular. Makes no system calls except to read the file and
-/// for memory.
+/// start() was called, and the file is regular. Makes no system calls except for reading the file
+/// and allocating memory.
 std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile& open);
 
 }  // namespace sleight::archive::hdf5

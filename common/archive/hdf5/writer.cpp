@@ -11,7 +11,7 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
-/// Removes the temporary file unless it was renamed to its place.
+/// Removes the temporary file, unless it was renamed to the archive's path.
 class Temporary {
  public:
   Temporary(base::FileSystem& file_system, std::string path)
@@ -23,7 +23,7 @@ class Temporary {
     try {
       file_system_.remove(path_);
     } catch (const base::Error&) {
-      // Report only the failure that led here.
+      // Ignore this failure, and report only the one that came first.
     }
   }
 

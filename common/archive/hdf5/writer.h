@@ -1,10 +1,10 @@
 // Writes archives as HDF5 files that xarray (netcdf4, h5netcdf) and h5py open directly.
 //
 // Invariants:
-//  1. A reader never sees an incomplete file. The archive is written to `<path>.tmp.<process id>`
-//     beside its place, closed, synced and renamed, and the folder is synced. A failure before the
-//     rename leaves the file at `path` unchanged and removes the temporary file. A killed process
-//     leaves its temporary file behind, which may be removed at any time.
+//  1. A reader never sees an incomplete file. The archive is written to `<path>.tmp.<process id>`,
+//     closed, synced and renamed, and the folder is synced. A failure before the rename leaves the
+//     file at `path` unchanged and removes the temporary file. A killed process leaves its
+//     temporary file behind, which may be removed at any time.
 //  2. Equal content gives equal bytes: no times in the file, a fixed creation order, chunks whose
 //     shape depends only on the dataset's shape, and fixed batches (columns.h).
 //  3. Dimensions are HDF5 dimension scales in netCDF-4's form. Text arrays are arrays of single
@@ -22,7 +22,7 @@
 namespace sleight::archive::hdf5 {
 
 /// Writes the archive produced by `fill`, checked by write_digested, and returns its digest. Throws
-/// base::Error with the file's name if writing fails, and what `fill` throws.
+/// base::Error with the file's name if writing fails, and passes on exceptions of `fill`.
 std::string write_file(const std::string& path, base::FileSystem& file_system,
                        const std::function<void(Sink&)>& fill);
 

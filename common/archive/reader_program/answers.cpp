@@ -92,8 +92,8 @@ bool say_values(std::uint32_t number, const Values& values) {
       values);
 }
 
-/// Answers questions. While the client processes an answer, reads ahead what a client that reads
-/// the whole dataset from its start will request next.
+/// Answers questions. While the client processes an answer, reads ahead the part that the client
+/// will request next if it reads the whole dataset from its start.
 class ForwardReader {
  public:
   explicit ForwardReader(const Source& source) : source_(source), datasets_(numbered(source)) {}
@@ -118,7 +118,7 @@ class ForwardReader {
   }
 
  private:
-  /// Limit for reading ahead: some batches.
+  /// Maximum that is read ahead: some batches.
   static constexpr std::uint64_t k_ahead_elements_max = 8 * k_batch_elements;
 
   Values read(const Question& question) const {
@@ -126,7 +126,7 @@ class ForwardReader {
     return source_.read(group->name, spec->name, question.first, question.count);
   }
 
-  /// Errors are reported when the data are requested.
+  /// Ignore errors here, because they are reported when the data are requested.
   void read_ahead() {
     try {
       ahead_ = read(next_);

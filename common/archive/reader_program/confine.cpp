@@ -81,10 +81,10 @@ void permit_what_reading_needs(Permits& permits) {
   for (const int call : {SCMP_SYS(brk), SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise),
                          SCMP_SYS(futex), SCMP_SYS(getrandom)})
     permits.permit(call);
-  // Time, for kernels that don't provide it without a system call.
+  // Permit reading the time, for kernels that need a system call for it.
   permits.permit(SCMP_SYS(clock_gettime));
   permits.permit(SCMP_SYS(gettimeofday));
-  // HDF5 sleeps for a nanosecond before rereading metadata with a wrong checksum.
+  // Permit sleeping: HDF5 sleeps for a nanosecond before rereading metadata with a wrong checksum.
   permits.permit(SCMP_SYS(nanosleep));
   permits.permit(SCMP_SYS(clock_nanosleep));
   // Normal exit and abort().
@@ -113,12 +113,12 @@ void permit_what_sanitizers_need(Permits& permits) {
 }  // namespace
 
 void end_with_lifeline(int lifeline) {
-  // The kernel signals each change of the pipe, and nobody writes to the pipe, so the signal means
-  // its end. The default action ends the process even in an endless loop.
+  // The kernel signals each change of the pipe. Nobody writes to the pipe, so a signal means that
+  // its other end was closed. The default action ends the process even in an endless loop.
   const bool is_armed = ::fcntl(lifeline, F_SETOWN, ::getpid()) == 0 &&
                         ::fcntl(lifeline, F_SETFL, O_ASYNC | O_NONBLOCK) == 0;
   require(is_armed, "watch the parent process", errno);
-  // The other end may have closed before.
+  // The other end may have been closed already.
   pollfd watched{lifeline, POLLIN, 0};
   if (::poll(&watched, 1, 0) != 0) ::_exit(0);
 }
@@ -130,7 +130,7 @@ void confine(std::uint64_t address_space_bytes) {
   (void)address_space_bytes;
 #else
   limit(RLIMIT_AS, address_space_bytes, "limit memory");
-  // No descriptor number is left for opening another file.
+  // Lower the limit of descriptors, so that no number is left for opening another file.
   limit(RLIMIT_NOFILE, remote::k_lifeline_descriptor + 1, "disable opening of files");
 #endif
   require(::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0, "drop privileges", errno);

@@ -5,8 +5,8 @@
 // process, or regain any privilege: any other system call kills it with SIGSYS. The parent limits
 // its processor time (archive/remote/reader_process.h), and this process can't change that limit.
 //
-// Under a sanitizer memory is not limited, and the system calls of the sanitizer's checks and
-// reports are permitted: opening files for reading, making pipes, and writing to open descriptors.
+// Under a sanitizer, memory is not limited. The sanitizer's checks and reports are also permitted
+// to open files for reading, to make pipes and to write to open descriptors.
 #pragma once
 
 #include <cstdint>

@@ -52,7 +52,7 @@ int run_confined(int argc, const char* const* argv, const std::function<int(cons
   Given given{.memory_bytes = memory_bytes_of(argc, argv)};
   if (given.memory_bytes == 0 || !has_its_descriptors(given))
     return refuse_to_start("only sleight starts this program, to read archives");
-  // A write to a closed pipe then fails like any other write.
+  // Ignore SIGPIPE, so that a write to a closed pipe fails like any other write.
   std::signal(SIGPIPE, SIG_IGN);
   int code = k_bug;
   try {
@@ -61,7 +61,8 @@ int run_confined(int argc, const char* const* argv, const std::function<int(cons
     confine(given.memory_bytes);
     code = work(given);
   } catch (const std::exception& error) {
-    // `work` reports errors of the archive itself, so this is a failure to confine the process.
+    // `work` sends errors about the archive to the client, so an exception here means that the
+    // process could not be confined.
     const std::string_view reason = error.what();
     say({.kind = remote::AnswerKind::refusal,
          .type = remote::k_of_environment,

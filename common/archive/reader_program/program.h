@@ -1,5 +1,5 @@
-// The main function of a reader process. Tests use it too, for readers that misbehave under the
-// same limits.
+// The main function of a reader process. Tests use this function too, for readers that misbehave
+// under the same limits.
 #pragma once
 
 #include <cstdint>

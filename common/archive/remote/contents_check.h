@@ -1,5 +1,5 @@
-// Checks whether the contents reported by a reader process are valid. hdf5/inspect.h checks the
-// same in the file, but a hostile file may have taken over the process.
+// Checks whether the contents reported by a reader process are valid. hdf5/inspect.h makes the same
+// checks in the reader process, but a hostile file may have taken over that process.
 //
 // Users of a Source rely on these properties: names are plain words and unique in their place, the
 // root group comes first, each dimension has a dataset of its name, sizes are within limits.h and

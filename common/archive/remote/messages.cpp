@@ -27,7 +27,8 @@ class Composer {
   base::ByteWriter writer_;
 };
 
-/// The reverse of Composer. Missing data read as 0 or empty, and set `failed`.
+/// The reverse of Composer. Reads a message. If data are missing, returns 0 or empty values and
+/// sets `failed`.
 class Decomposer {
  public:
   explicit Decomposer(base::BytesView bytes) : rest_(bytes) {}
@@ -70,7 +71,7 @@ class Decomposer {
   bool failed_ = false;
 };
 
-/// The alternative of an attribute's value that follows, as in Attribute::value.
+/// Type of the attribute's value that follows: an index of Attribute::value's alternatives.
 enum class AttributeKind : std::uint8_t { integer = 0, number = 1, text = 2 };
 
 void put_attributes(const std::vector<Attribute>& attributes, Composer& to) {

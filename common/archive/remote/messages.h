@@ -35,7 +35,8 @@ namespace sleight::archive::remote {
 inline constexpr int k_questions_descriptor = 0;
 inline constexpr int k_answers_descriptor = 1;
 inline constexpr int k_archive_descriptor = 3;
-/// A pipe whose other end the client holds without writing. When the pipe closes, the reader ends.
+/// A pipe whose other end the client keeps open and never writes to. When the pipe closes, the
+/// reader ends.
 inline constexpr int k_lifeline_descriptor = 4;
 
 struct Question {

@@ -29,9 +29,11 @@ namespace {
 /// Time that a process has to end after closing its pipe.
 constexpr auto k_ending = std::chrono::seconds(2);
 constexpr int k_look_every_ms = 2;
-/// Size of the answers' pipe: fits a batch, so that the reader needn't wait for this process.
+/// Size of the answers' pipe. A batch fits into the pipe, so that the reader need not wait for this
+/// process.
 constexpr int k_pipe_bytes = 1 << 20;
-/// Above all descriptors of the new process, so that none is overwritten.
+/// Lowest number for copies of descriptors: above all descriptors of the new process, so that none
+/// of those is overwritten.
 constexpr int k_first_free_descriptor = 10;
 
 [[noreturn]] void fail_start(const std::string& program, int reason) {
@@ -51,7 +53,7 @@ struct Ends {
   base::Descriptor theirs;
 };
 
-/// `is_ours_first`: this process reads from the pipe, and the other writes.
+/// `is_ours_first`: this process reads from the pipe, and the other process writes.
 Ends pipe_of(bool is_ours_first, const std::string& program) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail_start(program, errno);
@@ -93,7 +95,7 @@ class SpawnOrders {
   /// group, which gets no signals from the terminal.
   void clean_all_else() {
 #ifndef SLEIGHT_SANITIZED
-    // A sanitizer reports to standard error.
+    // Discard standard error, except under a sanitizer, which writes its reports there.
     note(::posix_spawn_file_actions_addopen(&actions_, STDERR_FILENO, "/dev/null", O_WRONLY, 0));
 #endif
     note(::posix_spawn_file_actions_addclosefrom_np(&actions_, k_lifeline_descriptor + 1));
@@ -179,7 +181,7 @@ ReaderProcess::ReaderProcess(const std::string& program, int archive, const Read
   Ends lifeline = pipe_of(false, program);
   const base::Descriptor raised_archive(::fcntl(archive, F_DUPFD_CLOEXEC, k_first_free_descriptor));
   if (!raised_archive) fail_start(program, errno);
-  // A larger pipe is only faster, so failure is harmless.
+  // Failure is harmless, because a larger pipe is only faster.
   ::fcntl(answers.ours.get(), F_SETPIPE_SZ, k_pipe_bytes);
   ::fcntl(answers.ours.get(), F_SETFL, O_NONBLOCK);
 
@@ -211,7 +213,8 @@ void ReaderProcess::renew_limits() {
   deadline_ = std::chrono::steady_clock::now() +
               std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                   std::chrono::duration<double>(limits_.timeout_s));
-  // Renewing takes twice a question's system calls; losing one second of the limit is harmless.
+  // Don't renew the limit at each question, which would double the question's system calls. Losing
+  // one second of the limit is harmless.
   constexpr auto k_renewed_every = std::chrono::seconds(1);
   const auto now = std::chrono::steady_clock::now();
   if (now - renewed_ < k_renewed_every) return;
@@ -220,7 +223,7 @@ void ReaderProcess::renew_limits() {
 }
 
 /// Sets the limit from this process, so that the reader can give up the right to change its limits.
-/// If that fails, the deadline still applies.
+/// If setting the limit fails, the deadline still applies.
 void ReaderProcess::limit_processor_time() const {
   clockid_t clock{};
   timespec used{};
@@ -251,7 +254,8 @@ Received ReaderProcess::receive(std::span<std::byte> bytes) {
       continue;
     }
     if (got == 0 || (errno != EAGAIN && errno != EINTR)) return Received::ended;
-    // A reader that sends single bytes reaches this point after each. Received data is never late.
+    // Check the deadline here, because a reader that sends single bytes reaches this point after
+    // each byte. Received data is never late.
     const auto left =
         std::chrono::ceil<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now());
     if (left.count() <= 0) return Received::late;

@@ -1,8 +1,9 @@
-// A process that reads one archive for this one (archive/reader_program), with the pipes to it.
+// A process that reads one archive for this process (archive/reader_program), with the pipes to it.
 //
-// HDF5 1.10.8 has known faults that a damaged or hostile file can trigger from H5Fopen on. So each
-// archive is read in a process of its own. Before it looks at the file, that process drops all
-// rights except reading the file and answering. Nothing that happens to it can harm this process.
+// A damaged or hostile file can trigger known faults of HDF5 1.10.8, as early as in H5Fopen. So
+// each archive is read in a process of its own. Before that process reads anything from the file,
+// it drops all rights except reading the file and answering. So nothing that happens in that
+// process can harm this one.
 //
 // posix_spawn starts the process, because fork is unsafe in a multi-threaded program: posix_spawn
 // runs none of our code in between. The process has only its own descriptors, a clean environment,
@@ -26,8 +27,8 @@
 namespace sleight::archive::remote {
 
 struct ReaderLimits {
-  /// Limit of the process's address space. Not enforced under a sanitizer, whose own maps need more
-  /// than any limit.
+  /// Limit of the process's address space. Not enforced under a sanitizer, whose own memory maps
+  /// exceed any limit.
   std::uint64_t address_space_bytes = std::uint64_t{4} << 30;
   std::uint32_t cpu_s = 600;  ///< processor time per question, and for opening
   double timeout_s = 900;     ///< wall-clock time per question, and for opening
@@ -59,8 +60,8 @@ class ReaderProcess {
   /// Returns whether the process has sent bytes that nobody requested.
   bool has_unasked_words() const;
 
-  /// Ends the process if it doesn't exit by itself at once, and returns why it ended. REQUIRES:
-  /// last call, except for the destructor.
+  /// Ends the process, unless it exits by itself at once, and returns the reason why it ended.
+  /// REQUIRES: last call, except for the destructor.
   ReaderEnd end();
 
   pid_t id() const { return id_; }

@@ -32,7 +32,7 @@ class RemoteSource final : public Source {
   /// Starts the reader; take_contents returns whether it opened the archive.
   RemoteSource(const std::string& program, std::string path, const ReaderLimits& limits)
       : path_(std::move(path)), limits_(limits) {
-    // Don't block on a pipe or a device.
+    // Open without blocking, in case the file is a pipe or a device.
     const base::Descriptor archive(
         ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
     struct stat status {};
@@ -106,8 +106,8 @@ class RemoteSource final : public Source {
     throw base::Error(failure_);
   }
 
-  /// Throws if this process, and with it the reader, has less memory than a reader may use, because
-  /// the failure may have nothing to do with the file.
+  /// Throws if this process, and so the reader, has less memory than a reader may use, because the
+  /// failure may not be the file's fault.
   void fail_for_want_of_memory() const {
     rlimit limit{};
     if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_max >= limits_.address_space_bytes)
@@ -215,7 +215,7 @@ std::vector<OpenedArchive> open_all_by(const std::string& program,
                                        const ReaderLimits& limits) {
   std::vector<OpenedArchive> opened;
   for (std::size_t begin = 0; begin < paths.size(); begin += k_opened_at_once) {
-    // Start several readers, then receive each archive's contents.
+    // Start several readers, then receive the contents of their archives one after the other.
     std::vector<std::unique_ptr<RemoteSource>> started;
     for (const std::string& path :
          paths.subspan(begin, std::min(k_opened_at_once, paths.size() - begin))) {

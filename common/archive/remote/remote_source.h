@@ -8,7 +8,7 @@
 //  2. Answers are untrusted. The type, number and size of elements must be exactly as requested,
 //     and names, dimensions and texts must satisfy the rules of hdf5/reader.h.
 //  3. If the reader refuses only a part, such as a damaged chunk, that refusal is thrown too, but
-//     the reader stays and other parts can be read.
+//     the reader continues and other parts can be read.
 //
 // Thread safety: one thread at a time uses a Source. Different Sources are independent, even of one
 // file. Opening is thread-safe.
@@ -39,9 +39,9 @@ struct OpenedArchive {
   std::string refused;             ///< reason with the path; empty if open
 };
 
-/// Opens each archive; results are in the order of `paths`. A failure affects only its archive.
-/// Several archives are opened at a time, so that a hanging one delays the others by at most one
-/// time limit.
+/// Opens each archive. Results are in the order of `paths`. If one archive fails, the others are
+/// still opened. Several archives are opened at a time, so that a hanging one delays the others by
+/// at most one time limit.
 std::vector<OpenedArchive> open_all(std::span<const std::string> paths,
                                     const ReaderLimits& limits = {});
 std::vector<OpenedArchive> open_all_by(const std::string& program,

@@ -1,9 +1,9 @@
-// Two comparisons that Cap'n Proto 0.9.2's headers use and clang doesn't find. Include this header
-// before all others where clang compiles them (deploy/cmake/SleightLibraries.cmake).
+// Defines two comparisons that Cap'n Proto 0.9.2's headers use but clang doesn't find. Include this
+// header before all others where clang compiles them (deploy/cmake/SleightLibraries.cmake).
 //
 // In C++20, `const char* == kj::StringPtr` should be StringPtr's own comparison with the operands
-// reversed. But by a later rule of the standard (P2468, in clang 16 and not in GCC 12), a class
-// that also has != has no reversed comparison.
+// reversed. By a later rule of the standard (P2468, in clang 16 but not in GCC 12), however, a
+// class that also has != gets no reversed comparison.
 #pragma once
 
 #include <kj/string.h>

@@ -95,7 +95,7 @@ void put_scan(const plan::ScanRecord& record, generated::Scan::Builder out) {
            record.method_values);
 }
 
-/// Failures are absent, or counted for each kind.
+/// Failures are either absent, or have a count for each kind.
 bool fits(generated::Scan::Reader in) {
   return in.getFailures().size() == 0 || in.getFailures().size() == plan::k_failure_kinds;
 }
@@ -330,7 +330,7 @@ base::Bytes encode(const Message& message) {
 
 base::Result<Message, std::string> decode(base::BytesView bytes) {
   if (bytes.size() > k_message_bytes_max) return std::string("a message beyond the size limit");
-  // Copy into words, because the bytes may be unaligned.
+  // Copy the bytes into words, because they may be unaligned.
   std::vector<capnp::word> words(bytes.size() / sizeof(capnp::word));
   if (words.size() * sizeof(capnp::word) != bytes.size()) {
     return std::string("a message whose size is not a multiple of 8 bytes");

@@ -1,8 +1,8 @@
 // Encodes and decodes the messages of messages.h as MPI messages in Cap'n Proto's encoding
 // (worker.capnp).
 //
-// Decoding trusts nothing: it refuses, with a reason, messages of unknown kind, messages whose
-// parts don't fit together, and messages beyond the limits.
+// Decoding refuses, with a reason, messages of unknown kind, messages with inconsistent parts, and
+// messages beyond the limits.
 #pragma once
 
 #include <cstddef>
@@ -19,13 +19,13 @@ inline constexpr std::size_t k_message_bytes_max = std::size_t{1} << 30U;
 
 inline constexpr int k_message_tag = 1;
 /// A waiting rank polls at intervals that double from the minimum to the maximum. A blocking
-/// receive would use a whole core, polling uses under 2% of one.
+/// receive would use a whole core; polling uses less than 2% of one.
 inline constexpr double k_poll_interval_s_min = 20e-6;
 inline constexpr double k_poll_interval_s_max = 2e-3;
 
 base::Bytes encode(const Message& message);
 
-/// Returns the message, or why the bytes are not a valid one.
+/// Returns the message, or the reason why the bytes are invalid.
 base::Result<Message, std::string> decode(base::BytesView bytes);
 
 }  // namespace sleight::schema::wire
