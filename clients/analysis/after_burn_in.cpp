@@ -10,7 +10,7 @@
 namespace sleight::analysis {
 namespace {
 
-/// Removes entries that only other chains have.
+/// Removes the NaN entries at the end, which exist only for longer chains.
 std::vector<double> known(std::vector<double> values) {
   while (!values.empty() && std::isnan(values.back()))
     values.pop_back();

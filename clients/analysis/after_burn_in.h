@@ -1,4 +1,4 @@
-// Reads from an archive's group /tempering what methods recorded after a burn-in, by chain:
+// Reads each chain's records of methods with a burn-in from an archive's group /tempering:
 // simulated tempering's walk over levels, tempered transitions, weighted ascents.
 //
 // Archives are untrusted, as in tempering.h. Not thread-safe, because the source isn't.
@@ -32,7 +32,7 @@ struct AscentReport {
   LogEstimate log_p_satisfied;
 };
 
-/// Read the first `chains` chains. NaN or empty if the archive has no such table.
+/// Read the first `chains` chains. Fields are NaN or empty if the archive lacks their table.
 std::vector<WalkReport> walks_of(const archive::Source& source, std::uint64_t chains);
 std::vector<TransitionReport> transitions_of(const archive::Source& source, std::uint64_t chains);
 std::vector<AscentReport> ascents_of(const archive::Source& source, std::uint64_t chains);

@@ -105,8 +105,8 @@ JudgedEstimate judge_islands(const archive::Source& source, std::string_view nam
           .doubts = doubts_of_islands(islands, odds.island_number, particles)};
 }
 
-/// Returns the sized round's error as predicted by earlier islands. Nothing if no round was sized,
-/// or if no prediction is possible.
+/// Returns the sized round's error as predicted by earlier islands. Returns nothing if no round was
+/// sized, or if no prediction is possible.
 std::optional<double> error_foretold(const archive::Source& source, const ArchiveOdds& odds) {
   const std::size_t sized = odds.log_p_satisfied.all.ladders;
   if (!odds.odds_from_island || sized == 0) return std::nullopt;
@@ -124,7 +124,7 @@ double error_to_ask_for(double error) {
 }
 
 /// Suggests a rule that sizes the islands. If the requested error gave too few islands, suggests a
-/// smaller error. The round only becomes longer with an error below the predicted one.
+/// smaller error. Only an error below the predicted one makes the round longer.
 HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> asked_for,
                                  std::optional<double> foretold) {
   const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;
@@ -231,7 +231,7 @@ HowToKnow how_to_know(const Ladders& ladders, std::span<const Doubt> doubts) {
   const double first_round = request.find("sampler", "round_scans").value_or(0);
   if (!(first_round >= 1)) return how;
 
-  // Rounds double, and one round must be this long. The first round is never judged alone.
+  // Count how often rounds must double to reach this length. The first round is never judged alone.
   const double length = static_cast<double>(ladders.rounds[ladders.judged].scans) * remedy.longer;
   const double doublings = std::max(std::ceil(std::log2(length / first_round)), 1.0);
   if (doublings + 1 > request::k_rounds_max) return how;
@@ -411,7 +411,7 @@ void add_odds(const ArchiveOdds& odds, report::Report& report) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
   report.add("tempering", as_json(odds), "log Z", estimate_text(odds.log_z, 0, odds));
   if (!log_p.known()) return add_unknown(odds, report);
-  // If log P is unknown, the lines below explain why for both.
+  // If log P is unknown too, add_unknown() explains both.
   add_doubts(odds.log_z.doubts, report);
   report.for_people("by chance",
                     in_words(odds_of(log_p.all.log, odds.log_natural_throw)) + where_throws(odds));

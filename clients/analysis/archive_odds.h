@@ -63,8 +63,8 @@ struct ArchiveOdds {
   std::string natural_throw{};             ///< how a throw differs from a draw; may be empty
   std::optional<HowToKnow> how_to_know{};  ///< none if log P is known
   IslandNumber island_number = IslandNumber::unknown;
-  /// Per chain: if set, only islands from the first number on count (the sized batch), or only
-  /// islands before the second (those made in any case).
+  /// If set, only each chain's islands from this number on count (the sized batch), or only each
+  /// chain's islands before this number (those made in any case).
   std::optional<std::uint64_t> odds_from_island{};
   std::optional<std::uint64_t> odds_until_island{};
 };

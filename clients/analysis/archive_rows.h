@@ -24,7 +24,7 @@ void check_series(const archive::Source& source, std::string_view variable);
 /// Returns the names of the world's outcome scalars, in order.
 std::vector<std::string> outcome_names(const archive::Source& source);
 
-/// Converts numbers and flags to doubles; text to an empty vector.
+/// Returns numbers and flags as doubles, or nothing for text.
 std::vector<double> as_doubles(const archive::Values& values);
 
 struct Rows {

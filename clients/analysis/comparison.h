@@ -38,8 +38,8 @@ struct ComparedNumber {
   std::array<Spread, 2> of{};
 };
 
-/// Compares each number that both archives have, except chains, draws and lineages, which only
-/// count.
+/// Compares each number that both archives have, except chain, draw and lineage, which only number
+/// the animations.
 std::vector<ComparedNumber> compared_numbers(const browse::Index& first,
                                              const browse::Index& second);
 
@@ -49,7 +49,7 @@ struct ComparedLooks {
   browse::NeighbourTest test{};
 };
 
-/// REQUIRES: animations in both sets, of scenes that are comparable to `scene`.
+/// REQUIRES: both sets have animations, and their scenes are comparable to `scene`.
 ComparedLooks compared_looks(const std::array<std::vector<const browse::Entry*>, 2>& sets,
                              const scene::Scene& scene, std::size_t threads);
 

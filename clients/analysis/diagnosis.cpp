@@ -79,7 +79,7 @@ bool is_worse(const ScalarReport& a, const ScalarReport& b) {
   return key(a) < key(b);
 }
 
-/// Explains why states of probability 0 are a reason. Only for log densities.
+/// Explains why states of probability 0 are a reason against mixing. Only for log densities.
 void complain_of_zero_density(ScalarReport& report, std::uint64_t draws) {
   const std::uint64_t count = report.not_finite.minus_infinite;
   if (count == 0) return;
@@ -162,7 +162,7 @@ void complain_of_variable(Judged& judged, const VariableReport& report) {
 void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
                      const DrawRange& range) {
   if (variables.empty()) return;
-  // If every scan's state is archived, the scans already had this complaint.
+  // If every scan's state is archived, the lack of scans was already reported.
   if (judged.diagnosis.states < judged.diagnosis.judged.scans) {
     complain_of_few(judged, range, "archived states (see thin) among the judged scans");
   }

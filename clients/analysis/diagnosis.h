@@ -3,17 +3,18 @@
 // Idea. Only draws of one Markov chain can be judged. Parallel tempering adapts between rounds, so
 // the draws of one round are judged (tempering.h says which). Plain chains never change; their
 // second half is judged, since the first half leads away from the prior. Methods with a burn-in
-// adapt before their first draw, so all draws are judged. State variables are judged by their
-// archived states of the judged scans.
+// adapt before their first draw, so all draws are judged. State variables are judged by the
+// archived states among the judged scans.
 //
 // If each draw ends its own tour, draws are independent, and all measures are good even if tours
 // are too short. So such a run is never reported as mixed. Draws of annealed importance sampling
 // are independent and weighted; only their effective size is judged.
 //
 // A state with log_constraint -inf has probability 0 at inverse temperature 1, and a chain that has
-// left such states never returns. So these states count as the least of all values. Such states are
-// also counted, and are a reason against mixing by themselves. Entries of state variables and
-// outcomes that don't apply (NaN) are treated in the same way, but are no reason.
+// left such states never returns. So -inf is treated as the least of all values. The states with
+// -inf are also counted, and a single one is a reason against mixing. Entries of state variables
+// and outcomes that don't apply (NaN) are also treated as the least values, but aren't a reason
+// against mixing.
 //
 // The caller passes the measures (Rules), because clients don't depend on sampling methods; a
 // program's main joins them. Archives are untrusted: invalid content throws ExitCode::bad_archive.

@@ -16,7 +16,7 @@ namespace {
 
 using Json = json::Value;
 
-/// Maximum ladders shown level by level, temperatures shown side by side, and reasons shown.
+/// Maximum ladders shown level by level, temperatures side by side, reasons, and chains.
 constexpr std::size_t k_ladders_shown = 2;
 constexpr std::size_t k_columns_shown = 8;
 constexpr std::size_t k_reasons_shown = 20;

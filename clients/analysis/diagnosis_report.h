@@ -8,7 +8,8 @@
 
 namespace sleight::analysis {
 
-/// Ends with a line break. The archive's reader accepts only plain text for names and texts.
+/// Ends with a line break. Names and texts need no escaping, because the archive's reader accepts
+/// only plain text.
 std::string for_people(const std::string& path, const Diagnosis& diagnosis);
 
 /// Unknown numbers are null.

@@ -103,7 +103,7 @@ void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const
              "not every {} has an error estimate, because too few draws are solutions", whose.one),
          .at_least = true});
   } else if (!(spread <= k_spread_max)) {
-    // The variance decreases with the number of scans.
+    // The variance is inversely proportional to the number of scans.
     doubts.push_back(
         {.kind = DoubtOf::wide,
          .reason = fmt::format(

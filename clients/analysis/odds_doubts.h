@@ -1,10 +1,10 @@
 // Doubts: reasons why an estimate of log Z or odds gets no error, and what would help.
 //
 // Idea. A ladder that has not mixed yields a wrong log Z with a small error, because its stepping
-// stones and their jackknife use only the states that were found. The cold levels still hold the
-// states that reached them first, in all ladders alike. So log Z is usually too low, and neither
-// the errors nor the spread of ladders show it. Therefore an estimate has an error only if the
-// judged round shows that its ladders have mixed. Each of these facts casts a doubt:
+// stones and their jackknife use only the states that were found. In every ladder, the cold levels
+// still hold the states that reached them first. So log Z is usually too low, and neither the
+// errors nor the spread of ladders show it. Therefore an estimate has an error only if the judged
+// round shows that its ladders have mixed. Each of these facts casts a doubt:
 //
 //   `no_value`: a ladder has no value, because nothing satisfied. Leaving the ladder out would bias
 //     the result.
@@ -15,7 +15,8 @@
 //     renewals from which they are estimated.
 //   `first_round`: the round begins with prior draws at all temperatures, and no earlier round
 //     shows whether they are forgotten.
-//   `rounds_disagree`: the previous round, half as long, has a different estimate, so it drifts.
+//   `rounds_disagree`: the previous round, half as long, has a different estimate, so the estimate
+//   still drifts.
 //   `wide`: a single ladder's log has an error above k_spread_max, so the mean of logs is too low
 //     by more than half of k_spread_max, and errors are unreliable.
 //   `ladders_disagree`: the ladders differ by more than their own errors explain, so each ladder
@@ -31,12 +32,12 @@
 //
 //   `heavy_tail`: one island has more than a tenth of the sum, so larger islands are still missing,
 //     and neither the mean nor its error includes them.
-//   `few_particles`: islands of fewer than 16 particles usually miss the large weights that carry
-//     the mean, and the other islands look alike.
-//   `not_sized`: the islands' results influenced their number, because the run ended at a number of
-//     solutions (which come from large islands), or before the odds were precise enough. A number
-//     of islands is good if it was fixed in advance (scans, rounds) or chosen by earlier islands
-//     that don't count themselves (odds).
+//   `few_particles`: islands of fewer than 16 particles usually miss the large weights that
+//   dominate the mean, and the islands then resemble each other.
+//   `not_sized`: the number of islands depended on their results: the run ended at a number of
+//   solutions (which come from large islands), or before the odds were precise enough. A number of
+//   islands is sound if it was fixed in advance (scans, rounds), or chosen from earlier islands
+//   that aren't counted (odds).
 // Thread safety: pure functions.
 #pragma once
 
@@ -52,20 +53,19 @@
 
 namespace sleight::analysis {
 
-/// Round trips needed per ladder. In rounds only as long as a round trip (a mean of 1), this many
-/// trips occur by chance in 1 of 270 rounds (Poisson). So a round with this many trips is several
-/// times as long as a round trip.
+/// Round trips needed per ladder. If rounds are only as long as a mean round trip, this many trips
+/// occur by chance in 1 of 270 rounds (Poisson distribution with mean 1). So a round with this many
+/// trips is several times as long as a round trip.
 inline constexpr double k_trips_each = 5;
-/// Round trips needed over all ladders: a standard deviation estimated from this many is right to
-/// 11%. The effective size of weighted draws needs the same minimum.
+/// Round trips needed over all ladders: a standard deviation estimated from this many trips is
+/// accurate to 11%. The effective size of weighted draws needs the same minimum.
 inline constexpr double k_renewals_in_all = 40;
-/// Maximum standard deviation of one ladder's log. At 1, half the variance, by which the mean of
-/// logs is below the log of the mean, is as large as the standard error of four ladders.
+/// Maximum standard deviation of one ladder's log. At 1, the mean of logs is below the log of the
+/// mean by half the variance (0.5), which is as large as the standard error of four ladders.
 inline constexpr double k_spread_max = 1;
 /// Maximum difference between two rounds, in standard errors of the difference.
 inline constexpr double k_drift_max = 3;
-/// Minimum particles per island. The doubt was measured (docs/MEASUREMENTS, "Intervals by
-/// islands").
+/// Minimum particles per island. docs/MEASUREMENTS ("Intervals by islands") has the measurements.
 inline constexpr double k_particles_min = 16;
 /// Maximum ratio of the ladders' spread to the spread that their own errors explain.
 inline constexpr double k_disagreement_max = 3;
@@ -114,11 +114,12 @@ enum class IslandNumber : std::uint8_t {
   unknown,
 };
 
-/// Judges free islands. `particles`: per island, if the request sets it.
+/// Judges free islands. `particles`: particles per island, if the request sets them.
 std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number,
                                      std::optional<double> particles = {});
 
-/// The greatest factor of the doubts, which removes all of them. REQUIRES: not empty.
+/// Returns the greatest factor of all doubts, which will likely remove all of them. REQUIRES: not
+/// empty.
 struct Remedy {
   double longer = 1;
   bool at_least = false;

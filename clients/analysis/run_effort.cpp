@@ -11,8 +11,8 @@
 namespace sleight::analysis {
 namespace {
 
-/// Simulations of a ladder with this many levels. In `starts` of the scans, each level makes a new
-/// draw: one simulation.
+/// Returns the simulations of a ladder with this many levels. In `starts` of the scans, each level
+/// simulates one new draw.
 double on_ladder(double levels, double scans, double starts, double each) {
   return starts * levels + (scans - starts) * (1 + each * (levels - 1));
 }

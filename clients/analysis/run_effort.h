@@ -1,4 +1,4 @@
-// Computes how many simulations a run took from its archive.
+// Computes from an archive how many simulations its run took.
 #pragma once
 
 #include <cstdint>

@@ -25,8 +25,8 @@ bool burns_in(std::optional<request::Method> method);
 /// are judged, and the archive doesn't contain the number of simulations.
 bool draws_are_burnt_in(const archive::Source& source, std::optional<request::Method> method);
 
-/// Returns the scans per tour if each draw ends a tour from a fresh start. Returns nothing if
-/// chains never restart, or if the text isn't a request.
+/// Returns the scans per tour if each draw ends a separate tour. Returns nothing if chains never
+/// restart, or if the text isn't a request.
 std::optional<std::int64_t> tour_scans_of(std::string_view request_text);
 
 }  // namespace sleight::analysis

@@ -151,7 +151,7 @@ StandIns with_stand_in(std::span<double> values) {
     }
   }
   const bool none_finite = least > greatest;
-  // Further below the median than any finite value.
+  // Choose a value further from the median than any finite value.
   const double below =
       none_finite ? 0 : least - 2 * (greatest - least) - std::max(1.0, std::fabs(least));
   for (double& value : values) {

@@ -77,9 +77,9 @@ struct StandIns {
   std::uint64_t all() const { return minus_infinite + nan; }
 };
 
-/// Counts the values -inf and NaN and replaces them by a value far below the least finite one, so
-/// that it is the least even by distance from the median. If no value is finite, all become 0.
-/// Leaves +inf unchanged, since no scalar of Sleight has it.
+/// Counts -inf and NaN, and replaces them by a value far below all others, which is also the
+/// furthest from the median. If no value is finite, all become 0. Leaves +inf unchanged, since no
+/// scalar of Sleight has it.
 StandIns with_stand_in(std::span<double> values);
 
 }  // namespace sleight::analysis

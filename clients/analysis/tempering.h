@@ -2,8 +2,8 @@
 //
 // Idea. A ladder and its step sizes are fixed within a round. So the draws of one round are draws
 // of one Markov chain, and draws of several rounds aren't. The longest round is judged, or the last
-// of equal ones. Rounds double, so the longest is the last round, unless the run ended in the last
-// round's first half.
+// of several equally long ones. Rounds double, so the longest is the last round, unless the run
+// ended in the last round's first half.
 //
 // Scan numbers are those of the run. Draws are counted from the first round on; scans of simulated
 // annealing come before it. If a method burns in, its rounds have no draws.
@@ -24,12 +24,12 @@
 
 namespace sleight::analysis {
 
-/// Limit above the rounds of any run, since rounds double.
+/// No run has this many rounds, since rounds double.
 inline constexpr std::uint64_t k_rounds_max = 64;
-/// No ladder has as many temperatures or kinds of proposals as these.
+/// No ladder has this many temperatures or kinds of proposals.
 inline constexpr std::uint64_t k_levels_max = 4096;
 inline constexpr std::uint64_t k_kinds_max = 4096;
-/// No ascent or excursion has as many temperatures, and no run as many scans, as these.
+/// No ascent or excursion has this many temperatures, and no run has this many scans.
 inline constexpr std::uint64_t k_steps_max = std::uint64_t{1} << 22;
 inline constexpr std::uint64_t k_run_scans_max = std::uint64_t{1} << 52;
 
@@ -52,7 +52,7 @@ struct Ladder {
 std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains,
                              std::optional<std::uint64_t> draws);
 
-/// Returns the draws of a round that isn't a burn-in's. REQUIRES: a valid round.
+/// Returns the draws of a round outside a burn-in. REQUIRES: a valid round.
 Round draws_of_round(std::span<const Round> rounds, std::size_t round);
 
 /// REQUIRES: rounds isn't empty.
@@ -99,7 +99,7 @@ void for_each_of_draws(const archive::Source& source, std::string_view name,
 std::optional<std::uint64_t> islands_of_chain(const archive::Source& source, std::string_view name,
                                               std::uint64_t chains);
 
-/// Islands of each chain from `first` until before `end`. No end: all.
+/// The islands `first` .. `end` - 1 of each chain. No end: all.
 struct IslandRange {
   std::uint64_t first = 0;
   std::optional<std::uint64_t> end{};
@@ -110,8 +110,8 @@ struct IslandRange {
 void for_each_of_islands(const archive::Source& source, std::string_view name, IslandRange islands,
                          const std::function<void(double)>& visit);
 
-/// Returns an island number from a table by chain, the same for each chain and at most `islands`.
-/// Nothing without the table.
+/// Returns an island number stored per chain, which must be the same for each chain and at most
+/// `islands`. Nothing without the table.
 std::optional<std::uint64_t> island_of_all(const archive::Source& source, std::string_view name,
                                            std::uint64_t chains, std::uint64_t islands);
 

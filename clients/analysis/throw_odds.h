@@ -5,8 +5,8 @@
 // because a mean of probabilities would mostly be the largest probability, which has the most
 // uncertain error. The error of the mean is the largest of three. The combined jackknife error
 // misses what a whole ladder missed. The standard error between ladders includes such misses, but
-// is rough for few ladders. Half the variance between ladders is the distance of the mean of logs
-// below the log of the mean, which more ladders don't reduce.
+// is rough for few ladders. The mean of logs is below the log of the mean by half the variance
+// between ladders, and more ladders don't reduce this difference.
 //
 // Free islands are many, and each has an unbiased estimate of P(satisfied), so their estimates are
 // averaged directly (common/math/island_odds.h).
@@ -60,7 +60,7 @@ CombinedEstimate combined(std::span<const LogEstimate> ladders);
 /// Averages islands' estimates. `ladders` is the number of islands, or 0 if all estimates are 0.
 CombinedEstimate combined(const math::IslandOdds& islands);
 
-/// One throw in this many, as powers of ten, because a double can't hold 1e400.
+/// Odds of one throw in 10^x. The exponents are stored, because a double can't hold 1e400.
 struct ThrowOdds {
   double log10_throws = 0;  ///< at least 0: only the estimate's error leads to P above 1
   double log10_low = 0;     ///< one standard error below; NaN: unknown

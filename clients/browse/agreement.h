@@ -18,7 +18,7 @@ inline constexpr std::size_t k_neighbours = 3;
 inline constexpr std::size_t k_deals = 999;
 
 /// `matrix`: distances between all animations, row by row. `set_of`: each animation's set, 0 or 1.
-/// The random deals use a fixed seed. REQUIRES: at least one animation in each set.
+/// The random permutations use a fixed seed. REQUIRES: at least one animation in each set.
 NeighbourTest neighbour_test(std::span<const float> matrix, std::span<const std::uint8_t> set_of);
 
 }  // namespace sleight::browse

@@ -1,4 +1,4 @@
-// A lookup table for first contacts: position in the list by the two features that meet.
+// A lookup table for first contacts: maps the two features that meet to their position in the list.
 #pragma once
 
 #include <array>

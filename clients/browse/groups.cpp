@@ -73,11 +73,11 @@ std::vector<std::size_t> first_medoids(std::span<const float> matrix, std::size_
   return medoids;
 }
 
-/// Exchanges one medoid for another point if that lowers the sum of distances, with the best
-/// exchange. Returns false if no exchange helps.
+/// Makes the exchange of a medoid for another point that lowers the sum of distances most. Returns
+/// false if no exchange helps.
 bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::size_t>& medoids) {
   const std::vector<Nearest> nearest = nearest_of(matrix, size, medoids);
-  // Increase of the sum if only this medoid is removed.
+  // By medoid: increase of the sum of distances if only this medoid is removed.
   std::vector<double> loss(medoids.size(), 0);
   for (const Nearest& point : nearest)
     loss[point.medoid] += static_cast<double>(point.second) - static_cast<double>(point.distance);
@@ -86,8 +86,8 @@ bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::
   std::vector<double> change(medoids.size());
   for (std::size_t candidate = 0; candidate < size; ++candidate) {
     if (std::ranges::find(medoids, candidate) != medoids.end()) continue;
-    // `common`: the part of the candidate's effect that is the same whichever medoid is removed.
-    // `change`: the rest of the effect, for each medoid that could be removed.
+    // `common`: the change of the sum that doesn't depend on which medoid the candidate replaces.
+    // `change`: the remaining change, for each medoid that the candidate could replace.
     double common = 0;
     std::ranges::copy(loss, change.begin());
     for (std::size_t point = 0; point < size; ++point) {
@@ -133,8 +133,8 @@ std::size_t central_member(std::span<const float> matrix, std::size_t size,
   return best;
 }
 
-/// The representatives in a sample, and each point's group. group_of is empty for medoids, because
-/// each point joins its nearest representative.
+/// The representatives in a sample, and each point's group. With `medoids`, group_of is empty,
+/// because each point joins its nearest representative.
 struct Division {
   std::vector<std::size_t> representatives;
   std::vector<std::size_t> group_of;
@@ -198,8 +198,8 @@ std::vector<std::size_t> medoids_of(std::span<const float> matrix, std::size_t s
 std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t size,
                                       std::size_t k) {
   CHECK(k >= 1 && k <= size);
-  // Chains of nearest neighbours find the merges in another order. Sorted by distance, the first
-  // size - k merges leave k groups.
+  // Chains of nearest neighbours don't find the merges in order of distance, so sort the merges.
+  // The first size - k then leave k groups.
   struct Merge {
     float distance;
     std::size_t a;
@@ -229,7 +229,7 @@ std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t
       chain.push_back(nearest);
       continue;
     }
-    // The last two groups are each other's nearest.
+    // The chain's last two groups are each other's nearest neighbours.
     chain.resize(chain.size() - 2);
     const auto [kept, gone] = std::minmax(last, nearest);
     merges.push_back({.distance = distance, .a = kept, .b = gone});
@@ -345,7 +345,7 @@ struct AlikeSet::Impl {
   std::vector<std::size_t> place_by_name;  ///< in `sorted`, by index of the given entries
   std::mutex mutex;                        ///< guards the members below
   std::map<std::size_t, Sample> samples;   ///< by size
-  /// By representative: distances to all animations; -1 to itself.
+  /// Distances from each representative to all animations; -1 to itself.
   std::map<std::size_t, std::vector<double>> from;
 };
 
@@ -378,7 +378,7 @@ Groups AlikeSet::groups(std::size_t groups, Grouping by) const {
   std::vector<const std::vector<double>*> from;
   for (const std::size_t one : representatives)
     from.push_back(&set.from.at(one));
-  // Assign animations of the sample as grouped, the others to the nearest representative.
+  // Animations of the sample keep their group. The others join the nearest representative's group.
   for (std::size_t i = 0; i < set.sorted.size(); ++i) {
     const std::size_t in_sample = sample.place_of[i];
     std::size_t group_of = 0;

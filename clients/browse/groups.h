@@ -8,7 +8,8 @@
 //     Schubert and P. Rousseeuw, Information Systems 101, 2021, algorithm 2).
 //   `hierarchy` merges the two nearest groups until k are left. The distance between groups is the
 //     mean distance of their members (average linkage, by chains of nearest neighbours: F. Murtagh,
-//     The Computer Journal 26, 1983). Each of k groups is part of one of k - 1 groups.
+//     The Computer Journal 26, 1983). Each of `hierarchy`'s k groups is part of one of its k - 1
+//     groups.
 //
 // Larger sets are grouped by a sample of 200 animations, or of 500 if more than 100 groups are
 // requested. Other animations join the group with the nearest representative. So large sets allow
@@ -93,7 +94,7 @@ std::vector<std::size_t> evenly_chosen(std::span<const Entry* const> entries, st
 /// animations can be compared.
 bool are_comparable(const scene::Scene& a, const scene::Scene& b);
 
-// Building blocks, exposed for tests. Matrices are full and row by row.
+// Building blocks, exposed for tests. Matrices are complete and stored row by row.
 
 /// Returns the medoids, ascending. REQUIRES: 1 <= k <= size.
 std::vector<std::size_t> medoids_of(std::span<const float> matrix, std::size_t size, std::size_t k);

@@ -28,7 +28,7 @@ void widen(Box& box, double low, double high, Eigen::Index axis) {
   box.high_m[axis] = std::max(box.high_m[axis], high + margin);
 }
 
-/// Widens the box by one coordinate of a piece that ends after `duration_s`.
+/// Widens the box along one axis to contain a piece of path that ends after `duration_s`.
 void widen(Box& box, const Piece& piece, double duration_s, Eigen::Index axis) {
   const double p = piece.position_m[axis];
   const double v = piece.velocity_mps[axis];

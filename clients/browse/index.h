@@ -52,9 +52,9 @@ struct AskedName {
 std::optional<AskedName> parse_name(std::string_view text);
 
 /// A piece of the path of a body's centre: position + velocity s + acceleration s^2 / 2, with s
-/// counted from start_s. A piece lasts until the body's next one; the last has no end. With
-/// motion::Segment, which is twice as large, an index takes twice the memory and searches are a
-/// quarter slower.
+/// counted from start_s. A piece lasts until the body's next one; the last has no end. An index of
+/// motion::Segments, which are twice as large, would take twice the memory and slow searches by a
+/// quarter.
 struct Piece {
   double start_s = 0;
   math::Vec3 position_m{0, 0, 0};

@@ -15,7 +15,7 @@
 namespace sleight::browse {
 namespace {
 
-/// Format number. An index of another version is read again from the archive.
+/// Format number. If a cached index has another version, the index is read again from the archive.
 constexpr std::string_view k_beginning = "sleight-browse-index 2\n";
 constexpr std::size_t k_piece_bytes = 7 * sizeof(double) + sizeof(std::uint32_t);
 constexpr std::uint64_t k_text_max = 1 << 20;
@@ -124,7 +124,7 @@ struct Shared {
   std::vector<math::Vec3> accelerations_mps2;
 };
 
-/// Returns nothing if the bytes are no valid entry.
+/// Returns nothing if the bytes aren't a valid entry.
 std::optional<Entry> entry_of(base::BytesView bytes, const Shared& shared) {
   Reader reader(bytes);
   Entry entry;
@@ -241,7 +241,7 @@ std::optional<Index> index_of(base::BytesView bytes, std::size_t threads) {
     return std::nullopt;
   const base::BytesView content = bytes.first(bytes.size() - sum.size());
   std::memcpy(sum.data(), bytes.data() + content.size(), sum.size());
-  // Verify the checksum while decoding, since each takes about as long.
+  // Verify the checksum in parallel with decoding, since both take about equally long.
   std::future<bool> is_right = std::async(threads > 1 ? std::launch::async : std::launch::deferred,
                                           [&] { return sum == hash::sha256_of(content); });
   std::optional<Index> index = index_of_content(content.subspan(beginning.size()), threads);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
-/// Returns the first column with the least of `lengths` that isn't closed.
+/// Returns the first open column with the least length.
 /// REQUIRES: an open column has a finite length.
 std::size_t first_least(const std::vector<double>& lengths, const std::vector<double>& closed) {
   // Use four independent lanes, so that comparisons don't wait for each other.
@@ -50,7 +50,8 @@ std::span<const std::uint32_t> CheapestMatching::of(std::span<const double> cost
   return column_of_;
 }
 
-/// Keeps every cost[row][column] - u[row] - v[column] at 0 or above, and at 0 if matched.
+/// Matches another row. Keeps cost[row][column] - u[row] - v[column] nonnegative, and 0 for matched
+/// pairs.
 void CheapestMatching::add_row(std::span<const double> costs, std::size_t size, std::size_t row) {
   // Grow a tree of shortest paths from the row until it reaches a free column.
   std::ranges::fill(shortest_, k_infinity);

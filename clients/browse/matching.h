@@ -19,7 +19,7 @@ class CheapestMatching {
  private:
   void add_row(std::span<const double> costs, std::size_t size, std::size_t row);
 
-  // Rows and columns count from 1; 0 is none.
+  // Rows and columns count from 1; 0 means none.
   std::vector<double> u_{};                 ///< potential by row
   std::vector<double> v_{};                 ///< potential by column
   std::vector<std::size_t> row_of_{};       ///< row matched with a column

@@ -1,6 +1,6 @@
 // What a viewer can show of an archive's animations without their motions: names, numbers, and
-// groups that look alike. A page that was open before begins with the cached outline while the
-// index, a hundred times as large, is read. Thread safety: values, pure functions.
+// groups that look alike. If an archive was browsed before, a page shows the cached outline while
+// the index, a hundred times as large, is read. Thread safety: values, pure functions.
 #pragma once
 
 #include <cstddef>

@@ -419,7 +419,7 @@ class Parser {
       high_unit = taken_unit(dimension);
     }
     if (!low && !high) fail_at(column, "a range needs at least one end, as in 0.. or ..20");
-    // A unit after the range applies to both ends.
+    // If only one end has a unit, the unit applies to both ends.
     Ends ends;
     if (low) ends.low = *low * low_unit.value_or(high_unit.value_or(1));
     if (high) ends.high = *high * high_unit.value_or(low_unit.value_or(1));
@@ -433,7 +433,7 @@ class Parser {
     if (next().kind != Token::Kind::word) return std::nullopt;
     const Unit* unit = find_unit(next().text);
     if (unit == nullptr) {
-      // After a space, the token is the next word.
+      // A word after a space isn't a unit.
       if (next().is_joined)
         fail(fmt::format("'{}' is not a unit; the units are {}", next().text, units()));
       return std::nullopt;

@@ -2,10 +2,11 @@
 //
 // The command line and the gallery accept the same syntax:
 //
-//   `die 3 in x 0..20mm y -5..5mm during 0.4..0.6s`: its centre is in the box at some time then.
+//   `die 3 in x 0..20mm y -5..5mm during 0.4..0.6s`: die 3's centre is in the box at some moment of
+//   this interval.
 //   `any in z 30mm..`: some body's centre is in the box at some time.
 //   `every ends in x -100..100mm`: each body rests in the box.
-//   `die 1 touches table during ..0.2s`: a recorded hit of the two.
+//   `die 1 touches table during ..0.2s`: the two hit each other in this interval.
 //   `die 1 touches table then die 1 touches die 2`: two hits in this order.
 //   `log_prior -30..-20`, `bounces = 3`, `upper_face[1] >= 2`, `landing_m < 5cm`: numbers.
 //   `then`, `not`, `and`, `or`, `( )`: combinations, from strongest to weakest.
@@ -13,12 +14,12 @@
 // With `then`, each step holds at its earliest moment after the previous step. A body or thing has
 // its name in the scene description ("die 3", "table"). Names with other characters than letters
 // and digits need double quotes. `any` (or `any body`) and `every` stand for all bodies; `any die`
-// for those called "die N". `die 3: x ...` means `die 3 in x ...`. Ranges include both ends; one
-// end may be omitted.
+// stands for the bodies called "die N". `die 3: x ...` means `die 3 in x ...`. Ranges include both
+// ends; one end may be omitted.
 //
 // Numbers without a unit are SI. The units are um, mm, cm, m; us, ms, s; deg, rad; mm/s, m/s. A
 // unit after a range applies to both ends. Without `during`, any moment counts, even after a body
-// came to rest. Before a body enters, it is nowhere. `every` ignores bodies that never enter.
+// came to rest. Before a body enters, it is in no box. `every` ignores bodies that never enter.
 // Thread safety: values; const functions may be called from several threads at once.
 #pragma once
 
@@ -42,7 +43,7 @@ namespace sleight::browse {
 inline constexpr std::size_t k_query_bytes_max = 20'000;
 inline constexpr std::size_t k_query_depth_max = 100;
 
-/// Bodies of a scene, ascending. The condition must hold for one of them, or for every one.
+/// Bodies of a scene, ascending. A condition must hold for one of the bodies, or for every body.
 struct Bodies {
   std::vector<std::uint32_t> bodies{};
   bool is_every = false;
@@ -105,7 +106,8 @@ std::string with_mark(const QueryError& error, std::string_view text);
 base::Result<Condition, QueryError> parse_query(std::string_view text, const scene::Scene& scene,
                                                 const std::vector<NumberName>& numbers);
 
-/// Whether the animation matches. REQUIRES: a condition for this entry's scene and numbers.
+/// Whether the animation matches. REQUIRES: the condition was parsed for this entry's scene and
+/// numbers.
 bool is_met(const Condition& condition, const Entry& entry);
 
 /// Returns the matching entries, ascending.

@@ -262,7 +262,7 @@ class GroupReader {
   std::vector<std::int64_t> chain_{};
   std::vector<std::int64_t> draw_{};
   std::vector<std::int64_t> lineage_{};
-  /// Width and values of each dataset of numbers. No values if this group lacks the dataset.
+  /// Width and values of each dataset of numbers. Values are empty if this group lacks the dataset.
   std::vector<std::pair<std::size_t, std::vector<double>>> numbers_{};
 };
 
@@ -330,8 +330,8 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
   for (GroupReader& group : groups) {
     group.read_tables();
     const auto before = earlier_entries(earlier, group.is_finds());
-    // A longer archive's animations begin with those of a shorter one, unless draws begin
-    // elsewhere. If draws begin elsewhere, nothing can be reused.
+    // A run's longer archive usually begins with the animations of its shorter archives. Otherwise
+    // nothing is reused.
     const std::uint64_t common = std::min<std::uint64_t>(before.size(), group.count());
     bool is_beginning = true;
     for (std::uint64_t row = 0; is_beginning && row < common; ++row)

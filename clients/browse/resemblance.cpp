@@ -15,7 +15,7 @@ namespace {
 
 /// Maximum coordinate, to keep squared distances finite floats. No scene is so large.
 constexpr double k_place_max_m = 1e18;
-/// Share of rest times that the equal times cover.
+/// Share of animations that are at rest at the last of the equally spaced times.
 constexpr double k_covered = 0.95;
 constexpr std::size_t k_matching_step = k_equal_times / (k_matching_times - 1);
 static_assert(k_matching_step * (k_matching_times - 1) == k_equal_times);
@@ -160,7 +160,7 @@ void Sketches::From::match(const Sketch& a, const Sketch& b) {
 double Sketches::From::order_between(const Sketch& a, const Sketch& b) {
   const std::size_t longer = std::max(a.first.size(), b.first.size());
   if (longer == 0) return 0;
-  // Find the one animation's body for each body of the other animation.
+  // For each body of the other animation, find its partner in the one animation.
   const Sketch& one = sketches_->sketches_[one_];
   in_one_ = partner_of_;
   if (&one == &a) {
@@ -170,8 +170,8 @@ double Sketches::From::order_between(const Sketch& a, const Sketch& b) {
   const auto in_one = [&](std::uint32_t feature) {
     return feature < in_one_.size() ? in_one_[feature] : feature;
   };
-  // Contacts of a list are distinct. So the longest common subsequence is the longest subsequence
-  // of the other's list whose positions in the one's list increase.
+  // Contacts of a list are distinct, so the longest common subsequence is the longest increasing
+  // subsequence of the positions of one list's contacts in the other list.
   std::array<std::uint32_t, k_first_contacts_max> places;
   std::size_t count = 0;
   for (const FirstContact& contact : (&one == &a ? b : a).first) {
@@ -234,8 +234,8 @@ Resemblance Sketches::between(std::size_t a, std::size_t b) const {
 std::vector<float> Sketches::matrix(std::span<const std::size_t> of, std::size_t threads) const {
   const std::size_t size = of.size();
   std::vector<float> values(size * size, 0);
-  // Compare in blocks whose sketches fit into the processor's cache. Each row belongs to one
-  // thread. Elements below the diagonal belong to another row, and only this thread writes them.
+  // Compare in blocks whose sketches fit into the processor's cache. Each row has one thread, which
+  // alone writes the row's elements and their mirror images below the diagonal.
   constexpr std::size_t k_block = 16;
   const auto compare = [&](std::size_t first, std::size_t end) {
     std::vector<From> rows;

@@ -7,8 +7,8 @@
 // beginning to the time when 19 of 20 animations of the set are at rest. Until a body enters, its
 // centre is taken to be where it will enter. `order` compares the first contacts of the two
 // animations: the first hit of each pair of features, at most 256. `order` is 1 - longest common
-// subsequence / length of the longer list. So equal paths have 0 whatever their contacts, and a
-// different order can at most double a distance.
+// subsequence / length of the longer list. So equal paths have the value 0 whatever their contacts
+// are, and a different order of contacts can at most double the value.
 //
 // Interchangeable bodies (scene::Feature::twin_of) are matched so that the sum of squared distances
 // at nine of the times is least (matching.h). Squares avoid roots, since every body is compared
@@ -84,7 +84,7 @@ class Sketches {
     std::vector<FirstContact> first{};  ///< in the order of time
   };
 
-  /// Distances between two places of a body, over the times.
+  /// Sum and maximum, over the times, of the distance between a body's places in two animations.
   struct Apart {
     double sum_m = 0;
     double greatest_m = 0;

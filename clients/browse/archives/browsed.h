@@ -49,7 +49,7 @@ struct IndexingOptions {
   std::function<void(std::uint64_t, std::uint64_t)> progress{};
 };
 /// Returns an open archive's index. Reuses what was read before, and caches the index unless it is
-/// only a beginning. Throws base::Error if the archive has no index or can't be read.
+/// incomplete. Throws base::Error if the archive has no index or can't be read.
 browse::ReadIndex read_index(const archive::Source& source, const std::string& path,
                              const IndexingOptions& options);
 /// Returns the complete index, and reports progress on stderr.

@@ -69,7 +69,7 @@ void make_room(const fs::path& folder, std::uint64_t bytes) {
   }
 }
 
-/// Writes the state and the content to a new file beside the place. Returns an empty path on
+/// Writes the state and the content to a new file beside the cache file. Returns an empty path on
 /// failure.
 std::string write_beside(const fs::path& place, const FileState& of, base::BytesView content) {
   std::string path = place.string() + ".tmp.XXXXXX";
@@ -117,7 +117,7 @@ std::optional<CachedBytes> cached(const std::string& archive, std::string_view e
   if (!file || failure || size < sizeof(found.of) || size > k_cache_bytes_max) return std::nullopt;
   if (!file.read(reinterpret_cast<char*>(&found.of), sizeof(found.of))) return std::nullopt;
   found.size = size - sizeof(found.of);
-  // Don't zero the memory: an index has hundreds of megabytes.
+  // Don't zero the memory: an index can have hundreds of megabytes.
   found.bytes = std::make_unique_for_overwrite<std::byte[]>(found.size);
   if (!file.read(reinterpret_cast<char*>(found.bytes.get()),
                  static_cast<std::streamsize>(found.size)))

@@ -1,4 +1,4 @@
-// Cache files that save reading archives again from one command to the next.
+// Cache files, so that commands needn't read the same archives again.
 //
 // There is one file per archive and kind, in $XDG_CACHE_HOME/sleight/browse (default
 // ~/.cache/sleight/browse). A cache file's name comes from the archive's path, so an archive can't

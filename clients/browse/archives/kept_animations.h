@@ -28,8 +28,8 @@ std::string where_found(const archive::Source& source, std::size_t animation,
 
 std::vector<double> of_animations(const archive::Source& source, std::string_view dataset);
 
-/// Throws base::Error(bad_archive): "<archive>: its animation <name> <reason>". The name of a row
-/// in the drawn group is its number.
+/// Throws base::Error(bad_archive): "<archive>: its animation <name> <reason>". `animation` is a
+/// row of the drawn group, and its number serves as the name.
 [[noreturn]] void refuse_animation(const archive::Source& source, std::string_view name,
                                    std::string_view reason);
 [[noreturn]] void refuse_animation(const archive::Source& source, std::size_t animation,
@@ -44,13 +44,14 @@ struct KeptAnimation {
   std::vector<math::Vec3> offsets_m{};  ///< offsets of the scene's vertices
 };
 /// Reads a row of /animations or /finds. Throws base::Error(bad_archive) with `name` if the row is
-/// invalid. REQUIRES: the archive's scene and motions, and an existing row.
+/// invalid. REQUIRES: `scene` and `motions` are the archive's, and the row exists.
 KeptAnimation kept_animation(const archive::Source& source, const archive::KeptMotions& motions,
                              std::uint64_t row, const scene::Scene& scene, std::string_view name);
 
 /// Returns up to `count` animations of one chain or of all: the first of each lineage, then the
-/// others, in the archive's order. Throws base::Error with the reason if there are none. Throws
-/// base::Error(usage) if the chain doesn't exist, or if finds are drawn, which have no chains.
+/// others, in the archive's order. Throws base::Error with the reason if there are no animations.
+/// Throws base::Error(usage) if the chain doesn't exist, or if finds are drawn, which have no
+/// chains.
 std::vector<std::size_t> choose_animations(const archive::Source& source,
                                            std::optional<std::uint64_t> chain, std::size_t count);
 
