@@ -36,7 +36,7 @@ struct Sum {
   double mean() const { return value / static_cast<double>(count); }
 };
 
-/// Adds up a dataset of /sample_stats without holding all of it.
+/// Adds up a dataset of /sample_stats without holding all of it in memory.
 Sum sum_of(const archive::Source& source, std::string_view dataset) {
   const std::uint64_t count = analysis::stats_size(source, dataset);
   Sum sum;

@@ -13,7 +13,7 @@ namespace sleight::cli {
 /// Prints the archive's content for people, or as one JSON object.
 int archive_info(const std::string& path, bool json);
 
-/// Prints the content's SHA-256, recomputed from the values: equal for equal content.
+/// Prints the content's SHA-256, recomputed from the values. Equal content has equal digests.
 int archive_digest(const std::string& path, bool json);
 
 /// Checks structure, invariants and the stored digest. Prints every finding and returns exit code 6

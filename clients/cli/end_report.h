@@ -6,8 +6,8 @@
 // the rank where it fails writes the line, if that rank can see the pipe. Without a line, the
 // session died or never began: --help, --print-request, an invalid command line (exit code 2).
 //
-// The line describes how the run ended. If the program then can't print its summary, the exit code
-// is still 5.
+// The line describes how the run ended. If the program can't print its summary after writing the
+// line, the exit code is still 5.
 #pragma once
 
 #include <atomic>
@@ -33,8 +33,8 @@ class EndReport {
   /// Writes the line. Only the first call counts. Ignores a missing reader.
   void tell(const events::RunEnd& end);
 
-  /// Runs `work`, which returns an exit code. If `work` throws, or returns a code other than 0
-  /// without a report, reports that. Rethrows exceptions.
+  /// Runs `work`, which returns an exit code. Reports an exception, or a code other than 0, unless
+  /// `work` has already reported its end. Rethrows exceptions.
   int watch(const std::function<int()>& work);
 
  private:

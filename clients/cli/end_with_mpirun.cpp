@@ -20,7 +20,7 @@ int parent_signal() {
 /// Prefixes of the files behind a rank's shared memory in Open MPI 4 and 5.
 constexpr const char* k_segment_names[] = {"vader_segment.", "sm_segment."};
 
-/// Removes the file that a line of /proc/self/maps names, if it is one of these.
+/// Removes the file named in a line of /proc/self/maps, if the name has one of these prefixes.
 void unlink_segment(const char* line) {
   const char* path = std::strchr(line, '/');
   if (path == nullptr) return;

@@ -26,9 +26,9 @@ struct ExportChoice {
   std::optional<browse::FileState> file{};
 };
 
-/// Returns at least one animation: in the archive's order, or in the order of the given ids, or
-/// representatives of large groups first. Throws base::Error(usage) for an invalid query (with its
-/// position), for no match, and for more than k_export_max animations if `is_bounded`.
+/// Returns at least one animation, in the order of the given ids or of the archive. Representatives
+/// of larger groups come first. Throws base::Error(usage) for an invalid query (with its position),
+/// for no match, and for more than k_export_max animations if `is_bounded`.
 std::vector<browse::AnimationId> chosen(const archive::Source& source, const ExportChoice& choice,
                                         bool is_bounded);
 

@@ -65,7 +65,7 @@ std::string format_of(const std::string& output) {
   return found == formats.end() ? "glb" : *found;
 }
 
-/// Refuses a name with another kind's extension, which is a slip and not a folder.
+/// Refuses an output name with another format's extension, which is a mistake, not a folder's name.
 void refuse_other_ending(const ExportAnimationsOptions& options) {
   constexpr std::array<std::string_view, 13> k_files{
       "glb", "gltf", "csv", "png", "svg", "mp4", "mov", "avi", "gif", "jpg", "h5", "mkv", "blend"};
@@ -125,8 +125,8 @@ void check(const ExportAnimationsOptions& options) {
   check_range("--scale", options.scale, 1 / k_film_scale_max, k_film_scale_max);
 }
 
-/// Step one: choose animations. A table only gets longer, but other formats get a file per
-/// animation.
+/// Step one: choose animations. Tables have no maximum, but other formats do, because they write a
+/// file per animation.
 std::vector<browse::AnimationId> choose(const archive::Source& source,
                                         const ExportAnimationsOptions& options) {
   return chosen(source, options.choice, options.format != "csv");
@@ -243,7 +243,7 @@ bool is_pipe_for(const ExportAnimationsOptions& options) {
   return options.format == "csv" && fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// Check before drawing the first animation, because the last one may begin an hour later.
+/// Check all places before drawing, because drawing the first animations may take an hour.
 void refuse_taken_place(const std::string& place, const ExportAnimationsOptions& options) {
   std::error_code none;
   if (options.format == "png" && fs::exists(place, none) && !fs::is_empty(place, none)) {

@@ -80,7 +80,7 @@ std::vector<std::string> lines_of(CsvRows& rows, std::size_t nth) {
   return lines;
 }
 
-/// Returns the position of each of some columns among all. REQUIRES: `all` contains them.
+/// Returns the positions of these columns among all columns. REQUIRES: `all` contains them.
 std::vector<std::size_t> places_in(std::span<const std::string> some,
                                    std::span<const std::string> all) {
   std::vector<std::size_t> places;
@@ -124,7 +124,8 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
   }
   clip.extras.push_back({"in_proportion", motions.in_proportion(id.row)});
   clip.extras.push_back({"duration_s", clip.motion.end_s()});
-  // Densities and outcomes are the numbers that scans have too; other numbers are the state.
+  // Densities and outcomes are the numbers that /sample_stats has too. Other numbers belong to the
+  // state.
   const archive::Group* group = archive::find_group(source, group_name);
   const archive::Group* stats = archive::find_group(source, archive::k_sample_stats);
   for (const archive::DatasetSpec& spec : group->datasets) {
@@ -139,7 +140,7 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
     if (width > browse::k_number_elements_max) continue;
     std::vector<double> values =
         analysis::read_rows(source, group_name, spec.name, width, {.first = id.row, .count = 1});
-    // A world may give an outcome the name of one of these facts.
+    // A world's outcome may have the same name as one of the keys above.
     const bool is_taken = std::ranges::count(clip.extras, spec.name, &gltf::Extra::key) > 0;
     const std::string key = (is_taken ? "outcome_" : "") + spec.name;
     if (spec.dims.size() == 1) {

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr auto k_progress_every = std::chrono::seconds(1);
 
-/// Whether a file is a model by sleight, according to its first words.
+/// Whether a file's first bytes show a model that sleight made.
 bool is_ours(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string head(96, '\0');

@@ -18,15 +18,15 @@ struct WrittenFile {
   std::uint64_t bytes = 0;
 };
 
-/// Returns, for example, "3f2a9c01-c0.250": the first letters and digits of the run id, which an
-/// archive may set to anything, and the animation's id.
+/// Returns, for example, "3f2a9c01-c0.250": the first letters and digits of the (untrusted) run id,
+/// and the animation's id.
 std::string export_name(const std::string& run_id, const std::string& id);
 
 /// Creates the folder and its parents. Throws base::Error with the path.
 void make_export_folder(const std::string& path);
 
-/// Throws base::Error(conflict) if there is a file that sleight didn't make, as far as
-/// recognisable, unless `force`.
+/// Unless `force`, throws base::Error(conflict) if the file exists and isn't recognised as made by
+/// sleight.
 void refuse_others_file(const std::string& path, bool force);
 
 /// Prints progress of a slow export to stderr, at most one line a second. Throws as

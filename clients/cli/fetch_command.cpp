@@ -129,8 +129,8 @@ class Arrivals {
   Arrivals(const FetchOptions& options, std::string place, bool is_file)
       : options_(options), place_(std::move(place)), is_file_(is_file), printer_(options.quiet) {}
 
-  /// A FetchProgress, called before the first piece is written. Returns false if the place is
-  /// taken.
+  /// Serves as a FetchProgress, which is called before the first piece is written. Returns false if
+  /// another file is at the destination.
   bool arrived(const rpc::FileView& file, std::uint64_t bytes) {
     if (terminal::Interruption::requested()) return false;
     const std::string path = path_of(file);
@@ -260,15 +260,15 @@ int fetch_all(rpc::Client& client, const FetchOptions& options,
     try {
       all.push_back(fetch_job(client, of_job, job, place, options, check));
     } catch (const rpc::RefusedError& error) {
-      // A job without an archive doesn't prevent fetching from the others.
+      // A job without an archive doesn't prevent fetching from other jobs.
       if (!several) throw;
       terminal::complain(
           fmt::format("sleight: job {}: {}", job.id, service_client::words_of(error.refusal())));
       if (code == base::ExitCode::ok) code = service_client::exit_code_of(error.refusal().kind);
       continue;
     } catch (const base::Error& error) {
-      // A damaged file or a taken place doesn't prevent fetching from the others. Without a
-      // service, all fetches fail.
+      // A damaged file, or another file at the destination, doesn't prevent fetching from other
+      // jobs. A missing service does.
       if (!several || error.exit_code() == base::ExitCode::no_server ||
           dynamic_cast<const rpc::NoServer*>(&error) != nullptr)
         throw;

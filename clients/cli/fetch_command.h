@@ -41,8 +41,8 @@ std::optional<std::vector<std::uint64_t>> recording_ids_of(std::string_view text
 rpc::FetchAsk fetch_ask_of(const FetchOptions& options);
 
 /// Returns where a job's result is stored: a file for an archive, otherwise a folder. `several`:
-/// each job has its own place in the output folder. `group`: the only named group, which names the
-/// folder.
+/// each job has a separate place in the output folder. `group`: set if a single group is named, and
+/// used in the folder's name.
 std::string place_of(const FetchOptions& options, rpc::JobId job, bool several,
                      const std::optional<rpc::GroupId>& group);
 

@@ -74,7 +74,7 @@ void print_page(const rpc::JobPage& page, const ListOptions& options) {
 }
 
 int complete(const std::string& socket) {
-  // A shell shows any output, so print nothing on errors.
+  // During completion, a shell shows any output, so print nothing on errors.
   try {
     rpc::Client client(service_client::place_of(socket), {.call_s_max = 2});
     for (const rpc::JobView& job : client.list({.count = rpc::k_page_jobs_max}).jobs)

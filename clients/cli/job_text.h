@@ -36,7 +36,7 @@ std::string job_text(const rpc::JobView& job);
 std::string history_text(const rpc::JobView& job);
 
 /// Returns, for example, "17 done: 5 found, 12 in proportion, 40,000 scans; 12:30 of processor
-/// time". For unfinished jobs, the current status.
+/// time". For unfinished jobs, returns the current status.
 std::string end_line(const rpc::JobView& job);
 
 /// Returns, for example, "17 cancelled: stops at the next scan".

@@ -34,7 +34,7 @@ std::string id_list(std::span<const rpc::JobView> jobs) {
   return list;
 }
 
-/// Returns the jobs after the watch, without deleted ones, which were reported.
+/// Returns the jobs' state after the watch, without deleted jobs, which were already reported.
 std::vector<rpc::JobView> final_views(rpc::Client& client, std::span<const rpc::JobView> jobs) {
   std::vector<rpc::JobView> views;
   for (const rpc::JobView& job : jobs) {
@@ -48,7 +48,7 @@ std::vector<rpc::JobView> final_views(rpc::Client& client, std::span<const rpc::
 }
 
 void tell_the_end(rpc::Client& client, std::span<const rpc::JobView> jobs, const WatchLook& look) {
-  // The JSON events already contain the end.
+  // The JSON events already show how the jobs ended.
   if (look.json && !look.quiet) return;
   const std::vector<rpc::JobView> views = final_views(client, jobs);
   if (look.json) {

@@ -39,7 +39,7 @@ class WatchPrinter final : public rpc::WatchSink {
   bool found_again() override;
 
   void finish();
-  /// Returns the exit code of all settled jobs: failed before cancelled before refused before done.
+  /// Returns the exit code of the worst settled job (from worst: failed, cancelled, refused, done).
   base::ExitCode exit_code() const;
 
  private:
@@ -53,9 +53,9 @@ class WatchPrinter final : public rpc::WatchSink {
   std::optional<base::ExitCode> refused_;
 };
 
-/// Watches these jobs until they end or until Ctrl-C, with events from a number on (1: all). Then
-/// prints the status of each job. Returns the exit code: 0 done, 10 failed, 11 cancelled, 130
-/// interrupted.
+/// Watches these jobs until they end or until Ctrl-C, starting with event `from_number` (1: all
+/// events). After the watch, prints the status of each job. Returns the exit code: 0 done, 10
+/// failed, 11 cancelled, 130 interrupted.
 int watch_jobs(rpc::Client& client, std::span<const rpc::JobView> jobs, std::uint64_t from_number,
                const WatchLook& look);
 

@@ -72,7 +72,7 @@ void add_request_help(CLI::App& app, RequestHelpArguments& arguments, Action& ac
 }
 
 analysis::Verdict judge(std::string_view name, const analysis::ScalarDraws& draws) {
-  // If `thin` exceeds the number of judged scans, no state of them is archived.
+  // If `thin` exceeds the number of judged scans, none of their states is archived.
   if (draws.draws == 0) return {};
   const sampling::Convergence found = sampling::convergence_of(
       {.values = draws.values, .chains = draws.chains, .draws = draws.draws});

@@ -30,7 +30,7 @@ class CommandLine {
   std::unique_ptr<Arguments> arguments_;
 };
 
-/// Adds all commands. REQUIRES: `line` outlives the app, and each is used once.
+/// Adds all commands. REQUIRES: `line` outlives `app`, and both are used only once.
 void build_app(CLI::App& app, CommandLine& line);
 
 }  // namespace sleight::programs

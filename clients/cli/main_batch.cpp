@@ -33,7 +33,7 @@
 namespace sleight::programs {
 namespace {
 
-/// Returns this process's rank according to mpirun or srun. Nothing if there is no MPI job.
+/// Returns this process's rank according to mpirun or srun. Returns nothing if there is no MPI job.
 std::optional<std::string> rank_by_environment() {
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK"}) {
     if (const char* rank = std::getenv(name)) return rank;
@@ -51,8 +51,8 @@ schema::Hello hello_of(const request::DirectionRequest& request) {
           .threads = 1};
 }
 
-/// Broadcasts from rank 0, which may wait until a person has typed the request. Meanwhile other
-/// ranks sleep, unlike in MPI_Bcast.
+/// Broadcasts from rank 0, which may wait until a person has typed the request. While waiting, the
+/// other ranks sleep, unlike in MPI_Bcast.
 void broadcast(void* data, std::uint64_t count, MPI_Datatype type) {
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Ibcast(data, static_cast<int>(count), type, 0, MPI_COMM_WORLD, &request);
@@ -177,7 +177,7 @@ int run_ranks(const DirectArguments& arguments, cli::EndReport& end_report, int*
   }
 }
 
-/// Notes for bug reports also the rank and how its job was started.
+/// Makes bug reports include the rank and how its job was started.
 void note_what_repeats_of_rank(int argc, char** argv) {
   const char* const ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
   note_what_repeats(argc, argv, ranks == nullptr ? "" : fmt::format("mpirun -n {} ", ranks));

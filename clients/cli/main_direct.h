@@ -10,7 +10,7 @@ namespace sleight::programs {
 
 int direct(const DirectArguments& arguments);
 
-/// Prints the normalised request with the set keys, or its errors.
+/// Prints the normalised request with these keys set, or its errors.
 int check_request(const std::string& path, const std::vector<std::string>& sets);
 
 /// Prints all keys of a world, or the names of the worlds if `world` is empty.

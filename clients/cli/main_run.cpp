@@ -35,8 +35,8 @@
 namespace sleight::programs {
 namespace {
 
-/// Prints a line to stderr; if it is lost, the exit code remains. Text from others (names of files
-/// or bodies) must not affect a terminal.
+/// Prints a line to stderr. A failed print doesn't change the exit code. Text from others (names of
+/// files or bodies) must not affect a terminal.
 void complain(std::string line) {
   std::ranges::replace_if(
       line, [](char c) { return (c >= 0 && c < ' ' && c != '\n' && c != '\t') || c == '\x7f'; },

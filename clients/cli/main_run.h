@@ -1,5 +1,5 @@
 // Code shared by the two programs that run requests: options of a run, reading the request, and the
-// final summary. Part of the mains, which join clients and worker.
+// final summary. This code belongs to the main programs, which join clients and worker.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -51,9 +51,9 @@ struct DirectArguments {
   run::WorkerResources resources() const { return {.cache_bytes_max = cache_mb << 20U}; }
 };
 
-/// From now on, bug reports include what repeats the bug: the command line, and after read_request
-/// also the request and its seed. `launcher` precedes the command, such as "mpirun -n 3 ". Call it
-/// first in main.
+/// Makes bug reports include how to repeat the bug: the command line, and after read_request also
+/// the request and its seed. `launcher` precedes the command, such as "mpirun -n 3 ". Call it first
+/// in main.
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher = {});
 
 void add_run_options(CLI::App& app, DirectArguments& arguments);
@@ -71,7 +71,8 @@ void build_batch_app(CLI::App& app, DirectArguments& arguments);
 /// Returns the seconds of "90", "90s", "5m" or "1.5h". Throws base::Error(usage) for other texts.
 double parse_duration_s(const std::string& text);
 
-/// Reads the request's text. Throws base::Error(usage) if there is no request, or no output for it.
+/// Reads the request's text. Throws base::Error(usage) if the request or the output file is
+/// missing.
 cli::GivenRequest given_request(const DirectArguments& arguments);
 
 /// Prints the request for --print-request, and returns the exit code.
@@ -95,7 +96,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
 std::string version_text();
 
 /// Prints the current exception as "program: message" and returns its exit code. For a bug, also
-/// prints what repeats it.
+/// prints how to repeat it.
 int report_failure(const std::string& program);
 
 extern const char* const k_exit_codes;

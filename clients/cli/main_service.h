@@ -1,5 +1,5 @@
 // The commands that call the service: submit, list, status, watch, wait, logs, cancel, hold,
-// resume, priority, extend, fetch, delete, pin and server. main_service adds these commands to the
+// resume, priority, extend, fetch, delete, pin and server. This module adds these commands to the
 // command line; submit_command.h, job_commands.h, fetch_command.h and server_commands.h implement
 // them.
 #pragma once

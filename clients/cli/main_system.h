@@ -16,7 +16,8 @@ struct System {
   std::string script{};                         ///< path of direct.sbatch for slurm
 };
 
-/// Returns the system of the settings. Throws base::Error(usage) with the wrong setting.
+/// Returns the system that the settings select. Throws base::Error(usage) that names an invalid
+/// setting.
 System system_of(const config::Settings& settings);
 
 /// Throws base::Error(usage) if the system doesn't support a job's options.

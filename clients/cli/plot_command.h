@@ -30,7 +30,8 @@ std::string help_of_whats(const pictures::PlotsOfWorlds& worlds);
 /// Returns the exit code. Throws base::Error. REQUIRES: `what` is empty or one of whats_of.
 int plot_archive(const PlotOptions& options, const pictures::PlotsOfWorlds& worlds);
 
-/// Returns the picture as a value. `whole`: with details for a file that don't fit on a terminal.
+/// Returns the picture as a value. `whole`: include details that fit into a file but not on a
+/// terminal.
 pictures::Picture picture_of(const archive::Source& source, const PlotOptions& options, bool whole,
                              const pictures::PlotsOfWorlds& worlds);
 

@@ -60,7 +60,7 @@ std::vector<gallery::SavedArchive> read_archives(const std::vector<std::string>&
   return archives;
 }
 
-/// Fetches the archives of jobs. A job without an archive yields its committed results.
+/// Fetches the archives of jobs. For a job without an archive, fetches the committed results.
 void fetch_jobs(const gallery::NamedArchives& named) {
   for (const gallery::NamedArchives::Job& job : named.jobs()) {
     service_client::with_service(named.service(), [&](rpc::Client& client) {

@@ -69,7 +69,7 @@ int tell_started(const rpc::ServerView& server, const std::string& socket, bool 
   throw base::Error(process.exit_code(), words);
 }
 
-/// Waits for the started process, or for another process that was faster.
+/// Waits for the started daemon, or for another daemon that started first.
 int wait_for_server(service_client::ServerProcess& process, const std::string& socket,
                     const ServerStartOptions& options) {
   const base::SteadyClock clock;

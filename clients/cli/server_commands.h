@@ -27,7 +27,7 @@ int start_server(const ServerStartOptions& options);
 /// daemon.
 int stop_server(const std::string& socket, bool json);
 
-/// Makes the daemon start no more jobs, and stop running ones in order.
+/// Makes the daemon start no more jobs and shut down running ones properly.
 int drain_server(const std::string& socket, bool json);
 
 int show_server(const std::string& socket, bool json);

@@ -31,7 +31,7 @@ Json optional_json(const std::optional<T>& value) {
 Json to_json(const rpc::JobView& job, bool with_history);
 Json to_json(const rpc::StateChange& change);
 Json to_json(const rpc::Touched& touched);
-/// The key `id` has what other commands accept: 17, or "g5" for a group.
+/// The key `id` has the form that other commands accept: 17, or "g5" for a group.
 Json to_json(const rpc::Submitted& submitted);
 Json to_json(const rpc::LogPiece& piece);
 

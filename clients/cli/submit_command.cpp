@@ -52,7 +52,7 @@ std::string job_name(const SubmitOptions& options) {
   return name;
 }
 
-/// Returns the sets that distinguish this request from others of its group.
+/// Returns the --set options that distinguish this request from others of its group.
 std::string what_differs(const std::vector<request::KeySet>& sets,
                          const std::vector<std::vector<request::KeySet>>& combinations) {
   std::string texts;
@@ -64,7 +64,7 @@ std::string what_differs(const std::vector<request::KeySet>& sets,
   return texts;
 }
 
-/// Parses KEY=VALUE texts. The last one of a key counts.
+/// Parses KEY=VALUE texts. If a key is repeated, its last value counts.
 std::vector<rpc::JobOption> job_options_of(const std::vector<std::string>& texts) {
   std::map<std::string, std::string> values;
   for (const std::string& text : texts) {
@@ -117,7 +117,7 @@ Diagnostics named(Diagnostics diagnostics, const std::string& name) {
 }
 
 /// Submits, with retries. The client itself retries after a broken connection; submit_surely waits
-/// longer for a killed server. The key prevents a second submission.
+/// longer for a killed server. The submission's key prevents a duplicate.
 rpc::Submitted submit_surely(rpc::Client& client, const rpc::Submission& submission) {
   double waited_s = 0;
   for (double wait_s = k_first_wait_s;; wait_s = std::min(2 * wait_s, k_wait_s_max)) {
@@ -133,7 +133,7 @@ rpc::Submitted submit_surely(rpc::Client& client, const rpc::Submission& submiss
 
 void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool draining) {
   if (options.json) {
-    // With --watch, events follow as lines. With --wait, the ended job follows.
+    // After this output, --watch prints events as lines, and --wait prints the ended job.
     fmt::print("{}\n",
                options.watch ? on_one_line(to_json(submitted)) : indented(to_json(submitted)));
   } else {
@@ -147,7 +147,8 @@ void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool dr
 
 int submit_with(rpc::Client& client, const SubmitOptions& options, const GivenRequest& given,
                 const rpc::Submission& submission) {
-  // Call this before submitting, to distinguish a missing server from one that exits meanwhile.
+  // Call the server before submitting, to distinguish a missing server from one that exits
+  // meanwhile.
   const bool draining = client.info().draining;
   rpc::Submitted submitted;
   try {
@@ -181,7 +182,7 @@ base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& op
                       fmt::format("--set defines {} jobs, above the maximum of {} per submission",
                                   count, rpc::k_submission_jobs_max));
   }
-  // The text of a word's request already includes `asked`.
+  // If the request was made from a word, its text already includes `asked`.
   const auto asked = options.word.empty() ? options.asked : std::nullopt;
   const std::string name =
       asked ? fmt::format("{} with {}", given.name, options.asked_by) : given.name;

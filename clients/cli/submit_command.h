@@ -49,8 +49,8 @@ struct RequestTexts {
       normalised;
 };
 
-/// Returns all jobs of a submission without its key, or the errors of sets or request. Throws
-/// base::Error(usage) if the submission is too large.
+/// Returns a submission with all its jobs but no key, or the errors of the --set options or the
+/// request. Throws base::Error(usage) if the submission is too large.
 base::Result<rpc::Submission, std::vector<request::Diagnostic>> submission_of(
     const SubmitOptions& options, const GivenRequest& given, const RequestTexts& texts);
 
