@@ -2,9 +2,9 @@
 // archive's scene description and motions.
 //
 // A few bodies are shown from above and, below that, from the front. Each body is drawn as its
-// centre at equal times, its outline at every third of them (fading in), and the body at rest. Many
-// bodies are shown from above at rest, numbered and coloured by number, beside eight instants from
-// the front. Goals are tinted areas or rings.
+// centre at equally spaced times, its outline at every third of these times (fading in), and the
+// body at rest. Many bodies are shown from above at rest, numbered and coloured by number, beside
+// eight instants from the front. Goals are tinted areas or rings.
 #pragma once
 
 #include <cstddef>

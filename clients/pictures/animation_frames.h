@@ -4,12 +4,12 @@
 // A frame shows the scene from above and from the front, arranged below or beside each other,
 // whichever is larger, or only one of the views. All frames of an animation show the same part of
 // the scene at the same scale. Frame n (from 0) shows the bodies at time n / fps from the
-// animation's beginning. The last frame is at the last such time up to the moment when all bodies
-// rest.
+// animation's beginning. The last frame is at the last multiple of 1 / fps up to the moment when
+// all bodies rest.
 //
 // Still parts are drawn once for all frames (clients/plot/film.h). One core (2.4 GHz, 2026-11-26,
 // `sleight export --fps 200`) renders per second about 200 PNG files of one ball, 110 of a die and
-// 50 of HI. For a film, including ffmpeg's work, the numbers are 150, 70 and 50.
+// 50 of HI. For films, including ffmpeg's work, one core renders 150, 70 and 50 frames per second.
 //
 // Files appear complete or not at all: each is written under a temporary name and renamed. A folder
 // of frames must be new or empty. An existing file is replaced, as with every `-o`.

@@ -23,7 +23,7 @@
 namespace sleight::pictures {
 namespace {
 
-/// Maximum lines of its messages that are shown.
+/// Maximum lines of ffmpeg's messages that are shown.
 constexpr std::size_t k_lines_shown = 6;
 constexpr long k_tail_bytes = 4096;
 /// Fixed number of threads, so that the same frames give the same file on any machine.
@@ -65,7 +65,7 @@ std::vector<std::string> ffmpeg_command(const FfmpegOptions& options) {
           fmt::format("{}x{}", options.columns, options.rows), "-framerate",
           fmt::format("{}", options.fps), "-i", "pipe:0",
           // Encoding that every player supports. Slower presets of x264 don't help with flat
-          // colours: HI's film takes half as long again and isn't smaller.
+          // colours: HI's film takes 1.5 times as long and isn't smaller.
           "-an", "-c:v", "libx264", "-preset", "veryfast", "-pix_fmt", "yuv420p", "-threads",
           fmt::format("{}", k_threads), "-movflags", "+faststart", "-fflags", "+bitexact",
           "-flags:v", "+bitexact",
@@ -92,7 +92,7 @@ bool is_whole_mp4(const std::string& path) {
     std::uint64_t size = number(4);
     std::array<char, 4> kind{};
     file.read(kind.data(), kind.size());
-    // A size of 1 means that a 64-bit size follows the kind.
+    // In an MP4 box, a size of 1 means that a 64-bit size follows the kind.
     if (size == 1) size = number(8);
     if (!file || size < k_head_bytes || size > bytes - at) return false;
     has_film = has_film || std::string_view(kind.data(), kind.size()) == "mdat";

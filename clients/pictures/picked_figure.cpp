@@ -46,7 +46,7 @@ plot::Figure picked_figure(const std::string& title, const std::vector<PickedPan
     std::unique_ptr<archive::Source>& source = sources[path];
     if (source == nullptr) {
       source = archive::remote::open_remote(path);
-      // The rows refer to the archive that was browsed.
+      // Row numbers refer to the archive as it was browsed.
       if (archive::summary_of(*source).content_digest != panel.picked.archive->index.digest)
         throw base::Error(fmt::format("{}: the archive was replaced meanwhile; try again", path));
     }

@@ -94,7 +94,7 @@ SceneExtent extent_of(const scene::Scene& scene, const std::vector<ShownAnimatio
     if (part.shape == scene::Shape::mesh) {
       for (std::uint32_t i = 0; i < part.triangles; ++i) {
         for (const std::uint32_t vertex : scene.triangles[part.first_triangle + i]) {
-          // Include only a margin of fixed things outside the bodies' range, such as walls.
+          // Include fixed things such as walls only up to a margin around the bodies' range.
           const Vec3 place_m =
               scene.vertices[vertex].place_m.cwiseMax(scene.low_m).cwiseMin(scene.high_m);
           extent.add(k_mm_per_m * place_m, k_margin_mm);
@@ -216,7 +216,7 @@ void ScenePainter::scenery(const SceneView& view) {
   outline(low, high, k_grid);
 }
 
-/// Draws the grid of control points or, if these are known, the patches: darker if lower.
+/// Draws the patches (darker if lower), or only a grid if the control points are unknown.
 void ScenePainter::surface(const SceneView& view, const scene::Part& part) {
   if (view.seen == Seen::from_front) {
     const double z_mm = k_mm_per_m * part.position_m.z();
@@ -434,7 +434,7 @@ void ScenePainter::instant(const SceneView& view, double since_s, double time_s)
       const double share = static_cast<double>(i) / k_points_per_way;
       const auto centre_m = path.centre_at(from_s + (time_s - from_s) * share);
       const Point place_mm = centre_m ? projected_mm(*centre_m, view.seen) : Point{NAN, NAN};
-      // Clip what has left the scene, since it would cover other pictures.
+      // Clip bodies that have left the scene, since they would cover other pictures.
       track.points.push_back(is_in(view, place_mm) ? view.at(place_mm) : Point{NAN, NAN});
     }
     if (!track.points.empty()) panel_.series.push_back(std::move(track));

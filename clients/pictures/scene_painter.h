@@ -43,8 +43,8 @@ struct SceneView {
   }
 };
 
-/// Returns equally spaced times from a body's entry until it rests (at most some hundred), then the
-/// time at rest. REQUIRES: the body enters.
+/// Returns equally spaced times from a body's entry until it rests (at most a few hundred), then
+/// the time at rest. REQUIRES: the body enters.
 std::vector<double> instants_of(const motion::Path& path);
 
 class ScenePainter {

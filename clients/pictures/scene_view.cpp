@@ -24,7 +24,7 @@ Frame frame_of(const scene::Part& part, const motion::Pose& pose) {
           .turn = math::composed(pose.orientation, part.orientation)};
 }
 
-/// Minimum component towards the viewer of a visible face's outward normal.
+/// A face is visible if its outward normal's component towards the viewer is at least this.
 constexpr double k_facing_min = 0.02;
 
 double towards_viewer(const Vec3& direction, Seen seen) {

@@ -21,10 +21,10 @@ struct TraceRange {
   std::size_t points_max = k_trace_points_max;
 };
 
-/// Returns (draw, value * scale) of a variable over (chain, draw). If the chain is longer than
-/// `points_max`, only the first, lowest, highest and last point of each stretch remain, so spikes
-/// stay and memory is limited. Throws base::Error: usage if there is no such chain, bad_archive if
-/// there is no such variable.
+/// Returns the points (draw, value * scale) of a variable over (chain, draw). If the chain is
+/// longer than `points_max`, only the first, lowest, highest and last point of each stretch remain,
+/// so spikes stay and memory is limited. Throws base::Error: usage if there is no such chain,
+/// bad_archive if there is no such variable.
 std::vector<plot::Point> trace(const archive::Source& source, std::string_view variable,
                                const TraceRange& range, double scale);
 
