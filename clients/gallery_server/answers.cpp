@@ -34,7 +34,8 @@ web::Answer packed_answer(std::string bytes) {
   throw Refused(k_not_found, "This address doesn't exist.", "Reload the page.");
 }
 
-/// Removes "/word" from the front of a path; none if the path doesn't begin with '/'.
+/// Removes "/word" from the front of a path and returns the word. Returns none if the path doesn't
+/// begin with '/'.
 std::optional<std::string_view> next_word(std::string_view& path) {
   if (!path.starts_with('/')) return std::nullopt;
   path.remove_prefix(1);

@@ -1,8 +1,8 @@
 // Answers the page's requests, by path. docs/GALLERY.md lists all paths.
 //
-// The sender has passed the guard (clients/web), but the request's contents are untrusted. Archives
-// are identified by number and animations by name, both looked up in what was read; bodies are
-// checked JSON.
+// The sender has passed the guard (clients/web), but the request's contents are untrusted. Requests
+// name archives by number and animations by name; both are looked up in the data read so far.
+// Request bodies are JSON, which is checked.
 //
 // Thread safety: all functions may be called from any thread.
 #pragma once
@@ -33,7 +33,7 @@ class Answers {
   web::Answer get(const web::Ask& ask) const;
   web::Answer post(const web::Ask& ask) const;
   web::Answer of_archive(const web::Ask& ask, std::size_t archive, std::string_view what) const;
-  /// The runs of the archives shown. Also sets the folder of each run's notes.
+  /// Returns the runs of the archives shown, and sets the folder of each run's notes.
   std::vector<std::string> runs_with_notes() const;
   web::Answer notes_answer() const;
 

@@ -18,7 +18,7 @@ namespace sleight::gallery {
 /// Maximum number of animations per answer.
 inline constexpr std::size_t k_animations_at_once = 32;
 
-/// Features, numbers, the view, log_prior of blind throws, the request.
+/// Returns the scene's features, the numbers, the view, log_prior of blind throws, and the request.
 json::Value scene_json(const Snapshot& snapshot);
 /// The looks that all animations share (packed.h).
 std::string looks(const Snapshot& snapshot);
@@ -28,7 +28,7 @@ std::string table(const Snapshot& snapshot);
 std::string one_animation(const Snapshot& snapshot, std::string_view name);
 /// Several animations; the columns of the n-th have names with the prefix "n:".
 std::string several_animations(const Snapshot& snapshot, std::span<const std::string> names);
-/// The output of `sleight diagnose --json`. `path`: the archive's name in it.
+/// The output of `sleight diagnose --json`. `path`: the archive's name in the output.
 json::Value diagnosis_json(const Snapshot& snapshot, const std::string& path,
                            const analysis::Rules& rules);
 

@@ -19,8 +19,9 @@ inline constexpr std::uint64_t k_rows_at_once = 65'536;
 bool has_numbers(const archive::Source& source, std::string_view group, std::string_view dataset,
                  std::uint64_t elements);
 
-/// Elements first .. first + count - 1 of a dataset with `elements` elements, as doubles. Throws
-/// base::Error(bad_archive) if has_numbers() is false. REQUIRES: first + count <= elements.
+/// Returns the elements first .. first + count - 1 of a dataset with `elements` elements, as
+/// doubles. Throws base::Error(bad_archive) if has_numbers() is false. REQUIRES: first + count <=
+/// elements.
 std::vector<double> checked_numbers(const archive::Source& source, std::string_view group,
                                     std::string_view dataset, std::uint64_t elements,
                                     std::uint64_t first, std::uint64_t count);

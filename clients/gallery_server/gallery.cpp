@@ -20,7 +20,7 @@ using Json = json::Value;
 
 /// Minimum time between two reports of reading progress.
 constexpr auto k_tell_every = std::chrono::milliseconds(250);
-/// Animations shown while the rest of an archive is read for the first time: the maximum for which
+/// Number of animations shown while an archive is read for the first time. For more animations, not
 /// all pairs are compared.
 constexpr std::uint64_t k_beginning = browse::k_full_matrix_max;
 
@@ -40,8 +40,8 @@ const char* word_of(ArchiveState state) {
 
 /// Maximum time that a request waits for motions.
 constexpr auto k_wait_max = std::chrono::seconds(2);
-/// How long an outline is shown before its motions are read without a request. Until then the page
-/// has the processor for loading.
+/// Delay before an outline's motions are read without a request. During the delay, the page can use
+/// the processor for loading.
 constexpr auto k_outline_alone = std::chrono::seconds(2);
 
 /// Computes the first groups, and stores the outline if worthwhile.
@@ -157,7 +157,7 @@ void Gallery::look_at(std::size_t archive) {
     return;
   }
   reading.file = *file;
-  // The rest is read at a later look.
+  // The motions are read at a later check.
   if (!reading.before && !reading.outline && show_outline(archive, reading)) return;
   // Shows the first animations while a long archive is read for the first time.
   std::uint64_t beginning_max = reading.before || reading.outline ? 0 : k_beginning;

@@ -2,7 +2,7 @@
 //
 // A thread checks the files several times a second. How an archive is shown depends on its history:
 //  - Read before: the stored outline is shown at once. Motions are read two seconds later, or when
-//    they are requested; until then the page has the processor for loading.
+//  they are requested, so that the page can first use the processor for loading.
 //  - Read for the first time, with many animations: the first 500 are shown while the others are
 //    read.
 //  - Replaced: the new file is read while the old snapshot stays visible.
@@ -54,8 +54,8 @@ class Gallery {
 
   /// The archive's snapshot; null if nothing has been read (yet), or the archive doesn't exist.
   std::shared_ptr<const Snapshot> snapshot(std::size_t archive) const;
-  /// The archive's snapshot if it has motions. Waits up to 2 s while there is only an outline; then
-  /// null.
+  /// The archive's snapshot if it has motions. If there is only an outline, waits up to 2 s for the
+  /// motions, then returns null.
   std::shared_ptr<const Snapshot> whole_snapshot(std::size_t archive) const;
   /// Why a damaged or missing archive cannot be read, as sentences; else empty.
   std::string why_unreadable(std::size_t archive) const;

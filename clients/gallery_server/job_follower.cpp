@@ -19,7 +19,7 @@ namespace {
 
 /// Pause between a failed attempt and the next.
 constexpr auto k_pause = std::chrono::milliseconds(500);
-/// Never give up: how long the service may be unreachable.
+/// How long the service may be unreachable: practically for ever.
 constexpr double k_away_s_max = 1e9;
 
 }  // namespace
@@ -105,7 +105,7 @@ void JobFollower::watch() {
     watching_ = &client;
   }
   Sink sink(*this);
-  // The first connection may fail too; retry as after a lost one.
+  // If the first connection fails, retry as after a lost connection.
   while (true) {
     try {
       client.watch(job_, 1, sink);
@@ -147,7 +147,7 @@ void JobFollower::fetch_forever() {
       has_news_ = false;
       has_ended = has_ended_;
     }
-    // A failed job may have no archive of its own; then show what it committed.
+    // If a failed job has no archive, show its committed results.
     std::string fault =
         fetched(client, has_ended ? rpc::FetchKind::archive : rpc::FetchKind::so_far);
     if (has_ended && !fault.empty()) fault = fetched(client, rpc::FetchKind::so_far);

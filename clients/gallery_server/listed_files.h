@@ -21,8 +21,8 @@ struct ListedFiles {
 };
 
 /// Named files are listed even if they don't exist. From folders, files ending in ".h5" are listed
-/// by name. Links that point outside their folder are skipped: otherwise whoever may write to the
-/// folder could choose what somebody else shows.
+/// by name. Links that point outside their folder are skipped: otherwise, anyone who can write to
+/// the folder could choose what another user's gallery shows.
 ListedFiles listed_files(const std::vector<std::string>& paths);
 
 }  // namespace sleight::gallery

@@ -18,9 +18,10 @@ namespace sleight::gallery {
 /// Features whose look differs between animations, ascending: they have moved vertices, control
 /// points below them, or animation-specific parts.
 std::vector<std::uint32_t> own_features(const scene::Scene& scene);
-/// The same for one animation, including the features of its own parts.
+/// Returns the features with an individual look in this animation, including those of its own
+/// parts.
 std::vector<std::uint32_t> own_features(const scene::Scene& scene, const scene::Variation& own);
-/// All other features of the scene.
+/// Returns all other features of the scene.
 std::vector<std::uint32_t> common_features(const scene::Scene& scene);
 
 /// Adds the features' columns, with `prefix` before each name. Returns the answer's "meshes":

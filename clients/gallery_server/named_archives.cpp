@@ -67,7 +67,7 @@ std::pair<std::string, base::Descriptor> new_folder(const std::string& temporary
     form = fmt::format("{}/{}{}", temporary, k_folder, k_any);
     if (::mkdtemp(form.data()) == nullptr) break;
     base::Descriptor lock = locked(form, LOCK_EX);
-    // Before the lock, another gallery may have removed the folder as abandoned.
+    // Before this gallery locked the folder, another gallery may have removed it as abandoned.
     std::error_code failure;
     if (fs::exists(form, failure)) return {form, std::move(lock)};
   }

@@ -22,18 +22,18 @@ class NamedArchives {
     std::string path{};  ///< where its archive is written
   };
 
-  /// A text that isn't an existing file but reads as a job's number is a job, which the service
-  /// must have. `service_called` is called only for jobs, so that files need no service. Throws
-  /// base::Error: environment if a name is neither file nor job, usage for several jobs, no_server
-  /// and others from the service. Unreadable archives are reported by the page. REQUIRES: no other
-  /// thread is running.
+  /// A text that is a number, but not an existing file, names a job, which the service must have.
+  /// `service_called` is called only for jobs, so that files need no service. Throws base::Error:
+  /// environment if a name is neither file nor job, usage for several jobs, no_server and others
+  /// from the service. Unreadable archives are reported by the page. REQUIRES: no other thread is
+  /// running.
   NamedArchives(const std::vector<std::string>& texts,
                 const std::function<std::string()>& service_called);
   ~NamedArchives();  ///< removes the folder
   NamedArchives(const NamedArchives&) = delete;
   NamedArchives& operator=(const NamedArchives&) = delete;
 
-  /// In the order of the texts, including the jobs' files.
+  /// Paths in the order of the texts, including the jobs' files.
   const std::vector<std::string>& paths() const { return paths_; }
   const std::vector<Job>& jobs() const { return jobs_; }
   /// The service of the jobs; empty if there are no jobs.

@@ -44,7 +44,7 @@ bool flag_of(const Json& note, const char* key) {
   return found->get<bool>();
 }
 
-/// The note in its stored form, checked.
+/// Checks a note and returns its stored form.
 Json checked(const Json& note) {
   if (!note.is_object()) terminal::refuse_usage("the note is not an object");
   Json kept{{"star", flag_of(note, "star")},
@@ -107,7 +107,8 @@ void make_folders(const std::string& folder) {
   }
 }
 
-/// The name in its present form (older galleries wrote "0.250"); none if it isn't a name.
+/// Returns the present form of a name; older galleries wrote "0.250". Returns none if the text
+/// isn't a name.
 std::optional<std::string> name_today(const std::string& name) {
   const auto asked = browse::parse_name(name);
   if (!asked) return std::nullopt;

@@ -4,9 +4,9 @@
 // Each run has a JSON file <run>.json. The file is in a folder "sleight-notes" beside the run's
 // archive if somebody created that folder to share notes. Otherwise the file is in
 // $XDG_DATA_HOME/sleight/notes (default ~/.local/share/sleight/notes), readable only by its owner.
-// A file is written beside its place and renamed, and read again when somebody else has written it,
-// so several galleries can share it. Notes that cannot be written, or whose run has an unreadable
-// file, last until the program ends; `trouble` reports this.
+// A file is written under a temporary name and renamed, and is read again after another gallery has
+// written it, so several galleries can share it. Notes that cannot be written, or whose run has an
+// unreadable file, last until the program ends; `trouble` reports this.
 //
 // Thread safety: one lock guards everything.
 #pragma once
@@ -43,7 +43,7 @@ class Notes {
   /// change of the run's notes. Throws base::Error(usage), without changes, if a patch is invalid
   /// or there would be too many notes.
   json::Value change(const std::string& run, const json::Value& patches);
-  /// Why notes aren't stored; empty if they are.
+  /// Why notes aren't stored; empty if notes are stored.
   std::string trouble() const;
 
  private:

@@ -27,7 +27,7 @@ std::string nothing_to_show(const json::Value& state, const std::vector<std::str
         "its folder, or wait until an archive appears",
         fmt::join(paths, ", "), besides));
   }
-  // What was read of a damaged archive is shown, and a job's archive may still appear.
+  // The page shows what was read of a damaged archive, and a job's archive may still appear.
   if (!std::ranges::all_of(archives.elements(), is_of("damaged"))) return {};
   if (std::ranges::any_of(archives.elements(),
                           [](const auto& one) { return one["generation"] != 0; }))

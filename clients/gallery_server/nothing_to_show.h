@@ -9,7 +9,8 @@
 
 namespace sleight::gallery {
 
-/// One line; empty if something is shown or may soon be. `state`: the result of Gallery::state;
+/// Returns one line, or an empty text if something is shown or may soon be shown. `state`: the
+/// result of Gallery::state;
 /// `paths`: the paths from the command line.
 std::string nothing_to_show(const json::Value& state, const std::vector<std::string>& paths);
 

@@ -48,7 +48,7 @@ std::uint64_t archive_of(const Gallery& gallery, const Question& ask) {
   return id;
 }
 
-/// The snapshot, if the request is for its generation. Throws Refused if not.
+/// Returns the snapshot. Throws Refused unless the request is for its generation.
 std::shared_ptr<const Snapshot> asked_for(const Gallery& gallery, const Question& ask,
                                           std::shared_ptr<const Snapshot> snapshot) {
   if (!snapshot) refuse_unread(gallery, archive_of(gallery, ask));
@@ -59,7 +59,7 @@ std::shared_ptr<const Snapshot> asked_for(const Gallery& gallery, const Question
   return snapshot;
 }
 
-/// A snapshot, which may be an outline.
+/// Returns the requested snapshot, which may be an outline.
 std::shared_ptr<const Snapshot> snapshot_of(const Gallery& gallery, const Question& ask) {
   return asked_for(gallery, ask, gallery.snapshot(archive_of(gallery, ask)));
 }
@@ -93,7 +93,7 @@ std::vector<std::size_t> meant(const Question& ask, const Snapshot& snapshot) {
   return all;
 }
 
-/// Converts a byte offset of UTF-8 to a character number from 1.
+/// Converts a byte offset in UTF-8 text to a character number, counted from 1.
 std::size_t character_of(std::string_view text, std::size_t byte) {
   return 1 + static_cast<std::size_t>(std::ranges::count_if(text.substr(0, byte), [](char c) {
            constexpr unsigned k_two_bits = 0xC0;

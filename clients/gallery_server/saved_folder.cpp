@@ -62,7 +62,8 @@ bool holds_some(const std::string& folder, const std::set<std::string>& names) {
   return next != names.end() && next->starts_with(folder + "/");
 }
 
-/// Other contents of a folder than these files, sorted; a foreign folder counts as one.
+/// Returns a folder's contents besides these files, sorted. A subfolder without such files counts
+/// as one item.
 std::vector<std::string> others_in(const fs::path& folder, const std::set<std::string>& names,
                                    const fs::path& work) {
   std::vector<std::string> others;
@@ -106,7 +107,7 @@ std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
                       : std::string()));
 }
 
-/// Absolute, with links followed, without a final slash.
+/// Returns an absolute path with links followed and without a final slash.
 fs::path resolved(const std::string& folder) {
   const fs::path place = fs::weakly_canonical(fs::absolute(base::where_links_lead(folder)));
   return place.has_filename() ? place : place.parent_path();
@@ -121,7 +122,7 @@ fs::path folder_of_our_own(const fs::path& parent) {
   return form;
 }
 
-/// The first parts of names: the entries of the folder itself.
+/// Returns the first parts of the names, which are the folder's direct entries.
 std::set<std::string> tops_of(const std::set<std::string>& names) {
   std::set<std::string> tops;
   for (const std::string& name : names)
@@ -168,7 +169,7 @@ SavedFolder::SavedFolder(const std::string& folder)
 SavedFolder::~SavedFolder() {
   std::error_code failure;
   fs::remove_all(work_ / "new", failure);
-  // Removed only if empty, because they may contain the old gallery.
+  // These folders are removed only if empty, because they may contain the old gallery.
   fs::remove(work_ / "old", failure);
   fs::remove(work_, failure);
 }
@@ -187,7 +188,7 @@ std::uint64_t SavedFolder::put_in_place() {
   written_.insert(std::string(k_manifest));
   const std::uint64_t bytes = write(std::string(k_manifest), manifest_of(written_));
   if (is_new_) {
-    // Fails if something but an empty folder appeared there meanwhile.
+    // The rename fails if anything but an empty folder has appeared there.
     fs::rename(work_ / "new", place_);
   } else {
     exchange();
@@ -196,7 +197,7 @@ std::uint64_t SavedFolder::put_in_place() {
 }
 
 void SavedFolder::exchange() {
-  // Check again, because writing took time.
+  // Check the folder again, because it may have changed during writing.
   replaced_ = check_place(place_, work_);
   fs::create_directory(work_ / "old");
   Moves moves;

@@ -8,7 +8,7 @@
 // Invariants:
 //
 // 1. Only regular files listed in the present gallery's manifest are replaced or removed. A folder
-//    with anything else is refused and not changed. A manifest with names that no saved gallery
+//    with any other content is refused and not changed. A manifest with names that no saved gallery
 //    writes is ignored.
 // 2. The new gallery is written into a separate folder, and put in place when it is complete. The
 //    new files and the old ones are exchanged by renames; if one fails, all are undone.
@@ -46,7 +46,8 @@ class SavedFolder {
   std::uint64_t write(const std::string& name, std::string_view content);
 
   /// Writes the manifest, puts all files in place, and returns the manifest's size in bytes. Throws
-  /// as the constructor; then the old gallery is unchanged, or the error contains its place.
+  /// like the constructor. After an exception, the old gallery is unchanged, or the error names its
+  /// location.
   /// REQUIRES: called once.
   std::uint64_t put_in_place();
 

@@ -3,7 +3,7 @@
 // A page opened as a file cannot fetch, so all data are scripts, which the page loads with script
 // elements:
 //
-//   index.html, app.js, app.css    the page, built for this
+//   index.html, app.js, app.css    the page, built for saved galleries
 //   data/gallery.js                the answer of /api/gallery
 //   data/A/NAME.js                 answers about archive A: scene, looks, table, index,
 //                                  diagnosis, series, series-NAME-CHAIN, animations-K
@@ -43,7 +43,7 @@ struct SaveOptions {
   std::function<void(std::size_t, std::size_t)> progress{};
 };
 
-/// An archive turned out to be damaged while it was saved.
+/// Thrown if an archive turns out to be damaged while it is saved.
 class UnreadableArchive : public base::Error {
  public:
   UnreadableArchive(std::size_t number, const std::string& words)

@@ -1,5 +1,5 @@
-// Plots of an archive as columns: numbers along chains, what ladders learnt, and prior and
-// posterior.
+// Plots of an archive as columns: numbers along chains, the ladders' rounds and levels, and prior
+// and posterior.
 //
 // Kinds of plots:
 //

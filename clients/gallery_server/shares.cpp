@@ -30,8 +30,8 @@ SatisfiedDraws satisfied_draws(std::span<const LineageDraw> satisfied,
       ++draws.elsewhere;
       continue;
     }
-    // The last animation kept at this draw or before. If a failed simulation lost earlier
-    // animations, the draw goes to the first kept animation.
+    // Assign the draw to the last animation kept at this draw or before. If a failed simulation
+    // lost earlier animations, the draw goes to the first kept animation.
     const Kept& animations = found->second;
     auto after = std::ranges::upper_bound(animations, one.draw, {},
                                           [](const auto& animation) { return animation.first; });

@@ -64,8 +64,8 @@ class Snapshot {
     const Snapshot* earlier = nullptr;  ///< earlier snapshot of the same path, to reuse its data
     /// Read only this many animations if all would have to be read; 0: read all.
     std::uint64_t beginning_max = 0;
-    /// The stored outline of this file, to be moved from; then nothing more is read. If the file
-    /// changed anyway, the archive is read as a whole.
+    /// The stored outline of this file, which is moved from. If set, nothing more is read. If the
+    /// file changed anyway, the archive is read as a whole.
     browse::Outline* outline = nullptr;
     std::function<void(std::uint64_t, std::uint64_t)> progress{};  ///< animations read, total
     Opener open{};  ///< none: archive::remote::open_remote
@@ -85,13 +85,14 @@ class Snapshot {
   /// The index of the entry with this name.
   std::optional<std::size_t> entry_of(std::string_view name) const;
 
-  /// All entries prepared for comparing and grouping, at the first call. REQUIRES: not an outline.
+  /// Returns all entries prepared for comparing and grouping. The first call prepares them.
+  /// REQUIRES: not an outline.
   const browse::AlikeSet& alike() const;
   /// The groups of all entries that pages request first (browse::k_first_groups); outlines contain
   /// them.
   browse::Groups first_groups() const;
-  /// Stores the outline for next time, unless the archive is too small. REQUIRES: neither an
-  /// outline nor a beginning.
+  /// Stores the outline for next time, unless the archive is too small. REQUIRES: is_outline() and
+  /// is_beginning() are false.
   void keep_outline(const std::string& path) const;
 
   /// Runs `work` with the archive; one call at a time. Throws what `work` throws.
