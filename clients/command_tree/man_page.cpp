@@ -28,7 +28,7 @@ std::string argument(std::string_view text) {
   return "\"\\&" + replaced(escaped(text), "\"", "\\(dq") + "\"";
 }
 
-/// Wraps a paragraph. A sentence's end also ends its line.
+/// Wraps a paragraph, and starts each sentence on a new line.
 std::string wrapped(std::string_view text) {
   std::string lines;
   std::string line;
