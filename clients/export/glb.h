@@ -23,7 +23,7 @@
 
 namespace sleight::gltf {
 
-/// Maximum size. Writers and readers hold files in memory, some of them several times.
+/// Maximum size. Writers and readers hold files in memory, some of them in several copies.
 inline constexpr std::uint64_t k_glb_bytes_max = std::uint64_t{512} << 20;
 
 struct Glb {

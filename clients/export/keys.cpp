@@ -19,7 +19,7 @@ using motion::Segment;
 /// Factor of |phi''| <= |a| (1 + |w| d), where |w| d is at most k_turn_rad.
 constexpr double k_bend = 1 + k_turn_rad;
 
-/// A segment during its effective time.
+/// A segment with the time in which it is in effect.
 struct Piece {
   Segment segment;
   double from_s = 0;

@@ -10,10 +10,11 @@
 //
 // Keys are also at most a rotation of k_turn_rad apart, so the shortest rotation is the right one.
 // Some players interpolate the four numbers and normalise (Blender). Such players lag or lead by
-// about turn^3 / 1000, which stays within the same tenth of a degree.
+// about turn^3 / 1000, which stays within k_turn_off_rad.
 //
 // Times are in single precision, and each key has the motion at its rounded time. So rounding only
-// moves events: at 10 m/s by 0.01 mm up to 16 s and 0.1 mm up to 200 s. Pure functions.
+// shifts events: at 10 m/s by at most 0.01 mm in the first 16 s, and 0.1 mm in the first 200 s.
+// Pure functions.
 #pragma once
 
 #include <cstdint>
