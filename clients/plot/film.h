@@ -29,7 +29,7 @@ class Film {
   std::uint32_t rows() const;
 
   /// Draws the series of a figure without background, titles or axes. REQUIRES the still figure's
-  /// size, number of panels, ranges and titles; otherwise places differ.
+  /// size, number of panels, ranges and titles, because positions depend on them.
   void show(const Figure& moving);
 
   /// Returns the last shown frame, or the still figure.

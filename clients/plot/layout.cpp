@@ -68,7 +68,7 @@ double widest(const std::vector<std::string>& labels) {
   return width;
 }
 
-/// Up to this many ticks may be closer than usual if fewer ticks would leave only one.
+/// If thinning would leave only one tick, up to this many ticks may be closer together than usual.
 constexpr std::size_t k_crowded = 6;
 
 // Thins ticks until neighbouring labels have a gap between them, but keeps two ticks if any number
@@ -131,8 +131,8 @@ RowMargins row_margins_of(const Panel& panel, std::size_t legend_rows) {
   return out;
 }
 
-// Places a panel in its cell with the margins of its column and row. Enlarges `need` to the panel's
-// own row margins.
+// Places a panel in its cell with the margins of its column and row. Enlarges `need` so that it
+// includes the row margins that this panel needs.
 PanelLayout place(const Panel& panel, Box cell, ColumnMargins sides, RowMargins row,
                   RowMargins& need) {
   PanelLayout out;

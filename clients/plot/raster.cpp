@@ -94,9 +94,9 @@ Surface white_surface(int columns, int rows) {
 }
 
 SvgDocument::SvgDocument(std::string_view svg) {
-  // Includes fonts: librsvg, pango and fontconfig crash without enough memory.
+  // Require memory for fonts too: librsvg, pango and fontconfig crash without enough memory.
   base::require_memory(k_drawing_bytes);
-  // Pango starts a thread, and ends the process if that fails; so try it first.
+  // Pango starts a thread and ends the process if that fails, so try to start a thread first.
   std::thread([] {}).join();
   GError* error = nullptr;
   RsvgHandle* handle =

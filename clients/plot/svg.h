@@ -12,7 +12,8 @@
 
 namespace sleight::plot {
 
-/// Writes notes to a <metadata> element. REQUIRES what figure.h requires of its fields.
+/// Writes notes to a <metadata> element. REQUIRES: the figure's fields meet the requirements of
+/// figure.h.
 std::string to_svg(const Figure& figure, const Notes& notes = {});
 
 /// Writes only the panels' series, at their usual places on a transparent background, to be drawn

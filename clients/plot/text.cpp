@@ -139,7 +139,7 @@ std::string to_ascii(std::string_view text) {
   };
   std::string out;
   while (!text.empty()) {
-    // Without raised digits, write a power of ten like a computer: 1.5e6.
+    // ASCII has no raised digits, so write powers of ten as in 1.5e6.
     constexpr std::string_view k_power = "×10";
     if (text.starts_with(k_power) && text.size() > k_power.size()) {
       out += 'e';
