@@ -16,8 +16,8 @@ namespace sleight::report {
 
 class Report {
  public:
-  /// Adds a fact for both. In a table, a column is aligned to the right, but the first column and a
-  /// column without a head are aligned to the left. A Column overrides this.
+  /// Adds a fact for both. In a table, columns are aligned to the right, except the first column
+  /// and columns without a head. A Column overrides this.
   void add(std::string_view key, json::Value value, std::string_view head, std::string words);
   void add(std::string_view key, json::Value value, Column column, std::string words);
   void for_programs(std::string_view key, json::Value value);
