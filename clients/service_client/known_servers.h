@@ -10,8 +10,9 @@
 
 namespace sleight::service_client {
 
-/// Returns the place of a socket's path, or of "HOST:PORT" after a login. Throws base::Error: usage
-/// without a login, environment if the file can't be read or others can read it too.
+/// Returns how to reach a service: a socket's path, or "HOST:PORT" after a login. Throws
+/// base::Error: usage without a login, environment if the file can't be read or others can read it
+/// too.
 rpc::ServicePlace place_of(const std::string& called);
 
 /// Stores a service, and returns its file. Throws base::Error.

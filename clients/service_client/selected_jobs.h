@@ -34,7 +34,7 @@ struct TouchedJobs {
 };
 
 /// Applies `ask` to each name, to a group at once, and collects the results. A refused name doesn't
-/// prevent other changes. If it is the only name, the refusal is thrown as a RefusedError.
+/// prevent other changes. If there is only one name, its refusal is thrown as a RefusedError.
 TouchedJobs change(rpc::Client& client, std::span<const JobName> names, rpc::ChangeAsk ask);
 
 }  // namespace sleight::service_client
