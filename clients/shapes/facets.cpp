@@ -93,7 +93,7 @@ struct Off {
   double v;
 };
 
-/// The middle if the number is odd, then opposite pairs.
+/// Returns the places of pips: the middle if the number is odd, then opposite pairs.
 std::vector<Off> pip_places(std::uint32_t number) {
   constexpr double k = k_pip_off;
   constexpr std::array<Off, 6> k_pairs{{{-k, -k}, {k, k}, {-k, k}, {k, -k}, {-k, 0}, {k, 0}}};
