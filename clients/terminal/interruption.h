@@ -9,7 +9,8 @@
 namespace sleight::terminal {
 
 /// During its lifetime, the first signal sets a flag and interrupts a waiting system call; the
-/// second one ends the process at once. REQUIRES: one at a time, in the main thread.
+/// second one ends the process at once. REQUIRES: only one Interruption exists at a time, in the
+/// main thread.
 class Interruption {
  public:
   /// The signal handler calls `also`, which must be async-signal-safe, like rpc::Client::interrupt.
@@ -19,7 +20,7 @@ class Interruption {
   ~Interruption();
 
   static bool requested();
-  /// Throws base::Error(interrupted) after the signal. Call it between pieces of work.
+  /// Throws base::Error(interrupted) after the signal. Call check() between pieces of work.
   static void check();
 
  private:

@@ -14,15 +14,15 @@ inline constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
 
 [[noreturn]] void refuse_usage(const std::string& words);
 
-/// Flushes stdout. Throws base::Error(environment) if that or an earlier print failed.
+/// Flushes stdout. Throws base::Error(environment) if this flush or an earlier print failed.
 void flush_stdout();
 
 /// Runs `work`, which prints to stdout, then flush_stdout. Returns the result of `work`. Failed
 /// prints in `work` become the same base::Error(environment).
 int with_results(const std::function<int()>& work);
 
-/// Writes a line to stderr; if it is lost, the exit code remains. Control characters become '?',
-/// because other people choose names of files and bodies.
+/// Writes a line to stderr. A failed write doesn't change the exit code. Control characters become
+/// '?', because other people choose names of files and bodies.
 void complain(std::string line);
 
 /// Returns text on one line without control characters, cut after 1,000 characters.
