@@ -136,8 +136,8 @@ std::vector<double> read_all(const archive::Source& source, std::string_view var
 constexpr double k_score_max = 1e6;
 constexpr double k_points_max = 1e9;  ///< limit above the control points of any throw
 
-/// Reads the starts' scores. Returns, by animation, half of (the sum of their squares minus their
-/// number).
+/// Reads the starts' scores. Returns, by animation, half of (the sum of the squared scores minus
+/// the number of scores).
 std::vector<double> read_start(const archive::Source& source, const DicePrior& prior,
                                std::span<const std::size_t> animations, DicePlausibility& found) {
   const std::uint64_t width = 3 * prior.dice;

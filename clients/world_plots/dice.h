@@ -53,7 +53,7 @@ struct DicePrior {
 /// Reads /prior and /sample_stats_prior. Throws base::Error(bad_archive) if they are damaged.
 DicePrior dice_prior_of(const archive::Source& source);
 
-/// How far log densities lie below the mean of blind throws.
+/// How far log densities are below the mean of blind throws.
 struct PlausibilityCost {
   bool is_random = false;  ///< whether anything is random
   double mean = 0;         ///< of the animations
@@ -85,7 +85,7 @@ DicePlausibility dice_plausibility(const archive::Source& source, const DicePrio
                                    std::optional<std::uint64_t> chain);
 
 /// Draws a panel for the table's heights and one per component, each a histogram of scores with the
-/// prior's curve. The outermost bars include all values beyond.
+/// prior's curve. The outermost bars include all values beyond them.
 plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior& prior);
 
 /// Returns a few lines that explain the figure and the costs.
