@@ -1,5 +1,5 @@
 // Goal: conditions built from fields have the right text in the query language (docs/BROWSING.md). Method:
-// each kind of condition, names that need quotes, ranges with missing limits.
+// build each kind of condition, including names that need quotes and ranges with missing limits.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {

@@ -1,5 +1,5 @@
-// Goal: thinned lines show all extremes of the original line in each column of pixels. Method: comparison
-// with a slow way on a line with spikes and gaps; sizes; alignment of several lines.
+// Goal: thinned lines show all extremes of the original line in each column of pixels. Method: thin a line
+// with spikes and gaps, compare with a slow method, and align several lines.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { aligned } from "../src/plots/aligned";

@@ -1,5 +1,5 @@
-// Goal: links contain the page's whole state, and invalid links still open. Method: round trips of pages with
-// every part set, names and queries with special characters, and links damaged by hand.
+// Goal: links contain the page's whole state, and invalid links still open. Method: convert pages to links
+// and back, with every part set and with special characters in names and queries. Open links damaged by hand.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { linkOf, pageOf, placeOf } from "../src/state/link";

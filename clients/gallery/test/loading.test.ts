@@ -1,6 +1,6 @@
-// Goal: new animations stay hidden until requested; an archive's first animations are shown while the rest is
-// read; another run's archive doesn't replace the shown one by itself. Method: a source whose archive grows
-// or is replaced between two checks.
+// Goal: new animations stay hidden until requested. An archive's first animations are shown while the rest is
+// read. Another run's archive doesn't replace the shown one by itself. Method: change or replace a source's
+// archive between two checks.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { GallerySource } from "../src/data/source";
@@ -163,6 +163,6 @@ test("an archive that changes during loading is loaded again", async () => {
   new Loading(store, source).see(stateOf(summary(whole, false)));
   await settled();
   assert.equal(looks, 1);
-  // Names of one run with another run's table would be wrong.
+  // One run's names must not be used with another run's table.
   assert.deepEqual([store.state.loaded?.run, store.state.loaded?.generation], ["cd", 3]);
 });

@@ -12,7 +12,8 @@ function near(value: number, expected: number, tolerance: number, what: string):
 }
 
 test("a thrown body follows its parabola and rests at its last segment", () => {
-  // Goal: positions and velocities equal the closed forms. Method: a throw and a rest, by hand.
+  // Goal: positions and velocities equal the closed forms. Method: evaluate a throw and a rest that were
+  // computed by hand.
   const recording = recordingFrom([
     { start: 1, p: [0, 1, 2], v: [3, 0, 4], a: [0, 0, -10] },
     { start: 2, mode: "resting", cause: "rest", p: [3, 1, 1] },
@@ -30,7 +31,8 @@ test("a thrown body follows its parabola and rests at its last segment", () => {
 });
 
 test("at a border the later segment is in force, the last of several with the same start", () => {
-  // Goal: the rule of common/motion/path.h. Method: three segments, two of which start at the same time.
+  // Goal: segments follow the rule of common/motion/path.h. Method: use three segments, two of which start at
+  // the same time.
   const recording = recordingFrom([
     { start: 0, p: [0, 0, 0] }, { start: 1, p: [1, 0, 0] }, { start: 1, p: [2, 0, 0] },
   ]);
@@ -41,7 +43,7 @@ test("at a border the later segment is in force, the last of several with the sa
 });
 
 test("a body that never enters has no pose, and bodies use their own segments", () => {
-  // Goal: the table of first segments. Method: bodies 0 and 2 of four enter.
+  // Goal: the table of first segments is right. Method: let bodies 0 and 2 of four enter.
   const recording = recordingFrom([{ body: 0, p: [1, 0, 0] }, { body: 2, start: 3, p: [2, 0, 0] }], 4);
   assert.deepEqual([0, 1, 2, 3].map((body) => recording.enters(body)), [true, false, true, false]);
   assert.equal(recording.poseAt(1, 5, pose), false);
@@ -52,7 +54,7 @@ test("a body that never enters has no pose, and bodies use their own segments", 
 });
 
 test("segments out of order, of no body, or without a time throw", () => {
-  // Goal: an invalid recording throws. Method: one fault each.
+  // Goal: an invalid recording throws. Method: try each fault alone.
   assert.throws(() => recordingFrom([{ start: 1 }, { start: 0 }]));
   assert.throws(() => recordingFrom([{ body: 1 }, { body: 0 }], 2));
   assert.throws(() => recordingFrom([{ body: 1 }], 1));
@@ -60,7 +62,7 @@ test("segments out of order, of no body, or without a time throw", () => {
 });
 
 test("around a fixed axis the rotation equals the closed form", () => {
-  // Goal: w s + a s^2 / 2 around one axis. Method: around z, far beyond a full turn.
+  // Goal: the angle is w s + a s^2 / 2 around one axis. Method: rotate around z, far beyond a full turn.
   const segments = segmentsFrom([{ w: [0, 0, 30], wa: [0, 0, -4] }]);
   for (const t of [0.001, 0.5, 2]) {
     orientationInto(segments, 0, t, pose);
@@ -72,7 +74,8 @@ test("around a fixed axis the rotation equals the closed form", () => {
 });
 
 test("about an axis that turns, the turn is the differential equation's", () => {
-  // Goal: 1e-6 rad. Method: an explicit fourth-order solution of q' = w q / 2 in 20,000 steps.
+  // Goal: the error is below 1e-6 rad. Method: solve q' = w q / 2 by an explicit fourth-order method in
+  // 20,000 steps.
   const w = [9, -14, 6] as const;
   const a = [-40, 25, 60] as const;
   const end = 0.4;
@@ -104,13 +107,14 @@ test("about an axis that turns, the turn is the differential equation's", () => 
 });
 
 test("a resting body doesn't turn", () => {
-  // Goal: the rule of segment.cpp. Method: a resting segment with an angular velocity.
+  // Goal: orientations follow the rule of segment.cpp. Method: give a resting segment an angular velocity.
   orientationInto(segmentsFrom([{ mode: "resting", w: [1, 2, 3] }]), 0, 9, pose);
   assert.deepEqual([pose.qw, pose.qx, pose.qy, pose.qz], [1, 0, 0, 0]);
 });
 
 test("events are in order, and a hit of two bodies is one event", () => {
-  // Goal: one event per hit. Method: bodies 0 and 1 meet at 1 s; body 1 hits a wall (feature 5) later.
+  // Goal: each hit is one event. Method: let bodies 0 and 1 meet at 1 s, and body 1 hit a wall (feature 5)
+  // later.
   const recording = recordingFrom([
     { body: 0, v: [1, 0, 0] },
     { body: 0, start: 1, cause: "hit", partner: 1, p: [1, 0, 0], v: [-1, 0, 0] },
@@ -129,7 +133,7 @@ test("events are in order, and a hit of two bodies is one event", () => {
 });
 
 test("stepping between events always advances", () => {
-  // Goal: next and previous skip times that equal the present one. Method: steps in both directions.
+  // Goal: next and previous skip times that equal the present one. Method: step in both directions.
   const times = [0, 1, 1, 1 + 1e-12, 2];
   assert.equal(nextTime(times, -1), 0);
   assert.equal(nextTime(times, 0), 1);

@@ -1,6 +1,5 @@
-// Goal: no note is lost or stored in the wrong place: another archive, another person's note, a note made
-// while the server doesn't answer. Method: two pages with one source that stores notes in memory and can be
-// unreachable.
+// Goal: no note is lost or stored for another archive, even if two people write notes or the server doesn't
+// answer. Method: let two pages use one source that stores notes in memory and can become unreachable.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { joined, noteOf, patchBetween, patched } from "../src/data/note-patch";

@@ -30,7 +30,7 @@ function withHead(json: string, tail: number): ArrayBuffer {
 }
 
 test("packing and unpacking preserves all bits", () => {
-  // Goal: all types and odd lengths survive. Method: a round trip of columns of each type.
+  // Goal: all types and odd lengths survive. Method: pack and unpack columns of each type.
   const { head, columns } = unpack(bytes());
   assert.deepEqual(head, { name: "ä" });
   assert.deepEqual([...columns.keys()], [...COLUMNS.keys()]);
@@ -42,8 +42,8 @@ test("packing and unpacking preserves all bits", () => {
 });
 
 test("an answer truncated anywhere throws", () => {
-  // Goal: nothing of a truncated answer is used. Method: all shorter lengths, except those that only lack the
-  // padding after the last column.
+  // Goal: nothing of a truncated answer is used. Method: truncate to every length, except those that only
+  // lack the padding after the last column.
   const whole = bytes();
   const needed = whole.byteLength - 3;
   for (let length = 0; length < needed; ++length)
@@ -51,7 +51,7 @@ test("an answer truncated anywhere throws", () => {
 });
 
 test("an answer with an invalid head throws", () => {
-  // Goal: no column exceeds the answer or has a wrong type. Method: heads made by hand.
+  // Goal: no column exceeds the answer or has a wrong type. Method: write heads by hand.
   const column = (text: string): string => `{"head":{},"columns":[${text}]}`;
   const heads = [
     "", "[]", "null", "{}", '{"columns":{}}', column("1"), column("{}"),
@@ -72,8 +72,8 @@ test("an answer with an invalid head throws", () => {
 });
 
 test("prefixes distinguish animations, and invalid ones throw", () => {
-  // Goal: recordings of one answer don't mix, and invalid recordings throw. Method: two animations of one
-  // segment each; then a body that the scene lacks.
+  // Goal: recordings of one answer don't mix, and invalid recordings throw. Method: use two animations of one
+  // segment each, then a body that the scene lacks.
   const columns = new Map<string, Column>();
   for (const [prefix, body] of [["0:", 0], ["1:", 1]] as const) {
     columns.set(`${prefix}body`, Uint32Array.of(body));

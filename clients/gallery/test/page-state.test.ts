@@ -1,5 +1,5 @@
-// Goal: selection, undo, notes, sorting, sets of entries and texts work. Method: small cases by hand;
-// comparison of sets with a slow way.
+// Goal: selection, undo, notes, sorting, sets of entries and texts work. Method: check small cases computed
+// by hand, and compare sets with a slow method.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { allEntries, ascending, difference, intersection } from "../src/state/entry-sets";

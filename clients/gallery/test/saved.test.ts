@@ -131,8 +131,8 @@ afterEach(() => {
 });
 
 test("each file is loaded only once", async () => {
-  // Goal: no file is loaded twice. Method: each request twice at once, and once more later. Checks the
-  // addresses of the script elements, all of which must be removed from the page.
+  // Goal: no file is loaded twice. Method: send each request twice at once and once more later. Check the
+  // addresses of the script elements, which must all be removed from the page.
   const { source, page } = open();
   const askAll = (): Promise<unknown> => Promise.all([
     source.gallery(), source.scene(0), source.looks(0), source.table(0), source.seriesTitles(0),
@@ -149,8 +149,8 @@ test("each file is loaded only once", async () => {
 });
 
 test("animations come from the right files, in the order of the names", async () => {
-  // Goal: file K has animations 32 K to 32 K + 31, and other animations' bytes aren't kept. Method: names
-  // across files' borders, one of them twice; the ball's place identifies the animation.
+  // Goal: file K has animations 32 K to 32 K + 31, and other animations' bytes aren't kept. Method: request
+  // names from several files, one of them twice. The ball's place identifies the animation.
   const { source, page } = open();
   const entries = [64, 31, 32, 0, 69, 31];
   const found = await source.animations(0, entries.map((entry) => `c0.${10 * entry}`), BODIES);
@@ -164,7 +164,8 @@ test("animations come from the right files, in the order of the names", async ()
 });
 
 test("the page itself finds, groups and sorts by likeness", async () => {
-  // Goal: answers have the same form as a server's. Method: balls on a line, so that answers are obvious.
+  // Goal: answers have the same form as a server's. Method: place balls on a line, so that answers are
+  // obvious.
   const { source } = open();
   const at = { id: 0, generation: 1 };
   const found = await source.find("ball in x 2.5m..5.5m", [at]);
@@ -184,8 +185,8 @@ test("the page itself finds, groups and sorts by likeness", async () => {
 });
 
 test("a failed file is reported, and loaded again at the next request", async () => {
-  // Goal: SourceErrors of the right kind, and no promise that hangs. Method: scripts that fail in each way,
-  // then the correct file.
+  // Goal: failures throw SourceErrors of the right kind, and no promise hangs. Method: load scripts that fail
+  // in each way, then the correct file.
   const faults: readonly (readonly [string, Script | "silent" | "hangs" | null])[] = [
     ["missing", null],
     ["torn", "silent"],
@@ -210,8 +211,8 @@ test("a failed file is reported, and loaded again at the next request", async ()
 });
 
 test("truncated or changed bytes are detected", async () => {
-  // Goal: nothing of a damaged file is used. Method: a table truncated at many places (still valid base64),
-  // and one with a changed size in gzip's trailer, which could request any amount of memory.
+  // Goal: nothing of a damaged file is used. Method: truncate a table at many places (still valid base64),
+  // and change the size in gzip's trailer, which could request any amount of memory.
   const whole = Buffer.from(files().get("0/table")!.text, "base64");
   const damaged: Buffer[] = [];
   for (let length = 0; length < whole.length; length += ofTier(70, 7)) damaged.push(whole.subarray(0, length));
@@ -227,7 +228,7 @@ test("truncated or changed bytes are detected", async () => {
 });
 
 test("an unexpected call has no effect", async () => {
-  // Goal: files cannot replace each other. Method: a script that names another file, and a call with wrong
+  // Goal: files cannot replace each other. Method: run a script that names another file, and call with wrong
   // types.
   const { source, page } = open();
   page.set("0/table", { kind: "json", text: "{}", path: "0/scene" });
@@ -260,8 +261,8 @@ test("plots that were not saved have an error message", async () => {
 });
 
 test("notes are stored by the browser, or last as long as the page", async () => {
-  // Goal: notes never fail. Method: a storage that works, is opened again, is full, or throws at once;
-  // another page's notes are kept.
+  // Goal: storing notes never fails, and another page's notes are kept. Method: use a storage that works, is
+  // opened again, is full, or throws at once.
   const note = (text: string): NotePatch => ({ star: true, hidden: false, tags_on: ["a"], note: text });
   const storage = new FakeStorage();
   const first = open(undefined, () => storage).source;
@@ -293,7 +294,7 @@ test("notes are stored by the browser, or last as long as the page", async () =>
 });
 
 test("the source reports once that it is reachable", () => {
-  // Goal: nothing is live. Method: a listener that counts.
+  // Goal: nothing is reported later. Method: count a listener's calls.
   const { source } = open();
   const said: string[] = [];
   const end = source.onChange({ gallery: () => said.push("gallery"), source: (state) => said.push(state) });
@@ -303,8 +304,8 @@ test("the source reports once that it is reachable", () => {
 });
 
 test("the least recently used value is dropped first", async () => {
-  // Goal: the limit holds, and a value above the limit is kept while it is the newest. Method: values are
-  // their own sizes; loads are counted.
+  // Goal: the limit holds, and a value above the limit is kept while it is the newest. Method: use numbers
+  // that are also their sizes, and count loads.
   const once = new Once<number>({ bytesMax: 10, bytesOf: (value) => value });
   const made: string[] = [];
   const get = (key: string, size: number): Promise<number> => once.get(key, () => {
@@ -329,8 +330,8 @@ test("the least recently used value is dropped first", async () => {
 });
 
 test("a failed load is repeated after a pause, regardless of the number of requests", async () => {
-  // Goal: repeated requests after failures don't load a file all the time. Method: three tries, with two
-  // pauses between them.
+  // Goal: repeated requests after failures don't load a file all the time. Method: try three times, with two
+  // pauses in between.
   const pauseMs = 20;
   const once = new Once<number>({ pauseMs });
   const begun = performance.now();

@@ -20,8 +20,8 @@ function searchOf(entries: readonly MadeEntry[]): Promise<ArchiveSearch> {
 }
 
 test("SHA-256 is SHA-256", () => {
-  // Goal: the hash that selects animations is correct. Method: comparison with Node's, for all lengths around
-  // a block's end.
+  // Goal: the hash that selects animations is correct. Method: compare with Node's hash, for all lengths
+  // around a block's end.
   for (let length = 0; length < 200; ++length) {
     const text = "é1f".repeat(length).slice(0, length);
     assert.equal(sha256Hex(text), createHash("sha256").update(text).digest("hex"), text);
@@ -29,7 +29,7 @@ test("SHA-256 is SHA-256", () => {
 });
 
 test("groups don't depend on a set's order, and known distances are reused", async () => {
-  // Goal: groups of sets within and above the full matrix. Method: 700 random animations.
+  // Goal: sets within and above the full matrix are grouped. Method: group 700 random animations.
   const search = await searchOf(made(700));
   const some = [5, 3, 9, 250, 17, 44];
   const cases = [[some, "medoids"], [null, "medoids"], [null, "hierarchy"]] as const;
@@ -52,7 +52,7 @@ test("groups don't depend on a set's order, and known distances are reused", asy
 });
 
 test("long work lets the page run, and can be aborted", async () => {
-  // Goal: the page can run, and a request can be aborted. Method: timers count while 400 animations are
+  // Goal: the page can run, and a request can be aborted. Method: count timers while 400 animations are
   // grouped.
   const search = await searchOf(made(400));
   let turns = 0;

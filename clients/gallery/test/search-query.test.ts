@@ -28,8 +28,8 @@ const KNOWN: MadeEntry = {
 };
 
 test("queries have the documented meaning", async () => {
-  // Goal: the language's meaning. Method: one animation with known answers; the cases of
-  // tests/unit/clients/browse/query_test.cpp.
+  // Goal: queries have the documented meaning. Method: query one animation with known answers, in the cases
+  // of tests/unit/clients/browse/query_test.cpp.
   const index = await indexOf([KNOWN]);
   const meets = (text: string): boolean => {
     const condition = parseQuery(text, THINGS);
@@ -60,7 +60,7 @@ test("queries have the documented meaning", async () => {
 });
 
 test("any text yields an error or a query", async () => {
-  // Goal: no text throws, and all columns are within the text. Method: random texts from the language's
+  // Goal: no text throws, and all columns are within the text. Method: parse random texts of the language's
   // tokens.
   const random = randomNumbers(26);
   const index = await indexOf([KNOWN]);
@@ -77,7 +77,7 @@ test("any text yields an error or a query", async () => {
 });
 
 test("an invalid index file is refused", async () => {
-  // Goal: nothing of an invalid file is used. Method: columns changed one at a time.
+  // Goal: nothing of an invalid file is used. Method: change one column at a time.
   const random = randomNumbers(1);
   const bytes = indexBytes([randomEntry(0, random), randomEntry(1, random)]);
   const packed = unpack(bytes.buffer as ArrayBuffer);

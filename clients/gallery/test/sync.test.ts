@@ -17,7 +17,7 @@ function fall(start: number, end: number, to: readonly [number, number, number] 
 }
 
 test("aligned animations agree at shared time 0", () => {
-  // Goal: each mode aligns the right events. Method: two falls, one later and longer.
+  // Goal: each mode aligns the right events. Method: align two falls, one later and longer.
   const a = recordingFrom(fall(0.25, 2));
   const b = recordingFrom(fall(1, 4));
   assert.deepEqual([shiftOf(a, "start"), shiftOf(b, "start")], [0, 0]);
@@ -30,8 +30,8 @@ test("aligned animations agree at shared time 0", () => {
 });
 
 test("animations differ once their distance exceeds the tolerance", () => {
-  // Goal: the time equals the closed form. Method: after the hit one body continues at 1 m/s, the other at 2
-  // m/s.
+  // Goal: the time equals the closed form. Method: after the hit, let one body continue at 1 m/s and the
+  // other at 2 m/s.
   const rows = (speed: number): Row[] => [
     { p: [0, 0, 1.25], a: [0, 0, G] }, { start: 0.5, cause: "hit", v: [speed, 0, 0] },
     { start: 5, cause: "rest", mode: "resting", p: [4.5 * speed, 0, 0] },
@@ -45,8 +45,8 @@ test("animations differ once their distance exceeds the tolerance", () => {
 });
 
 test("a short difference is not missed", () => {
-  // Goal: steps are no longer than the speeds allow. Method: after an hour without events, one body moves
-  // away by 5 mm and back within 4 ms.
+  // Goal: steps are no longer than the speeds allow. Method: after an hour without events, move one body away
+  // by 5 mm and back within 4 ms.
   const still: Row[] = [{ mode: "resting" }, { start: 4000, mode: "resting" }];
   const jerk: Row[] = [
     { mode: "resting" }, { start: 3600, v: [2.5, 0, 0] },
@@ -60,7 +60,7 @@ test("a short difference is not missed", () => {
 });
 
 test("aligned by their contact, equal falls never differ", () => {
-  // Goal: shifts are respected, even if rounding makes them inexact. Method: the same fall, started at odd
+  // Goal: shifts are respected, even if rounding makes them inexact. Method: start the same fall at odd
   // times.
   const a = recordingFrom(fall(0.1, 2.1));
   const b = recordingFrom(fall(0.7, 2.7));
@@ -73,7 +73,7 @@ test("aligned by their contact, equal falls never differ", () => {
 });
 
 test("a body that only one animation has makes them differ once it moves", () => {
-  // Goal: such a body counts. Method: the second animation lacks it.
+  // Goal: a body of only one animation counts. Method: omit the body from the second animation.
   const rows: Row[] = [{ body: 0, v: [1, 0, 0] }, { body: 0, start: 1, mode: "resting" }];
   const a = { recording: recordingFrom(rows, 2), shift: 0 };
   const b = { recording: recordingFrom([], 2), shift: 0 };
@@ -82,7 +82,7 @@ test("a body that only one animation has makes them differ once it moves", () =>
 });
 
 test("the clock pauses at the end, loops, and stops", () => {
-  // Goal: playing, looping and ending. Method: time by hand, in steps of at most 0.1 s.
+  // Goal: the clock plays, loops and ends. Method: advance time by hand, in steps of at most 0.1 s.
   const clock = new Clock();
   clock.setRange({ from: -1, to: 1 });
   clock.seek(0.95);

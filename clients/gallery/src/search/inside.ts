@@ -154,7 +154,8 @@ function crossing(p: number, v: number, a: number, c: number, s0: number, s1: nu
   return s < s0 ? s0 : s1 < s ? s1 : s;
 }
 
-// As std::max and std::min: of equal values the first. Math.max and Math.min differ for 0 and -0.
+// Like std::max and std::min, these return the first of two equal values. Math.max and Math.min distinguish 0
+// and -0.
 function max(a: number, b: number): number {
   return a < b ? b : a;
 }

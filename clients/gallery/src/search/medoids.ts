@@ -1,7 +1,7 @@
 // Finds medoids: k members with a small sum of distances from all members to the nearest medoid. Medoids are
-// chosen one by one, then exchanged while this lowers the sum (references: clients/browse/groups.h). Of equal
-// choices the first is taken, and sums have the order of clients/browse/groups.cpp, so that saved pages form
-// the same groups as served ones.
+// chosen one by one, then exchanged while this lowers the sum (references: clients/browse/groups.h). The
+// first of equal choices is taken, and sums have the same order as in clients/browse/groups.cpp, so that
+// saved pages form the same groups as served ones.
 
 import type { Turns } from "./turns";
 

@@ -1,5 +1,5 @@
-// The parser of queries. The rules and errors equal those of clients/browse/parse.cpp. After a rule, the next
-// token is at the cursor.
+// The parser of queries. The rules and errors equal those of clients/browse/parse.cpp. After each rule, the
+// cursor is at the next token.
 
 import { bytesOf, characterAt, textOf } from "./bytes";
 import {

@@ -131,6 +131,6 @@ export function rangeText(range: Range, scale: number, unit: string): string {
 function numberName(name: string): string {
   const parts = /^(.*?)((?:\[[-+0-9.,]*\])*)$/.exec(name);
   const base = parts?.[1] ?? name;
-  // Quoted, because the range's first number after "ball 3" would be ambiguous.
+  // The name is quoted, because the range's first number after "ball 3" would be ambiguous.
   return `${quotedName(base, / \d+$/.test(base))}${parts?.[2] ?? ""}`;
 }

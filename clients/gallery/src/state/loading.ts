@@ -67,7 +67,7 @@ export class Loading {
       this.store.set({ loadFailure: "" });
       return;
     }
-    // After a gallery's restart, the page shows more than the archive's first animations.
+    // After a gallery's restart, the page shows more animations than the new gallery has read so far.
     if (!isOther && archive.is_beginning && !this.store.state.isBeginning) return;
     if (archive.state !== "ready") {
       // Loaded data stays on the page; the header shows the reason.

@@ -190,7 +190,7 @@ export class NoteKeeping {
         const isAlone = Object.keys(patches).length === 1;
         const answer = await this.source.changeNotes(run, patches).catch((error: unknown) => {
           if (!(error instanceof SourceError) || error.kind !== "other") throw error;
-          // The source refuses a patch for good. Sending patches one by one finds which.
+          // The source has refused a patch permanently. Sending patches one by one finds this patch.
           if (isAlone) words = notKept(sentenceOf(error));
           return null;
         });

@@ -45,7 +45,7 @@ function extent(
   for (const mesh of looks.meshes) {
     if (mesh.feature !== feature) continue;
     for (let i = component; i < mesh.places.length; i += 3) {
-      // Rounded, because floats would print many digits.
+      // The numbers are rounded, because floats would print many digits.
       const value = Math.round((mesh.places[i] ?? NaN) * sign * 1e6) / 1e6;
       low = Math.min(low, value);
       high = Math.max(high, value);

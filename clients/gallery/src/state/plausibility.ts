@@ -11,7 +11,7 @@ export function throwsBelow(logPrior: number, blindThrows: readonly number[]): n
     else high = middle;
   }
   const share = (100 * low) / blindThrows.length;
-  // 0 and 100 are reserved for none and all.
+  // 0 and 100 percent are reserved for exactly none and all.
   if (low === 0) return 0;
   if (low === blindThrows.length) return 100;
   return Math.min(99, Math.max(1, Math.round(share)));

@@ -44,7 +44,7 @@ export function startApp(root: HTMLElement, galleries: GallerySource): App {
   const ui: Ui = { store, source, loading, page, notes, theme: new Theme() };
   const renderer = new SharedRenderer();
   loading.start();
-  // Deferred: creates the WebGL context while the first archive loads.
+  // Checking the renderer creates the WebGL context, so do it while the first archive loads.
   const waited = store.subscribe(({ gallery }) => {
     if (gallery === null) return;
     waited();

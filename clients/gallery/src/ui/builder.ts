@@ -151,7 +151,8 @@ export function makeBuilder(ui: Ui): Part {
     ui.store.set({ drawing: { box: what === "box", time: what === "time" }, drawnRange: null });
     if (what === "box") putBox(form.box);
   };
-  // Marks boxes that the builder sends to the player: they don't come back as drawn boxes.
+  // Marks boxes that the builder sends to the player, so that they don't come back as boxes drawn by a
+  // person.
   const putBox = (box: Box): void => {
     const drawn = drawable(box);
     if (drawn === null || JSON.stringify(drawn) === JSON.stringify(ui.store.state.drawnBox)) return;

@@ -54,7 +54,8 @@ export function makeQueryBox(ui: Ui): QueryBox {
       event.preventDefault();
       apply(event.altKey);
     } else if (event.key === "Escape") {
-      // Escape first cancels editing of a chip, then leaves the field. The page's own Escape isn't triggered.
+      // Escape first cancels editing of a chip, then leaves the field. Escape in the field doesn't reach the
+      // page.
       event.stopPropagation();
       if (edited === null) {
         input.blur();

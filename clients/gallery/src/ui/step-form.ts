@@ -136,7 +136,7 @@ function whoChoices(scene: Scene): Choice[] {
   const names = bodyNames(scene);
   const bodies = names.map((name) => ({ value: `body:${name}`, label: name }));
   const kinds = kindsOfBodies(names);
-  // With a single kind, "any body" means the same.
+  // If all bodies are of one kind, "any body" means the same.
   const ofKinds = kinds.length > 1 ? kinds : [];
   return [
     { value: "any:", label: "any body" },

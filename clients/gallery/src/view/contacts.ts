@@ -1,5 +1,5 @@
-// Estimates where a body touched what it hit: its point that is furthest against the change of its velocity.
-// For a ball this is exact except for friction; for a die it is the correct corner.
+// Estimates where a body touched what it hit: at the body's furthest point opposite to its change of
+// velocity. For a ball this is exact except for friction; for a die it is the correct corner.
 
 import type { Mesh, Place } from "../data/types";
 import type { MotionEvent } from "../motion/events";

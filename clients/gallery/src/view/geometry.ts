@@ -1,4 +1,4 @@
-// Triangles for the GPU. Static features are merged by material; bodies of the same shape share it.
+// Triangles for the GPU. Static features are merged by material; bodies of the same shape share triangles.
 
 import { BufferAttribute, BufferGeometry, type Material, type ShaderMaterial } from "three";
 import type { Mesh } from "../data/types";

@@ -96,7 +96,7 @@ function addPieces(pieces: Piece[], recording: Recording, body: number, stray: n
       from = to;
       return;
     }
-    // Without this, micro-impacts would create thousands of invisible pieces.
+    // Skip short pieces, because micro-impacts would create thousands of invisible ones.
     const length = Math.hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
     if (length < 3 * stray && !isLast) return;
     pieces.push({ time: t, body, from, to });
