@@ -52,7 +52,7 @@ class Content {
   Content(std::shared_ptr<const base::Bytes> bytes);
 
   base::BytesView view() const { return view_; }
-  /// The bytes as text, even if created from bytes.
+  /// The content as text, even if it was created from bytes.
   std::string_view text() const;
 
  private:

@@ -110,7 +110,8 @@ Guard::Guard(Options options, Keys& keys)
 
 struct Guard::Origins {
   bool has_origin = false;  ///< an Origin is present (and is ours)
-  /// Sec-Fetch-Site is absent, same-origin or none: our own page, or the person directly.
+  /// Whether Sec-Fetch-Site is absent, same-origin or none, so the request is from our own page or
+  /// directly from the person.
   bool is_from_here = true;
   bool says_same_origin = false;
 };

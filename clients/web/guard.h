@@ -8,8 +8,8 @@
 //    DNS rebinding).
 // 2. The path is plain (target.h). Only a POST has a body. The body's type is
 //    application/json, which forms of foreign pages cannot send. Content-Length is given.
-//    Chunks are refused: browsers send none, readers have differed about where chunks end, and
-//    in Beast 1.74 a check that ends debug builds fails if the last chunk arrives in pieces.
+//    Chunks are refused, because browsers send none and parsers have disagreed about where chunks
+//    end. In Beast 1.74, an assertion in debug builds fails if the last chunk arrives in pieces.
 // 3. Origin, if present, is http:// and the Host. A POST has an Origin. A stream of events has
 //    an Origin or Sec-Fetch-Site: same-origin, because browsers omit Origin in same-origin GETs.
 // 4. Sec-Fetch-Site, if present, is same-origin or none. (same-site can be any user's server at
@@ -65,8 +65,8 @@ enum class Way : std::uint8_t {
   answer,  ///< by a file or the handler
   stream,  ///< a stream of events
   let_in,  ///< 303 to "/" with the cookie
-  /// The same by a page that redirects to "/": browsers don't send a Strict cookie on a redirect
-  /// that another site started.
+  /// A page with the cookie that redirects to "/", because browsers don't send a Strict cookie on a
+  /// redirect that another site started.
   let_in_by_page,
   go_home,  ///< 303 to "/": the browser already has the cookie and doesn't need its token
 };

@@ -80,7 +80,7 @@ struct Intake::Impl {
     return Step::refused;
   }
 
-  /// Asks the guard about the complete head. None: the body must be read first.
+  /// Asks the guard about the complete head. Returns none if the body must be read first.
   std::optional<Step> judge() {
     auto judged = guard.judge(head_of(parser->get()));
     if (!judged) return refuse(judged.error());

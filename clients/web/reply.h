@@ -35,7 +35,7 @@ base::BytesView content_of(const Reply& reply);
 bool is_sound(const Answer& answer);
 
 Answer answer_of(const Refusal& refusal);
-/// For ways that authorize: 303, or a page that redirects to "/".
+/// Returns the answer that authorizes a browser: 303, or a page that redirects to "/".
 Answer answer_of(Way way, const std::string& cookie);
 /// Changes the answer to 304 if If-None-Match contains its etag.
 Answer unless_known(Answer answer, std::string_view if_none_match);

@@ -301,7 +301,7 @@ void Server::Impl::stop() {
   if (std::exchange(is_stopped, true)) return;
   loop.stop();
   if (loop_thread.joinable()) loop_thread.join();
-  // Running handlers end first; what they then post to the loop is never run.
+  // Running handlers end first. Work that they post to the loop after its end never runs.
   if (pool) {
     pool->stop();
     pool->join();
