@@ -411,7 +411,7 @@ void add_odds(const ArchiveOdds& odds, report::Report& report) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
   report.add("tempering", as_json(odds), "log Z", estimate_text(odds.log_z, 0, odds));
   if (!log_p.known()) return add_unknown(odds, report);
-  // If log P is unknown too, add_unknown() explains both.
+  // If log P is unknown too, add_unknown() explains both unknown values.
   add_doubts(odds.log_z.doubts, report);
   report.for_people("by chance",
                     in_words(odds_of(log_p.all.log, odds.log_natural_throw)) + where_throws(odds));

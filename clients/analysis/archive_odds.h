@@ -2,9 +2,9 @@
 // from an archive's ladders, weighted ascents or free islands. An estimate has an error only if
 // there are no doubts (odds_doubts.h).
 //
-// The odds are those of a natural throw, which isn't always a draw from the prior. For words, the
-// prior drops each ball by chance, but a throw drops all of them (WorldLayout::log_natural_throw).
-// The text for people has only the throw's log P; JSON has both.
+// The odds apply to a natural throw, which isn't always a draw from the prior. For example, the
+// spelling prior drops each ball by chance, but a throw drops all balls
+// (WorldLayout::log_natural_throw). The text for people has only the throw's log P; JSON has both.
 //
 // Archives are untrusted, as in tempering.h. Not thread-safe, because the source isn't.
 #pragma once
@@ -36,7 +36,7 @@ struct JudgedEstimate {
 struct HowToKnow {
   double longer = 1;      ///< factor for the length of a round or the number of draws or islands
   bool at_least = false;  ///< `longer` is a lower bound
-  /// Total rounds of each ladder, and their scans. None for weighted draws and islands.
+  /// Total rounds of each ladder, and their scans. Weighted draws and islands have neither.
   std::optional<std::uint32_t> rounds{};
   std::optional<std::uint64_t> scans{};
   std::optional<double> odds{};  ///< islands: the rule in [stop] that determines their number
@@ -63,8 +63,8 @@ struct ArchiveOdds {
   std::string natural_throw{};             ///< how a throw differs from a draw; may be empty
   std::optional<HowToKnow> how_to_know{};  ///< none if log P is known
   IslandNumber island_number = IslandNumber::unknown;
-  /// If set, only each chain's islands from this number on count (the sized batch), or only each
-  /// chain's islands before this number (those made in any case).
+  /// If set, an estimate uses only each chain's islands from odds_from_island on (the sized batch),
+  /// or only those before odds_until_island (made in any case).
   std::optional<std::uint64_t> odds_from_island{};
   std::optional<std::uint64_t> odds_until_island{};
 };

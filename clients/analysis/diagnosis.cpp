@@ -291,7 +291,8 @@ void choose_scans(Diagnosis& diagnosis, std::optional<request::Method> method,
   }
 }
 
-/// Returns the first archived state whose scan isn't below the given one, or the number of states.
+/// Returns the first archived state at or after this scan, or the number of states if there is no
+/// such state.
 std::uint64_t first_state_from(const archive::Source& source, std::uint64_t states,
                                std::uint64_t scan) {
   // The states' scans increase, so bisect.

@@ -7,8 +7,8 @@
 // archived states among the judged scans.
 //
 // If each draw ends its own tour, draws are independent, and all measures are good even if tours
-// are too short. So such a run is never reported as mixed. Draws of annealed importance sampling
-// are independent and weighted; only their effective size is judged.
+// are too short. So a run with tours is never reported as mixed. Draws of annealed importance
+// sampling are independent and weighted; only their effective size is judged.
 //
 // A state with log_constraint -inf has probability 0 at inverse temperature 1, and a chain that has
 // left such states never returns. So -inf is treated as the least of all values. The states with

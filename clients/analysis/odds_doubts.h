@@ -16,7 +16,7 @@
 //   `first_round`: the round begins with prior draws at all temperatures, and no earlier round
 //     shows whether they are forgotten.
 //   `rounds_disagree`: the previous round, half as long, has a different estimate, so the estimate
-//   still drifts.
+//     still drifts.
 //   `wide`: a single ladder's log has an error above k_spread_max, so the mean of logs is too low
 //     by more than half of k_spread_max, and errors are unreliable.
 //   `ladders_disagree`: the ladders differ by more than their own errors explain, so each ladder
@@ -30,14 +30,14 @@
 //
 // Free islands are independent too, and each estimate is unbiased. These facts cast doubts:
 //
-//   `heavy_tail`: one island has more than a tenth of the sum, so larger islands are still missing,
-//     and neither the mean nor its error includes them.
+//   `heavy_tail`: one island has more than a tenth of the sum. Still larger islands are then likely
+//     missing from the mean and its error.
 //   `few_particles`: islands of fewer than 16 particles usually miss the large weights that
-//   dominate the mean, and the islands then resemble each other.
+//     dominate the mean, and the islands then resemble each other.
 //   `not_sized`: the number of islands depended on their results: the run ended at a number of
-//   solutions (which come from large islands), or before the odds were precise enough. A number of
-//   islands is sound if it was fixed in advance (scans, rounds), or chosen from earlier islands
-//   that aren't counted (odds).
+//     solutions (which come from large islands), or before the odds were precise enough. A number
+//     of islands is sound if it was fixed in advance (scans, rounds), or chosen from earlier
+//     islands that aren't counted (odds).
 // Thread safety: pure functions.
 #pragma once
 

@@ -1,10 +1,10 @@
 // Reads the judged draws of an archive's scalars, one scalar of all chains at a time.
 //
 // Idea. A run may have thousands of scalars and billions of scans, so the amount of work is
-// bounded. Only every n-th draw of a scalar is used. The more scalars there are, the fewer draws of
-// each are used, but always enough for the required effective sample size if they were independent.
-// The number of a variable's entries is limited too. Omitted draws make effective sample sizes
-// smaller, never larger.
+// bounded. Only every n-th draw of a scalar is used. More scalars mean fewer draws of each, but
+// always enough for the required effective sample size if draws were independent. The number of a
+// variable's entries is limited too. Omitted draws make effective sample sizes smaller, never
+// larger.
 //
 // Rank-based measures (R-hat, effective sample sizes) need only an order, so draws without a finite
 // value can be used. Values of -inf, and NaN of entries that don't apply, become one value below
@@ -29,10 +29,10 @@ inline constexpr std::uint64_t k_scalar_draws_max = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t k_block_draws_max = std::uint64_t{1} << 22;
 /// Maximum draws of all scalars together: about a minute's work.
 inline constexpr std::uint64_t k_all_draws_max = std::uint64_t{1} << 25;
-/// Minimum draws used of each scalar and of each chain, however many scalars there are.
+/// Minimum draws used of each scalar and of each chain, for any number of scalars.
 inline constexpr std::uint64_t k_scalar_draws_min = 16384;
 inline constexpr std::uint64_t k_chain_draws_min = 256;
-/// Maximum chains used: with the minimum draws of each, they reach k_scalar_draws_max.
+/// Maximum chains used. With k_chain_draws_min draws each, the chains reach k_scalar_draws_max.
 inline constexpr std::uint64_t k_chains_max = 4096;
 
 /// Draws first, first + stride, ... of the chains 0 .. chains-1.
@@ -48,7 +48,7 @@ struct DrawRange {
 DrawRange bounded_range(std::uint64_t chains, std::uint64_t first, std::uint64_t available,
                         std::uint64_t scalars);
 
-/// Returns the maximum number of scalars for such a range.
+/// Returns the maximum number of scalars for a range.
 std::uint64_t scalars_max(const DrawRange& range);
 
 /// A dataset of doubles over (chain, draw, ...).

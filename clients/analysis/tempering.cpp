@@ -67,7 +67,7 @@ std::vector<double> read_entries(const archive::Source& source, std::string_view
       source.read(archive::k_tempering, name, (chain * spec->dims[1].size + round) * width, width));
 }
 
-/// Converts a count stored as a double. Throws if it isn't a count or is above `most`.
+/// Converts a count stored as a double. Throws if the value isn't a count or is above `most`.
 std::uint64_t count_of(const archive::Source& source, std::string_view name, double value,
                        std::uint64_t most) {
   if (!(value >= 0 && value <= static_cast<double>(most)) || value != std::floor(value)) {

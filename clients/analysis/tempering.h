@@ -5,7 +5,7 @@
 // of several equally long ones. Rounds double, so the longest is the last round, unless the run
 // ended in the last round's first half.
 //
-// Scan numbers are those of the run. Draws are counted from the first round on; scans of simulated
+// Scans are numbered as in the run. Draws are counted from the first round on; scans of simulated
 // annealing come before it. If a method burns in, its rounds have no draws.
 //
 // Archives are untrusted: invalid numbers throw ExitCode::bad_archive, and memory is limited to one
@@ -58,7 +58,8 @@ Round draws_of_round(std::span<const Round> rounds, std::size_t round);
 /// REQUIRES: rounds isn't empty.
 std::size_t judged_round(std::span<const Round> rounds);
 
-/// Returns a number for each of the first `chains` ladders in a round; NaN if the archive has none.
+/// Returns a number for each of the first `chains` ladders in a round, or NaN if the archive lacks
+/// the number.
 std::vector<double> of_ladders(const archive::Source& source, std::string_view name,
                                std::uint64_t chains, std::size_t round);
 /// Returns the ladders without a round trip in a round, whose states may not have mixed.
@@ -82,7 +83,7 @@ struct IndexProcess {
 /// chain.
 IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain);
 
-/// Returns a number for each of the first `chains` chains; NaN if the archive has none.
+/// Returns a number for each of the first `chains` chains, or NaN if the archive lacks the number.
 std::vector<double> of_chains(const archive::Source& source, std::string_view name,
                               std::uint64_t chains);
 
@@ -94,8 +95,8 @@ std::vector<double> row_of_chain(const archive::Source& source, std::string_view
 void for_each_of_draws(const archive::Source& source, std::string_view name,
                        const std::function<void(double)>& visit);
 
-/// Returns the free islands per chain in a table over (chain, island) with `chains` chains. Nothing
-/// if the archive has no such table.
+/// Returns the free islands per chain in a table over (chain, island) with `chains` chains. Returns
+/// nothing if the archive has no such table.
 std::optional<std::uint64_t> islands_of_chain(const archive::Source& source, std::string_view name,
                                               std::uint64_t chains);
 

@@ -4,9 +4,9 @@
 // Idea. Each ladder has an estimate of log P(satisfied) with a jackknife error. Logs are averaged,
 // because a mean of probabilities would mostly be the largest probability, which has the most
 // uncertain error. The error of the mean is the largest of three. The combined jackknife error
-// misses what a whole ladder missed. The standard error between ladders includes such misses, but
-// is rough for few ladders. The mean of logs is below the log of the mean by half the variance
-// between ladders, and more ladders don't reduce this difference.
+// doesn't include what a whole ladder missed. The standard error between ladders includes such
+// misses, but is rough for few ladders. The mean of logs is below the log of the mean by half the
+// variance between ladders, and more ladders don't reduce this difference.
 //
 // Free islands are many, and each has an unbiased estimate of P(satisfied), so their estimates are
 // averaged directly (common/math/island_odds.h).
@@ -41,8 +41,8 @@ enum class ErrorFrom : std::uint8_t {
   islands,       ///< from island to island
 };
 
-/// Returns, for example, "jackknife within ladders" for people and JSON. `weighted`: chains stand
-/// for ladders, and the weights' spread for the jackknife.
+/// Returns, for example, "jackknife within ladders" for people and JSON. `weighted`: the text names
+/// chains instead of ladders, and the weights' spread instead of the jackknife.
 const char* name_of(ErrorFrom from, bool weighted = false);
 
 struct CombinedEstimate {
@@ -53,8 +53,8 @@ struct CombinedEstimate {
   double between_error = 0;  ///< error of the mean from the spread; NaN for fewer than two
 };
 
-/// Sets `ladders` to 0 and the value to NaN if no ladder has a finite value. If a ladder's own
-/// error is unknown, so is own_error.
+/// Sets `ladders` to 0 and the value to NaN if no ladder has a finite value. If any ladder's own
+/// error is unknown, own_error is unknown.
 CombinedEstimate combined(std::span<const LogEstimate> ladders);
 
 /// Averages islands' estimates. `ladders` is the number of islands, or 0 if all estimates are 0.

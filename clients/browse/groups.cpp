@@ -77,7 +77,7 @@ std::vector<std::size_t> first_medoids(std::span<const float> matrix, std::size_
 /// false if no exchange helps.
 bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::size_t>& medoids) {
   const std::vector<Nearest> nearest = nearest_of(matrix, size, medoids);
-  // By medoid: increase of the sum of distances if only this medoid is removed.
+  // Each medoid's loss: the increase of the sum of distances if only this medoid is removed.
   std::vector<double> loss(medoids.size(), 0);
   for (const Nearest& point : nearest)
     loss[point.medoid] += static_cast<double>(point.second) - static_cast<double>(point.distance);
@@ -199,7 +199,7 @@ std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t
                                       std::size_t k) {
   CHECK(k >= 1 && k <= size);
   // Chains of nearest neighbours don't find the merges in order of distance, so sort the merges.
-  // The first size - k then leave k groups.
+  // The first size - k merges then leave k groups.
   struct Merge {
     float distance;
     std::size_t a;

@@ -35,7 +35,7 @@ void widen(Box& box, const Piece& piece, double duration_s, Eigen::Index axis) {
   const double a = piece.acceleration_mps2[axis];
   widen(box, p, p, axis);
   if (v == 0 && a == 0) return;
-  // The last piece has no end. If it moves, its reach is unbounded.
+  // The last piece has no end, so its reach is unbounded if it moves.
   const auto at = [&](double s) { return p + s * (v + 0.5 * a * s); };
   const double end = std::isfinite(duration_s) ? at(duration_s)
                      : a != 0                  ? std::copysign(duration_s, a)

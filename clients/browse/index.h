@@ -22,8 +22,8 @@
 
 namespace sleight::browse {
 
-/// The name of an animation, which is the same in all archives of its run: run, chain and draw, or
-/// run and number of a search's find.
+/// The name of an animation, which is the same in all archives of its run. A name consists of the
+/// run, chain and draw, or of the run and the number of a search's find.
 struct AnimationName {
   std::string run{};     ///< run_id of the archive
   bool is_find = false;  ///< finds: chain is 0

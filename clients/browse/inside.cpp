@@ -23,7 +23,7 @@ struct Stretches {
   }
 };
 
-/// One coordinate as a function of the time since its piece began.
+/// One coordinate of a piece as a function of the time since the piece's start.
 struct Parabola {
   double p = 0;
   double v = 0;

@@ -50,7 +50,7 @@ std::optional<AlikeGroup> group_of(base::ByteReader& reader, std::size_t entries
   return group;
 }
 
-/// Decodes what is between the version and the checksum.
+/// Decodes the bytes between the version and the checksum.
 std::optional<Outline> outline_in(base::ByteReader& reader) {
   const auto index_bytes = behind_length(reader);
   auto index = index_bytes ? index_of(*index_bytes) : std::nullopt;

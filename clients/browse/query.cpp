@@ -53,7 +53,7 @@ std::optional<double> first_met(const Touches& touches, const Entry& entry, cons
   return first_of(touches.who, entry, [&](std::uint32_t body) -> std::optional<double> {
     for (auto it = begin; it != entry.contacts.end() && it->time_s <= touches.when.to_s; ++it) {
       if (it->time_s <= after.hit_s) continue;
-      // A hit of two bodies counts for both, whichever of them records it.
+      // A hit of two bodies counts for both, even though only one of them records it.
       const bool is_hit = (it->body == body && is_among(it->partner, touches.partners)) ||
                           (it->partner == body && is_among(it->body, touches.partners));
       if (is_hit) return it->time_s;
@@ -90,8 +90,8 @@ bool holds(const NumberIn& range, const Entry& entry) {
   return is_above && is_below;
 }
 
-/// Takes the earliest moment of each step after the previous one. Choosing later moments for
-/// earlier steps never helps.
+/// Takes each step's earliest moment after the previous step. Choosing later moments for earlier
+/// steps never helps.
 bool holds(const InOrder& order, const Entry& entry) {
   After after;
   for (const Condition& step : order.steps) {

@@ -3,7 +3,7 @@
 // The command line and the gallery accept the same syntax:
 //
 //   `die 3 in x 0..20mm y -5..5mm during 0.4..0.6s`: die 3's centre is in the box at some moment of
-//   this interval.
+//     this interval.
 //   `any in z 30mm..`: some body's centre is in the box at some time.
 //   `every ends in x -100..100mm`: each body rests in the box.
 //   `die 1 touches table during ..0.2s`: the two hit each other in this interval.
@@ -17,10 +17,11 @@
 // stands for the bodies called "die N". `die 3: x ...` means `die 3 in x ...`. Ranges include both
 // ends; one end may be omitted.
 //
-// Numbers without a unit are SI. The units are um, mm, cm, m; us, ms, s; deg, rad; mm/s, m/s. A
-// unit after a range applies to both ends. Without `during`, any moment counts, even after a body
-// came to rest. Before a body enters, it is in no box. `every` ignores bodies that never enter.
-// Thread safety: values; const functions may be called from several threads at once.
+// Numbers without a unit are SI. The units are um, mm, cm, m; us, ms, s; deg, rad; mm/s, m/s. If
+// only one end of a range has a unit, the unit applies to both ends. Without `during`, any moment
+// counts, even after a body came to rest. Before a body enters, it is in no box. `every` ignores
+// bodies that never enter. Thread safety: values; const functions may be called from several
+// threads at once.
 #pragma once
 
 #include <cstddef>

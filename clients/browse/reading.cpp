@@ -27,8 +27,8 @@ constexpr std::uint64_t k_report_every = 64;
 /// Maximum animations of a group, more than any request may store.
 constexpr std::uint64_t k_animations_max = 10'000'000;
 
-/// Columns over `animation` that aren't numbers of the world, or that each entry has in another
-/// field.
+/// Columns over `animation` that don't become an entry's numbers, or that become other fields of an
+/// entry.
 constexpr std::array<std::string_view, 14> k_no_numbers{
     "animation",  "chain",          "draw",          "lineage",       "in_proportion",
     "log_prior",  "log_constraint", "segment_start", "segment_count", "part_start",

@@ -78,8 +78,8 @@ class Sketches {
   struct Sketch {
     std::vector<Places> places{};        ///< by body
     std::vector<std::uint8_t> enters{};  ///< by body: 1 or 0
-    /// For each class of at least two interchangeable bodies in turn: x, y, z of its bodies at the
-    /// matching times, [time][axis][body].
+    /// For one class of interchangeable bodies after another: x, y, z of its bodies at the matching
+    /// times, as [time][axis][body]. Classes of one body are omitted.
     std::vector<float> matched_by{};
     std::vector<FirstContact> first{};  ///< in the order of time
   };

@@ -58,7 +58,7 @@ Sum sum_of(const archive::Source& source, std::string_view dataset) {
   return sum;
 }
 
-/// How plausible finds are: the range of log p_w of kept finds, and of the middle nine tenths of
+/// How plausible finds are: the range of log p_w of kept finds, and the range of the middle 90% of
 /// blind throws.
 struct Plausibility {
   double least = 0;

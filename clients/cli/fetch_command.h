@@ -33,8 +33,8 @@ using ArchiveCheck = std::function<void(const std::string& path, const rpc::JobV
 
 int fetch(const std::string& socket, const FetchOptions& options, const ArchiveCheck& check);
 
-/// Returns the numbers in "3,7,10..20", in order without duplicates. Nothing for an invalid text or
-/// more than rpc::k_fetch_ids_max numbers.
+/// Returns the numbers in "3,7,10..20", in order without duplicates. Returns nothing for an invalid
+/// text or more than rpc::k_fetch_ids_max numbers.
 std::optional<std::vector<std::uint64_t>> recording_ids_of(std::string_view text);
 
 /// Throws base::Error(usage) if options exclude each other.

@@ -29,8 +29,8 @@ struct OptionsGiven {
   std::string answer{};  ///< such as "--found -n 3", which replaces [stop]; empty: not given
 };
 
-/// Returns an error if a --set and another option set the same key. Without it, the option would
-/// win silently.
+/// Returns an error if a --set and another option set the same key. Without this error, the option
+/// would win silently.
 std::optional<request::Diagnostic> given_twice(std::span<const request::KeySet> sets,
                                                const OptionsGiven& options);
 

@@ -127,7 +127,7 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
   command->callback([&] { action = [&] { return cli::compare_archives(options); }; });
 }
 
-/// Adds the options that choose animations; add_export adds those of the format.
+/// Adds the options that choose animations; add_export() adds the format's options.
 void add_choice(CLI::App& command, cli::ExportChoice& choice) {
   command
       .add_option(

@@ -98,7 +98,7 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
                         summary.first_failure));
 }
 
-/// Returns what the last starts of a search had in common.
+/// Returns why a search gave up, from what its last starts had in common.
 std::string why_it_gave_up(const plan::Finds& finds) {
   if (finds.relaxed < finds.relaxed_wanted && finds.found >= finds.wanted)
     return fmt::format("None of the last {} finds satisfied the constraint after relaxing.",

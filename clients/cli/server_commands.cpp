@@ -34,7 +34,7 @@ constexpr std::chrono::milliseconds k_server_look_again{20};
 /// Log lines shown if a daemon doesn't start.
 constexpr std::size_t k_told_log_lines = 20;
 
-/// Returns the daemon's status, or nothing if none answers.
+/// Returns the daemon's status, or nothing if no daemon answers.
 std::optional<rpc::ServerView> server_at(const std::string& socket) {
   try {
     rpc::Client client(service_client::place_of(socket), {.call_s_max = 5});

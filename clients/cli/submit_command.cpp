@@ -25,7 +25,7 @@ constexpr std::size_t k_option_characters_max = 60;  // shown in an error
 
 using Diagnostics = std::vector<request::Diagnostic>;
 
-/// How long to wait for a server killed between call and answer.
+/// How long to wait for a server that was killed between call and answer.
 constexpr double k_away_s_max = 30;
 constexpr double k_first_wait_s = 0.05;
 constexpr double k_wait_s_max = 1;

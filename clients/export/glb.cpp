@@ -142,7 +142,7 @@ base::Result<Glb, std::string> GlbWriter::finish(Json document) const {
   }
   if (!buffer_.empty()) document["buffers"] = {{{"byteLength", buffer_.size()}}};
 
-  // Write ASCII only, so that names can't affect what displays the text.
+  // Write ASCII only, so that names can't affect a program that displays the text.
   std::string json = document.dump(-1, true);
   pad(json, ' ');
   std::string binary = buffer_;

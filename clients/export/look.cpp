@@ -127,7 +127,8 @@ class Maker {
   }
 
   /// Returns the height of fixed vertices above the middle of a flat goal. Ignores vertices near
-  /// its rim, which belong to walls, and vertices far above it, which belong to hanging things.
+  /// the goal's rim, which belong to walls, and vertices far above the goal, which belong to
+  /// hanging things.
   double ground_above_m(const scene::Part& part, const Frame& frame) const {
     const double reach_m = k_ground_reach * std::min(part.size_m.x(), part.size_m.y());
     double highest_m = 0;

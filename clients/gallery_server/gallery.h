@@ -1,8 +1,8 @@
 // The archives that a page shows: which exist, what has been read, and changes.
 //
 // A thread checks the files several times a second. How an archive is shown depends on its history:
-//  - Read before: the stored outline is shown at once. Motions are read two seconds later, or when
-//  they are requested, so that the page can first use the processor for loading.
+//  - Read before: the stored outline is shown at once. Motions are read two seconds later or when
+//    requested, so that the page can first use the processor for loading.
 //  - Read for the first time, with many animations: the first 500 are shown while the others are
 //    read.
 //  - Replaced: the new file is read while the old snapshot stays visible.

@@ -19,7 +19,7 @@ namespace {
 
 /// Pause between a failed attempt and the next.
 constexpr auto k_pause = std::chrono::milliseconds(500);
-/// How long the service may be unreachable: practically for ever.
+/// How long the service may be unreachable: practically without limit.
 constexpr double k_away_s_max = 1e9;
 
 }  // namespace

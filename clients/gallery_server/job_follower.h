@@ -1,8 +1,8 @@
 // Follows a job of the service, and keeps a local copy of its archive up to date.
 //
 // One thread watches the job's events. After each commit, another thread fetches the archive so
-// far, which the service creates, and replaces the local file as a whole. Commits during a fetch
-// are combined into the next fetch, so a slow service isn't overloaded. When the job has ended, its
+// far, which the service creates, and replaces the whole local file. Commits during a fetch are
+// combined into the next fetch, so a slow service isn't overloaded. When the job has ended, its
 // final archive is fetched. If the service is unreachable, the follower retries and reports this.
 //
 // Thread safety: `heard` is called from both threads, one call at a time.

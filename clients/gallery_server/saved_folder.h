@@ -34,8 +34,9 @@ inline constexpr std::string_view k_manifest = "sleight-gallery.json";
 
 class SavedFolder {
  public:
-  /// Checks the place and creates the folder to write into. Links are followed. Throws base::Error
-  /// (conflict if something else is there, or environment) and filesystem_error.
+  /// Checks the place and creates the folder to write into. Links are followed. Throws
+  /// filesystem_error, or base::Error: conflict if the place has other content, otherwise
+  /// environment.
   explicit SavedFolder(const std::string& folder);
   ~SavedFolder();  ///< removes written files that aren't in place
   SavedFolder(const SavedFolder&) = delete;

@@ -24,7 +24,7 @@ bool is_secret(std::string_view text) {
          text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
-/// The file's secret, if the file is ours and readable by nobody else; else "".
+/// Returns the file's secret, or "" if the file isn't ours or others can read it.
 std::string secret_in(const fs::path& path) {
   const base::Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   struct stat about {};

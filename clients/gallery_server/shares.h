@@ -2,8 +2,8 @@
 //
 // Only distinct animations are kept, so a group's number of animations doesn't show how probable
 // such animations are. The draws do. A satisfied draw is assigned to the last animation kept in its
-// (chain, lineage) up to and including that draw. A draw that wasn't kept itself resembled a kept
-// animation, or exceeded the limit per lineage. Draws of lineages without kept animations are
+// (chain, lineage) up to and including that draw. A draw whose animation wasn't kept resembled a
+// kept animation, or exceeded the limit per lineage. Draws of lineages without kept animations are
 // counted separately.
 //
 // The error treats lineages as independent, because draws within a lineage are dependent. Let n_l

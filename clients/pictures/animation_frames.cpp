@@ -83,7 +83,7 @@ FrameSizes sizes_of(const SceneExtent& extent, bool flat, const FrameLook& look)
   return beside.px_per_mm > beneath.px_per_mm ? beside : beneath;
 }
 
-/// Draws the frames of an animation. Holds what frames share; borrows all arguments.
+/// Draws the frames of an animation. Holds the parts that frames share, and borrows all arguments.
 class FrameArtist {
  public:
   FrameArtist(const scene::Scene& scene, const ShownAnimation& animation, const FrameLook& look)

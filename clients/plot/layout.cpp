@@ -71,8 +71,7 @@ double widest(const std::vector<std::string>& labels) {
 /// If thinning would leave only one tick, up to this many ticks may be closer together than usual.
 constexpr std::size_t k_crowded = 6;
 
-// Thins ticks until neighbouring labels have a gap between them, but keeps two ticks if any number
-// of ticks has two.
+// Thins ticks until neighbouring labels have a gap between them, but keeps two ticks if possible.
 Ticks x_ticks_of(Range range, double width) {
   const auto fit = [&](const Ticks& ticks) {
     const double spacing = ticks.values.size() < 2 ? width
@@ -111,7 +110,7 @@ std::size_t place_legend(std::vector<LegendEntry>& entries, double left, double 
   return rows;
 }
 
-// Returns as many ticks as fit, but two if any number of ticks has two.
+// Returns as many ticks as fit, but at least two if possible.
 Ticks y_ticks_of(Range range, double height) {
   auto count = static_cast<std::size_t>(std::clamp(height / k_pixels_per_y_tick, 2.0, 8.0));
   Ticks ticks = nice_ticks(range, count);
@@ -256,8 +255,8 @@ FigureLayout layout_of(const Figure& figure) {
   const std::size_t rows = (figure.panels.size() + figure.columns - 1) / figure.columns;
   GridMargins margins{std::vector(figure.columns, ColumnMargins{50, 10}),
                       std::vector(rows, RowMargins{})};
-  // Margins depend on ticks, and ticks on margins. The second pass uses the first one's ticks;
-  // after the third, nothing changes.
+  // Margins depend on ticks, and ticks on margins. The second pass uses the first pass's ticks.
+  // After the third pass, nothing changes.
   for (int pass = 0; pass < 3; ++pass) {
     const std::vector<Box> cells = cells_of(figure, top, margins);
     GridMargins needed{std::vector(figure.columns, ColumnMargins{}),

@@ -19,8 +19,8 @@ using Surface = std::unique_ptr<cairo_surface_t, ReleaseSurface>;
 /// Throws base::Error with cairo's reason unless the status is success.
 void check_cairo(cairo_status_t status);
 
-/// Returns a white surface. Throws base::Error if it can't be created. REQUIRES sides from 1 to
-/// k_png_side_max_px.
+/// Returns a white surface. Throws base::Error if the surface can't be created. REQUIRES sides from
+/// 1 to k_png_side_max_px.
 Surface white_surface(int columns, int rows);
 
 class SvgDocument {

@@ -13,7 +13,7 @@ namespace sleight::plot {
 
 namespace {
 
-// Coordinates beyond this are outside any page. Renderers use 32-bit fixed point.
+// Larger coordinates are outside any page. Renderers use 32-bit fixed point.
 constexpr double k_pixel_far = 1e5;
 
 std::string number(double value) {

@@ -12,8 +12,8 @@
 
 namespace sleight::service_client {
 
-/// Returns the program with this name in this program's folder. Throws base::Error if there is
-/// none.
+/// Returns the program with this name in this program's folder. Throws base::Error if there is no
+/// such program.
 std::string program_beside(const std::string& name);
 
 /// Replaces this process by the command. Throws base::Error on failure.

@@ -44,9 +44,9 @@ class EndsWithItsReader {
   std::thread look_;
 };
 
-/// Opens the standard streams that the caller closed, so that writing to them still fails, but no
-/// file of ours gets their numbers. Makes writes beyond a file size limit fail, instead of ending
-/// the process. Call occupy_standard_streams first in main.
+/// Opens the standard streams that the caller closed, so that no other file gets their numbers.
+/// Writing to these streams still fails. Makes writes beyond a file size limit fail, instead of
+/// ending the process. Call occupy_standard_streams first in main.
 void occupy_standard_streams();
 
 /// Throws base::Error(usage) if writing `output` would replace `archive`, even through another path

@@ -75,7 +75,8 @@ std::optional<Refusal> judge_form(const Head& head, Passed& passed) {
     if (said(head, once).count > 1)
       return Refusal{400, "The request repeats a header that must be unique.", k_again};
   }
-  // A single explicit length, so that two readers cannot disagree about where the body ends.
+  // Require a single explicit length, so that two parsers cannot disagree about where the body
+  // ends.
   const Said length = said(head, "content-length");
   const Said coding = said(head, "transfer-encoding");
   const bool is_number =

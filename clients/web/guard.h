@@ -4,14 +4,15 @@
 // the person's browser. Such pages can send requests here, and can use a DNS name that resolves to
 // this address. A request passes if all of these conditions hold:
 //
-// 1. The method is GET, HEAD or POST. There is one Host header, exactly one of ours (against
-//    DNS rebinding).
+// 1. The method is GET, HEAD or POST. There is one Host header, which is exactly one of our hosts
+//    (against DNS rebinding).
 // 2. The path is plain (target.h). Only a POST has a body. The body's type is
 //    application/json, which forms of foreign pages cannot send. Content-Length is given.
 //    Chunks are refused, because browsers send none and parsers have disagreed about where chunks
 //    end. In Beast 1.74, an assertion in debug builds fails if the last chunk arrives in pieces.
-// 3. Origin, if present, is http:// and the Host. A POST has an Origin. A stream of events has
-//    an Origin or Sec-Fetch-Site: same-origin, because browsers omit Origin in same-origin GETs.
+// 3. Origin, if present, is http:// followed by the Host. A POST has an Origin. A stream of events
+//    has an Origin or Sec-Fetch-Site: same-origin, because browsers omit Origin in same-origin
+//    GETs.
 // 4. Sec-Fetch-Site, if present, is same-origin or none. (same-site can be any user's server at
 //    another port of this host.)
 // 5. The cookie sleight-PORT has the server's secret.
@@ -99,7 +100,7 @@ class Guard {
   std::string cookie() const;
 
  private:
-  /// What Host, Origin and Sec-Fetch-Site say about the request's sender.
+  /// Facts about the request's sender from Host, Origin and Sec-Fetch-Site.
   struct Origins;
   std::optional<Refusal> judge_origins(const Head& head, Origins& origins) const;
   bool has_cookie(const Head& head) const;

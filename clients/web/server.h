@@ -16,11 +16,11 @@
 // 5. A stream of events with more than `stream_bytes_max` unread bytes is closed. The browser
 //    reconnects and then receives the newest event of each name.
 //
-// The handler runs on a few threads of its own, so a slow answer blocks others only when all of
+// The handler has a few separate threads, so a slow answer blocks other answers only when all of
 // these threads are busy. The page's files, events and refusals don't need these threads. If a
 // handler throws, the answer is 500 without the exception's message, which goes to `complain`.
 //
-// Processes started meanwhile inherit no socket.
+// Processes started while the server runs inherit no socket.
 //
 // Thread safety: all functions may be called from any thread, except that the handler and
 // `complain` must not call `stop` or the destructor. The handler and `complain` are called on

@@ -55,7 +55,7 @@ struct Server::Impl {
   void start_stream(const std::shared_ptr<Connection>& connection);
   void forget(const std::shared_ptr<Connection>& connection);
 
-  /// On any thread: the handler's answer, or an error if it throws.
+  /// Returns the handler's answer, or an error if the handler throws. Runs on any thread.
   Answer answer(const Ask& ask) const;
   /// On any thread.
   void complain(const std::string& words) const;

@@ -65,7 +65,7 @@ std::string read_all(const base::Descriptor& file, const std::string& path, std:
   return text;
 }
 
-/// Compresses with gzip; none if this saves less than a tenth.
+/// Compresses with gzip. Returns none if this saves less than a tenth.
 std::optional<std::string> compress(const std::string& plain) {
   std::string packed = gzipped(plain);
   if (packed.size() > plain.size() - plain.size() / 10) return std::nullopt;

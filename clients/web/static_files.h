@@ -47,7 +47,8 @@ class StaticFiles {
   std::map<std::string, File, std::less<>> files_;  ///< by path, including the first slash
 };
 
-/// The Content-Type by a file's extension (html js css svg png wasm json woff2); else none.
+/// Returns the Content-Type for a file's extension (html js css svg png wasm json woff2), otherwise
+/// none.
 std::optional<std::string_view> type_of(std::string_view name);
 
 /// Whether a name contains its content's hash, as Vite writes it: index-DkX3_9aQ.js. The name's

@@ -50,7 +50,8 @@ struct DicePrior {
   bool is_table_random = true;  ///< whether control points have random heights
 };
 
-/// Reads /prior and /sample_stats_prior. Throws base::Error(bad_archive) if they are damaged.
+/// Reads /prior and /sample_stats_prior. Throws base::Error(bad_archive) if these groups are
+/// damaged.
 DicePrior dice_prior_of(const archive::Source& source);
 
 /// How far log densities are below the mean of blind throws.

@@ -73,9 +73,9 @@ struct QueryOptions {
   std::vector<std::string> not_in{};  ///< queries that must not hold
 };
 
-/// Returns the matching animations in the archives' order. An archive whose scene or numbers don't
-/// fit a query moves to left_out. Throws base::Error(usage) with the position in the query if no
-/// archive fits.
+/// Returns the matching animations in the archives' order. Archives whose scene or numbers don't
+/// fit a query are moved to left_out. Throws base::Error(usage) with the position in the query if
+/// no archive fits.
 std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked);
 
 /// Returns "c0.250", or "3f2a9c01:c0.250" if there are several runs.

@@ -17,8 +17,8 @@
 
 namespace sleight::browse {
 
-/// Returns the group whose animations are drawn: the chains' if there are any, otherwise the
-/// search's. All functions below use this group.
+/// Returns the group whose animations are drawn: the animations of chains if there are any,
+/// otherwise the search's finds. All functions below use this group.
 std::string_view drawn_group(const archive::Source& source);
 
 /// Returns where an animation was found: "chain 0, scan 250" by `step_of_draw`, or "find 3 of start
@@ -35,7 +35,8 @@ std::vector<double> of_animations(const archive::Source& source, std::string_vie
 [[noreturn]] void refuse_animation(const archive::Source& source, std::size_t animation,
                                    std::string_view reason);
 
-/// Returns the archive's scene description. Throws base::Error(bad_archive) if it is invalid.
+/// Returns the archive's scene description. Throws base::Error(bad_archive) if the description is
+/// invalid.
 scene::Scene required_scene(const archive::Source& source);
 
 struct KeptAnimation {

@@ -122,7 +122,7 @@ test("another run at the same path stays hidden until requested", async () => {
   assert.equal(store.state.loaded?.generation, 4);
   assert.deepEqual(store.state.page.playing, ["c0.1"]);
 
-  // After a request the other run is shown, without the old run's names.
+  // After a request, the page shows the other run, without the old run's names.
   await tell({ ...other, generation: 5 });
   page.showArchive("cd", "");
   await settled();

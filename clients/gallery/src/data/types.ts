@@ -1,7 +1,7 @@
 // Types of a gallery source's answers.
 //
 // Units are SI. Names ending in `Low`, `High` or `places` are in metres. Meshes have y up, as glTF has. All
-// else is in the scene's frame (right-handed, z up).
+// other data are in the scene's frame (right-handed, z up).
 
 import type { Recording } from "../motion/recording";
 

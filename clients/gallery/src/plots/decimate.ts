@@ -1,5 +1,6 @@
-// Thins long series to what a screen can show, without losing extremes. For each column of pixels the first,
-// lowest, highest and last point stay, in their order. A million points on 800 columns become at most 3,200.
+// Thins long series to what a screen can show, without losing extremes. Each column of pixels keeps its
+// first, lowest, highest and last point, in their order. A million points on 800 columns become at most
+// 3,200.
 
 export interface Series {
   /** In ascending order. */

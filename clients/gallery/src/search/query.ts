@@ -119,7 +119,7 @@ function hitOf(
   for (; at < end; ++at) {
     const body = contactBody[at]!;
     const partner = contactPartner[at]!;
-    // A hit of two bodies counts for both, whichever body it is recorded for.
+    // A hit of two bodies counts for both, even though it is recorded for only one of them.
     const isOfBody = isAmong[body] === 1 && (asked === null || asked === partner);
     const isOfPartner = isAmong[partner] === 1 && (asked === null || asked === body);
     const isHit = (isOfBody && enters(index, entry, body)) || (isOfPartner && enters(index, entry, partner));

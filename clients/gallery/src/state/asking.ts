@@ -1,5 +1,5 @@
-// Requests from the source what the state needs and lacks: query answers, groups and distances. Each change
-// of the state is checked. Answers that are out of date are dropped.
+// Requests the answers that the state needs and lacks from the source: query answers, groups and distances.
+// Each change of the state is checked. Answers that are out of date are dropped.
 import { noteOf } from "../data/note-patch";
 import { SourceError, type GallerySource } from "../data/source";
 import { noEntries, type AppState, type Loaded, type QueryAnswer, type ShownGroups } from "./app-state";

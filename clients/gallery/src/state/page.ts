@@ -1,5 +1,5 @@
-// The part of the state that links contain. Links identify things by names that outlive a server: the run and
-// the animations' names.
+// The part of the state that links contain. Links contain names that outlive a server: the run's and the
+// animations' names.
 import type { Box } from "./conditions";
 import { asKept, type SortKey } from "./sorting";
 

@@ -109,7 +109,8 @@ interface Places {
 function keyActions(ui: Ui, { wall, player, filters, root, showKeys }: Places): KeyActions {
   const { store, page, notes, loading } = ui;
   const isOpen = (): boolean => store.state.page.playing.length > 0;
-  // With the focus in the player, keys act on the playing animations; elsewhere on the selection or the card.
+  // If the player has the focus, keys act on the playing animations. Otherwise they act on the selection or
+  // the card.
   const names = (): readonly string[] =>
     isOpen() && player.element.contains(document.activeElement)
       ? store.state.page.playing
