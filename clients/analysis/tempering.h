@@ -79,8 +79,8 @@ struct IndexProcess {
   std::vector<std::vector<double>> level;  ///< by replica, by moment; 0 is the prior, NaN: no level
 };
 
-/// Returns an empty process if the archive has none, as in earlier versions. REQUIRES: a valid
-/// chain.
+/// Returns an empty process if the archive lacks it, as archives of earlier versions do. REQUIRES:
+/// a valid chain.
 IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain);
 
 /// Returns a number for each of the first `chains` chains, or NaN if the archive lacks the number.

@@ -303,7 +303,7 @@ struct AlikeSet::Impl {
       sorted.push_back(entries[i]);
     return sorted;
   }
-  /// Returns the sample that determines this many groups.
+  /// Returns the sample used to form this many groups.
   const Sample& sample_for(std::size_t groups) {
     std::size_t size = sorted.size();
     if (size > k_full_matrix_max)
@@ -317,7 +317,8 @@ struct AlikeSet::Impl {
         .first->second;
   }
 
-  /// Measures the distances from these representatives to all animations, unless known.
+  /// Measures the distances from these representatives to all animations, unless they are already
+  /// known.
   void measure_from(std::span<const std::size_t> representatives) {
     std::vector<std::size_t> unknown;
     for (const std::size_t one : representatives)

@@ -48,7 +48,8 @@ struct Resemblance {
 /// A set of animations of one scene, prepared for comparisons.
 class Sketches {
  public:
-  /// Uses this many threads; the bits don't depend on the number. REQUIRES: entries of this scene.
+  /// Uses this many threads. The results' bits don't depend on the number of threads. REQUIRES:
+  /// entries of this scene.
   Sketches(std::span<const Entry* const> entries, const scene::Scene& scene,
            std::size_t threads = 1);
 
@@ -61,7 +62,7 @@ class Sketches {
   std::vector<float> matrix(std::span<const std::size_t> of, std::size_t threads) const;
   std::vector<float> matrix(std::size_t threads) const;
 
-  /// Compares one animation with many others, and reuses what is computed for the one.
+  /// Compares one animation with many others, and reuses the data computed for the first.
   class From;
 
  private:

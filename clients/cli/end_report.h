@@ -3,8 +3,9 @@
 // The supervisor creates a named pipe (mkfifo), opens it for reading and starts the program with
 // its path, because ranks under mpirun don't inherit descriptors. Rank 0 writes one line
 // (common/events/run_end.h), even if the session was refused or its disk is full. If a check fails,
-// the rank where it fails writes the line, if that rank can see the pipe. Without a line, the
-// session died or never began: --help, --print-request, an invalid command line (exit code 2).
+// the rank where it fails writes the line, if that rank can see the pipe. If no line was written,
+// the session died or never began (--help, --print-request, or an invalid command line with exit
+// code 2).
 //
 // The line describes how the run ended. If the program can't print its summary after writing the
 // line, the exit code is still 5.

@@ -53,7 +53,7 @@ void unlink_mapped_segments() {
   close(maps);
 }
 
-// The signal arrives once for each ending thread of mpirun, so in several threads at once.
+// The signal arrives once per ending thread of mpirun, so several threads may handle it at once.
 std::atomic_flag is_leaving = ATOMIC_FLAG_INIT;
 
 extern "C" void on_parent_gone(int) {

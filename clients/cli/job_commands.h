@@ -60,7 +60,7 @@ int change(const std::string& socket, const JobsOptions& options, const rpc::Cha
 /// Refuses to delete any job if one is unfinished or pinned. Asks for confirmation on a terminal.
 int delete_jobs(const std::string& socket, const DeleteOptions& options);
 
-/// Throws base::Error(usage) unless exactly one number is set and a request may have it.
+/// Throws base::Error(usage) unless exactly one number is set and requests allow its value.
 rpc::Extension extension_of(const ExtendOptions& options);
 
 /// Throws base::Error(usage) for an unknown state or user.

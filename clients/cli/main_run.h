@@ -65,7 +65,8 @@ void add_sets_option(CLI::App& app, std::vector<std::string>& sets);
 /// failure_message.
 std::string usage_words(const CLI::App* app, const CLI::Error& error);
 
-/// Builds the command line of `sleight-batch`. Shared because `sleight man` prints its page too.
+/// Builds the command line of `sleight-batch`. Both programs use this function, because `sleight
+/// man` prints the page of `sleight-batch` too.
 void build_batch_app(CLI::App& app, DirectArguments& arguments);
 
 /// Returns the seconds of "90", "90s", "5m" or "1.5h". Throws base::Error(usage) for other texts.

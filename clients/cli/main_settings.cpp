@@ -7,7 +7,7 @@
 namespace sleight::programs {
 namespace {
 
-/// A setting that has an option; other settings are only in the file.
+/// A setting with a command-line option. Other settings are only in the file.
 struct SettingOption {
   const char* key;
   const char* option;

@@ -35,8 +35,8 @@ bool moves(const Segment& s) {
           s.angular_acceleration_radps2 != Vec3::Zero());
 }
 
-/// Returns the segments that last for some time from 0 on, and the last one, which may last no
-/// time.
+/// Returns the segments that have a duration after time 0, and the last segment, which may have
+/// none.
 std::vector<Piece> pieces_of(const motion::Path& path, double end_s) {
   std::vector<Piece> pieces;
   const auto segments = path.segments();

@@ -111,8 +111,8 @@ class Gallery {
   mutable std::mutex mutex_;  ///< guards all members below
   std::vector<std::unique_ptr<Shown>> shown_;
   std::vector<ListedFiles::LeftOut> left_out_;
-  /// Starts at the present time in milliseconds: a page that stays open while a gallery restarts
-  /// must not confuse generations.
+  /// Starts at the present time in milliseconds, so that a page that stays open during a restart
+  /// doesn't confuse generations.
   std::uint64_t generation_;
   bool is_over_ = false;
   mutable std::condition_variable changed_;  ///< on the end, snapshots, requests for motions

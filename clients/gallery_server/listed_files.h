@@ -20,9 +20,9 @@ struct ListedFiles {
   std::vector<LeftOut> left_out{};
 };
 
-/// Named files are listed even if they don't exist. From folders, files ending in ".h5" are listed
-/// by name. Links that point outside their folder are skipped: otherwise, anyone who can write to
-/// the folder could choose what another user's gallery shows.
+/// Named files are listed even if they don't exist. A folder's files ending in ".h5" are listed,
+/// ordered by name. Links that point outside their folder are skipped: otherwise, anyone who can
+/// write to the folder could choose what another user's gallery shows.
 ListedFiles listed_files(const std::vector<std::string>& paths);
 
 }  // namespace sleight::gallery

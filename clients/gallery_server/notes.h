@@ -38,10 +38,10 @@ class Notes {
   /// All notes of a run, by animation; none if the file is unreadable.
   json::Value of_run(const std::string& run);
   /// Applies patches to some animations' notes. "star", "hidden" and "note" replace the old values.
-  /// "tags_on" and "tags_off" add and remove tags. Other parts stay, so that other people's changes
-  /// aren't lost. Returns the complete new notes, each with "changed", which increases with each
-  /// change of the run's notes. Throws base::Error(usage), without changes, if a patch is invalid
-  /// or there would be too many notes.
+  /// "tags_on" and "tags_off" add and remove tags. Other parts of a note stay, so that other
+  /// people's changes aren't lost. Returns the complete new notes, each with "changed", which
+  /// increases with each change of the run's notes. Throws base::Error(usage), without changes, if
+  /// a patch is invalid or there would be too many notes.
   json::Value change(const std::string& run, const json::Value& patches);
   /// Why notes aren't stored; empty if notes are stored.
   std::string trouble() const;

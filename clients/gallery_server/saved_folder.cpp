@@ -137,7 +137,7 @@ class Moves {
     fs::rename(from, to);
     done_.emplace_back(from, to);
   }
-  /// Undoes all renames; returns whether all succeeded.
+  /// Undoes all renames. Returns whether all could be undone.
   bool take_back() {
     bool is_whole = true;
     for (; !done_.empty(); done_.pop_back()) {

@@ -52,7 +52,7 @@ std::string unit_of(const archive::Source& source, std::string_view group, std::
   return text == nullptr ? "1" : *text;
 }
 
-/// Names of the numbers along chains: those of all worlds, and the world's outcomes.
+/// Names of the numbers along chains: the numbers that all worlds have, and the world's outcomes.
 std::vector<std::string> traced(const archive::Source& source) {
   std::vector<std::string> names{"log_constraint", "log_prior", "lp", "acceptance_rate"};
   for (std::string& name : analysis::outcome_names(source))

@@ -89,7 +89,7 @@ std::string outcome_of(const scene::Scene& scene, const ShownAnimation& animatio
   return words + fmt::format("at rest after {:.2f} s", end_s(animation) - first_s(animation));
 }
 
-// Few bodies: paths from above and, below, from the front.
+// Figures of few bodies: their paths from above and, below that view, from the front.
 
 struct WaysSizes {
   std::size_t columns = 1;

@@ -170,7 +170,8 @@ class FrameArtist {
   std::vector<SceneView> views_;
 };
 
-/// Draws all frames in order. Calls `take` with each frame's number, from 0, after it is shown.
+/// Draws all frames in order. Calls `take` with each frame's number, from 0, after the frame is
+/// shown.
 void draw_frames(const FrameArtist& artist, plot::Film& film, std::size_t count,
                  const FramesOptions& options, const std::function<void(std::size_t frame)>& take) {
   for (std::size_t frame = 0; frame < count; ++frame) {

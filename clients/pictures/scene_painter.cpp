@@ -45,7 +45,7 @@ Color between(const Color& a, const Color& b, double share) {
   return {channel(a.red, b.red), channel(a.green, b.green), channel(a.blue, b.blue)};
 }
 
-/// White on dark colours, ink on light ones.
+/// Returns white for dark colours and ink for light colours.
 Color on_top_of(const Color& color) {
   return 0.3 * color.red + 0.59 * color.green + 0.11 * color.blue < 140 ? k_white
                                                                         : plot::palette::k_ink;

@@ -58,7 +58,7 @@ class ScenePainter {
   void scenery(const SceneView& view);
   /// Draws the paths of all bodies, then the bodies at rest.
   void ways(const SceneView& view);
-  /// Draws the bodies at a time, with the paths of their centres since an earlier time.
+  /// Draws the bodies at one moment, with the paths of their centres since an earlier moment.
   void instant(const SceneView& view, double since_s, double time_s);
 
  private:

@@ -38,7 +38,8 @@ plot::Point projected_mm(const math::Vec3& place_m, Seen seen);
 double depth_mm(const math::Vec3& place_m, Seen seen);
 
 /// Returns the pieces of a part that face the viewer, the furthest first: its facets, or a disc for
-/// a sphere. `pose`: the body's; default for fixed things. `offsets_m` move vertices of meshes.
+/// a sphere. `pose`: the body's pose; the default for fixed things. `offsets_m` move vertices of
+/// meshes.
 std::vector<FlatPiece> flat_pieces(const scene::Scene& scene, const scene::Part& part,
                                    const motion::Pose& pose, Seen seen,
                                    std::span<const math::Vec3> offsets_m);

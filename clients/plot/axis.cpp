@@ -108,7 +108,7 @@ struct Extent {
 struct Extents {
   Extent x;
   Extent y;
-  // A line along x may touch the left and right sides; a shape may not.
+  // A line along x may touch the panel's left and right sides, but a shape may not.
   bool x_margin = false;
 
   void add(Point point) {

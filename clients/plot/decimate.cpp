@@ -12,7 +12,7 @@ namespace sleight::plot {
 
 namespace {
 
-// Far outside any device, to keep the conversion to whole columns defined.
+// A limit far outside any device, which keeps the conversion to whole columns defined.
 constexpr double k_column_far = 1e9;
 
 std::int64_t column_of(double position, double column) {
@@ -20,7 +20,8 @@ std::int64_t column_of(double position, double column) {
       std::floor(std::clamp(position / column, -k_column_far, k_column_far)));
 }
 
-// Appends the first, lowest, highest and last point of a visit, without duplicates, in their order.
+// Appends the first, lowest, highest and last point of a visit to a column, without duplicates, in
+// their order.
 void append_extremes(std::span<const Point> visit, std::vector<Point>& out) {
   const auto [low, high] = std::minmax_element(
       visit.begin(), visit.end(), [](const Point& a, const Point& b) { return a.y < b.y; });

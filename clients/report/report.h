@@ -39,7 +39,7 @@ class Report {
   std::vector<Line> lines_{};
 };
 
-/// Makes a row per report. REQUIRES: all have the same heads.
+/// Makes a row per report. REQUIRES: all reports have the same heads.
 TextTable table_of(const std::vector<Report>& rows);
 
 /// Returns a table whose lines begin with two spaces, for use within a longer text.

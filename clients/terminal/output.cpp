@@ -55,7 +55,7 @@ int with_results(const std::function<int()>& work) {
       return static_cast<int>(base::ExitCode::interrupted);
     fail_results(std::strerror(reason));
   }
-  // Interrupted output may be incomplete, as its exit code shows.
+  // Interrupted output may be incomplete, and the exit code shows that.
   if (code == static_cast<int>(base::ExitCode::interrupted)) {
     std::fflush(stdout);
     return code;

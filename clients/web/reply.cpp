@@ -135,7 +135,7 @@ Answer unless_known(Answer answer, std::string_view if_none_match) {
 std::string event_text(std::string_view name, std::string_view data) {
   CHECK(is_plain(name));
   std::string text = fmt::format("event: {}\n", name);
-  // One "data:" line per line of data. Readers accept \r\n, \r and \n as line ends.
+  // Write one "data:" line per line of data. Readers accept \r\n, \r and \n as line ends.
   while (true) {
     const std::size_t end = std::min(data.find_first_of("\r\n"), data.size());
     fmt::format_to(std::back_inserter(text), "data: {}\n", data.substr(0, end));

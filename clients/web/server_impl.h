@@ -88,7 +88,8 @@ struct Server::Impl {
 
   std::mutex stop_mutex;
   bool is_stopped = false;
-  /// Declared last but one: its threads use all members above, so it is destroyed before them.
+  /// The pool is declared last but one, so that it is destroyed before the members above, which its
+  /// threads use.
   std::unique_ptr<boost::asio::thread_pool> pool;
   std::thread loop_thread;
 };

@@ -81,8 +81,8 @@ std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked);
 /// Returns "c0.250", or "3f2a9c01:c0.250" if there are several runs.
 std::string name_among(const Browsed& browsed, const browse::AnimationName& name);
 
-/// Prints to stderr which archives were left out and how many duplicate animations there are. Call
-/// it once, after the last step that can leave something out.
+/// Prints to stderr which archives were left out and how many duplicate animations there are.
+/// REQUIRES: called once, after the last step that can leave something out.
 void say_what_is_missing(const Browsed& browsed);
 
 /// Formats a number with six digits; NaN as "".

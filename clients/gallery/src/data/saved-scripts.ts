@@ -16,7 +16,7 @@ export interface SavedText {
 }
 
 declare global {
-  // Called by the files, which are classic scripts: their functions are global.
+  // The files call this function. It is global, because the files are classic scripts.
   var sleightSaved: ((path: unknown, kind: unknown, text: unknown) => void) | undefined;
 }
 
@@ -67,7 +67,7 @@ export class SavedScripts {
       // Has no effect if the text has arrived.
       fail(error);
     };
-    // A truncated script doesn't parse: its load event comes without a call.
+    // A truncated script doesn't parse, so its load event arrives without a call.
     script.addEventListener("load", () =>
       end(torn(`the file ${file} is truncated, or from another version of sleight`)));
     script.addEventListener("error", () => {

@@ -34,7 +34,7 @@ export class SatisfiedDraws {
     if (chain?.length !== counts.length || lineage?.length !== counts.length)
       throw torn("the index's columns differ in length");
     const entries = [...counts.keys()].filter((entry) => counts[entry]! > 0);
-    // Sums use this order, as the server's do.
+    // Sums use this order, as on the server.
     entries.sort((a, b) => chain[a]! - chain[b]! || lineage[a]! - lineage[b]! || a - b);
     const lineages: Lineage[] = [];
     entries.forEach((entry, i) => {

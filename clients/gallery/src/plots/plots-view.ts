@@ -1,5 +1,5 @@
 // The plots of an archive: a list of plots, and the selected plot. A click on a point opens the nearest
-// animation of the same chain. A range of draws filters the wall.
+// animation of the same chain. Selecting a range of draws filters the wall.
 import "uplot/dist/uPlot.min.css";
 import type { AppState, Loaded } from "../state/app-state";
 import { archiveShown } from "../state/derived";

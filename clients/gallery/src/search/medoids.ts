@@ -102,7 +102,7 @@ function exchange(matrix: Matrix, medoids: number[]): boolean {
       [bestOut, bestIn] = [least, candidate];
     }
   }
-  // Ignore changes of the size of rounding errors, which could repeat for ever.
+  // Ignore changes as small as rounding errors, which could repeat for ever.
   const total = distance.reduce((sum, one) => sum + one, 0);
   if (bestIn < 0 || -bestChange <= 1e-9 * total) return false;
   medoids[bestOut] = bestIn;
