@@ -36,7 +36,7 @@ struct JudgedEstimate {
 struct HowToKnow {
   double longer = 1;      ///< factor for the length of a round or the number of draws or islands
   bool at_least = false;  ///< `longer` is a lower bound
-  /// Total rounds of each ladder, and their scans. Weighted draws and islands have neither.
+  /// Total rounds of each ladder, and their scans. Not set for weighted draws and islands.
   std::optional<std::uint32_t> rounds{};
   std::optional<std::uint64_t> scans{};
   std::optional<double> odds{};  ///< islands: the rule in [stop] that determines their number

@@ -45,7 +45,7 @@ std::vector<Nearest> nearest_of(std::span<const float> matrix, std::size_t size,
   return nearest;
 }
 
-/// Adds medoids one by one; each lowers the sum of distances most.
+/// Adds medoids one by one, always the point that lowers the sum of distances most.
 std::vector<std::size_t> first_medoids(std::span<const float> matrix, std::size_t size,
                                        std::size_t k) {
   std::vector<std::size_t> medoids;
@@ -73,8 +73,8 @@ std::vector<std::size_t> first_medoids(std::span<const float> matrix, std::size_
   return medoids;
 }
 
-/// Makes the exchange of a medoid for another point that lowers the sum of distances most. Returns
-/// false if no exchange helps.
+/// Replaces one medoid by another point, in the exchange that lowers the sum of distances most.
+/// Returns false if no exchange helps.
 bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::size_t>& medoids) {
   const std::vector<Nearest> nearest = nearest_of(matrix, size, medoids);
   // Each medoid's loss: the increase of the sum of distances if only this medoid is removed.

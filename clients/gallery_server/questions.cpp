@@ -84,7 +84,7 @@ std::vector<std::size_t> entries_in(const Question& list, const Snapshot& snapsh
   return entries;
 }
 
-/// The request's entries; all entries if it has none.
+/// Returns the request's entries, or all entries if the request has none.
 std::vector<std::size_t> meant(const Question& ask, const Snapshot& snapshot) {
   const auto* list = ask.find("entries");
   if (list && !list->is_null()) return entries_in(*list, snapshot);

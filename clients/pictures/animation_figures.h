@@ -20,7 +20,8 @@
 
 namespace sleight::pictures {
 
-/// Maximum bodies whose paths are drawn. More bodies are shown at instants.
+/// Maximum bodies whose paths are drawn. If there are more bodies, they are shown at several
+/// instants.
 inline constexpr std::uint32_t k_ways_max = 6;
 
 struct ShownAnimation {

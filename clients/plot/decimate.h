@@ -15,8 +15,8 @@
 
 namespace sleight::plot {
 
-/// Returns the runs of drawable points between gaps, in order. Any coordinates; the spans refer to
-/// `points`.
+/// Returns the runs of drawable points between gaps, in order. Points may have any coordinates, and
+/// the spans refer to `points`.
 std::vector<std::span<const Point>> drawable_runs(std::span<const Point> points);
 
 /// Returns a run without invisible points. REQUIRES drawable points, column > 0.

@@ -37,8 +37,8 @@ std::optional<std::pair<Point, Point>> clipped(Point from, Point to, double widt
                    Point{from.x + leave * dx, from.y + leave * dy}};
 }
 
-// Bit of the dot at (x, y), at index x + 2 y. Unicode numbers a braille character's dots down the
-// left column, then down the right one, except that the lowest pair comes last.
+// Bit of the dot at (x, y), at index x + 2 y. In Unicode, a braille character's dots are numbered
+// down the left column, then down the right one, except that the lowest pair comes last.
 constexpr unsigned k_braille_bit[] = {0x01, 0x08, 0x02, 0x10, 0x04, 0x20, 0x40, 0x80};
 
 std::string braille(unsigned dots) {

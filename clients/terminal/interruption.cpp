@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array k_signals{SIGINT, SIGTERM};
 
-// Global, because a signal handler has no other access to it.
+// This variable is global, because a signal handler has no other access to it.
 volatile std::sig_atomic_t g_is_interrupted = 0;
 const std::function<void()>* g_also = nullptr;
 

@@ -301,7 +301,7 @@ void Server::Impl::stop() {
   if (std::exchange(is_stopped, true)) return;
   loop.stop();
   if (loop_thread.joinable()) loop_thread.join();
-  // Running handlers end first. Work that they post to the loop after its end never runs.
+  // Running handlers end first. Work that handlers post to the ended loop never runs.
   if (pool) {
     pool->stop();
     pool->join();

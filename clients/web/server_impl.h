@@ -82,7 +82,7 @@ struct Server::Impl {
   boost::asio::io_context loop{1};
   std::unique_ptr<Listener> listener;
   boost::asio::steady_timer comments{loop};
-  /// By number, in the order of their arrival.
+  /// Connections by number, in the order of their arrival.
   std::map<std::uint64_t, std::shared_ptr<Connection>> connections;
   std::map<std::uint64_t, std::shared_ptr<Connection>> streams;
 

@@ -12,7 +12,7 @@
 
 namespace sleight::browse {
 
-/// Minimum pieces of a cached index. Reading smaller ones from the archive is as fast.
+/// Minimum pieces of a cached index. Reading smaller indices from the archive is as fast.
 inline constexpr std::size_t k_pieces_worth_keeping = 20'000;
 
 struct KeptIndex {

@@ -133,7 +133,7 @@ test("events are in order, and a hit of two bodies is one event", () => {
 });
 
 test("stepping between events always advances", () => {
-  // Goal: next and previous skip times that equal the present one. Method: step in both directions.
+  // Goal: steps skip times that equal the present time. Method: step in both directions.
   const times = [0, 1, 1, 1 + 1e-12, 2];
   assert.equal(nextTime(times, -1), 0);
   assert.equal(nextTime(times, 0), 1);
