@@ -30,7 +30,7 @@
 //
 // Free islands are independent too, and each estimate is unbiased. These facts cast doubts:
 //
-//   `heavy_tail`: one island has more than a tenth of the sum. Still larger islands are then likely
+//   `heavy_tail`: one island has more than a tenth of the sum. Even larger islands are then likely
 //     missing from the mean and its error.
 //   `few_particles`: islands of fewer than 16 particles usually miss the large weights that
 //     dominate the mean, and the islands then resemble each other.

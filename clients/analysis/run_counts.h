@@ -24,7 +24,8 @@ struct RunCounts {
 /// Throws base::Error(bad_archive) if a dataset has an unexpected shape.
 RunCounts run_counts(const archive::Source& source, const Round& judged);
 
-/// Counts by kind over the judged scans of all chains. Throws base::Error(bad_archive) likewise.
+/// Counts proposals by kind over the judged scans of all chains. Throws base::Error(bad_archive) if
+/// a dataset has an unexpected shape.
 std::vector<KindReport> kind_counts(const archive::Source& source, const Round& judged);
 
 }  // namespace sleight::analysis

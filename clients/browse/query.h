@@ -1,4 +1,4 @@
-// Queries select animations of an index. They are exact: paths are solved, not sampled.
+// Queries select animations of an index. Queries are exact: paths are solved, not sampled.
 //
 // The command line and the gallery accept the same syntax:
 //

@@ -3,12 +3,12 @@
 //   value = (mean + greatest) / 2 * (1 + order)                          in metres
 //
 // The mean and the greatest are over the distances between a body's centres in the two animations.
-// Both cover all bodies, at 64 equally spaced times and at rest. The equal times reach from the
-// beginning to the time when 19 of 20 animations of the set are at rest. Until a body enters, its
-// centre is taken to be where it will enter. `order` compares the first contacts of the two
-// animations: the first hit of each pair of features, at most 256. `order` is 1 - longest common
-// subsequence / length of the longer list. So equal paths have the value 0 whatever their contacts
-// are, and a different order of contacts can at most double the value.
+// The mean and the greatest cover all bodies, at 64 equally spaced times and at rest. The equal
+// times reach from the beginning to the time when 19 of 20 animations of the set are at rest. Until
+// a body enters, its centre is taken to be where it will enter. `order` compares the first contacts
+// of the two animations: the first hit of each pair of features, at most 256. `order` is 1 -
+// longest common subsequence / length of the longer list. So equal paths have the value 0 whatever
+// their contacts are, and a different order of contacts can at most double the value.
 //
 // Interchangeable bodies (scene::Feature::twin_of) are matched so that the sum of squared distances
 // at nine of the times is least (matching.h). Squares avoid roots, since every body is compared

@@ -38,7 +38,7 @@ void sort_picked(const std::string& name, bool descending, std::vector<browse::P
   std::vector<std::pair<double, browse::Picked>> keyed;
   for (const browse::Picked& one : picked)
     keyed.emplace_back(one.entry->numbers[number_called(name, *one.archive)], one);
-  // Animations without the number come last in either direction.
+  // If animations are sorted by a number, those without the number come last in either direction.
   std::ranges::stable_sort(keyed, [&](const auto& a, const auto& b) {
     if (std::isnan(a.first) || std::isnan(b.first)) return !std::isnan(a.first);
     return descending ? a.first > b.first : a.first < b.first;

@@ -136,7 +136,7 @@ void say_how_to_open(const web::Server& server, const CommandOptions& options,
   std::fflush(stdout);
 }
 
-/// Waits for Ctrl-C or SIGTERM. Enter on a terminal prints another link.
+/// Waits for Ctrl-C or SIGTERM. Pressing Enter on a terminal prints another link.
 void wait_for_end(web::Server& server, int signals) {
   const bool is_asked = terminal::is_typed();
   std::array<pollfd, 2> waited{

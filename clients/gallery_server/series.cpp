@@ -283,7 +283,7 @@ Weighed posterior_of(const archive::Source& source, const archive::Summary& summ
   return weighed;
 }
 
-/// Shares of the finite values by bin. REQUIRES: ascending edges.
+/// Returns the shares of the finite values by bin. REQUIRES: ascending edges.
 std::vector<double> histogram(const Weighed& of, const std::vector<double>& edges) {
   std::vector<double> shares(edges.size() - 1, 0.0);
   double greatest = 0;

@@ -20,8 +20,8 @@ namespace {
 // Minimum span relative to the magnitude, for which doubles represent ten distinct ticks.
 constexpr double k_relative_span_min = 1e-12;
 constexpr double k_margin = 0.05;  // relative to the span, on sides that the series don't fill
-// From this power of ten on, plain digits are longer than "1.5×10⁶". The same applies to small
-// steps.
+// From this power of ten on, plain digits are longer than "1.5×10⁶". With more decimals than this,
+// plain digits of small steps are longer too.
 constexpr int k_plain_exponent_max = 5;
 constexpr int k_plain_decimals_max = 5;
 

@@ -1,8 +1,8 @@
 // Formats aligned columns of text and fits them to a terminal's width.
 //
-// If a table doesn't fit, columns are omitted, those of the highest rank first. Then texts in the
-// last column are cut. Each character counts as one column of the terminal. Columns without any
-// text are omitted. Pure; thread-safe.
+// If a table doesn't fit, columns are omitted, those of the highest rank first. If the table is
+// still too wide, texts in the last column are cut. Each character counts as one column of the
+// terminal. Columns without any text are omitted. Pure; thread-safe.
 #pragma once
 
 #include <cstddef>

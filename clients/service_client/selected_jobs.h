@@ -33,8 +33,9 @@ struct TouchedJobs {
   std::vector<RefusedName> refused{};
 };
 
-/// Applies `ask` to each name, to a group at once, and collects the results. A refused name doesn't
-/// prevent other changes. If there is only one name, its refusal is thrown as a RefusedError.
+/// Applies `ask` to each named job, or to a group as a whole, and collects the results. A refused
+/// name doesn't prevent other changes. If there is only one name, its refusal is thrown as a
+/// RefusedError.
 TouchedJobs change(rpc::Client& client, std::span<const JobName> names, rpc::ChangeAsk ask);
 
 }  // namespace sleight::service_client

@@ -25,7 +25,7 @@ std::string_view Content::text() const {
 }
 
 Answer error_answer(unsigned status, std::string_view error, std::string_view what_to_do) {
-  // Puts "error" first, the order in which people read.
+  // Puts "error" first, because people read it first.
   json::Value json;
   json["error"] = error;
   json["what_to_do"] = what_to_do;

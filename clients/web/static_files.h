@@ -28,8 +28,8 @@ class StaticFiles {
   /// index.html, or contains anything but files and folders: a link might lead elsewhere.
   explicit StaticFiles(const std::string& folder);
 
-  /// The file for "/assets/index-3f2a9c01.js", for example, or index.html for "/". Compressed if
-  /// that is accepted and shorter.
+  /// The file for "/assets/index-3f2a9c01.js", for example, or index.html for "/". The file is
+  /// compressed if the browser accepts that and it becomes shorter.
   std::optional<Answer> find(std::string_view path, bool accepts_gzip) const;
 
   std::size_t count() const { return files_.size(); }

@@ -64,7 +64,7 @@ export class Resemblance {
     const apart = this.apart;
     for (let i = 0; i < TIMES; ++i) apart[i] = distanceM(p, ofP + i, q, ofQ + i);
     let greatest = apart[TIMES - 1]!;
-    // Four partial sums by index modulo four, as the server's SIMD code has them.
+    // Add four partial sums, by index modulo four, as the server's SIMD code does.
     let [s0, s1, s2, s3] = [0, 0, 0, 0];
     for (let i = 0; i + 4 <= TIMES; i += 4) {
       s0 += apart[i]!;

@@ -90,7 +90,7 @@ export class Asking {
     clearTimeout(this.groupsTimer);
     this.groupsTimer = setTimeout(
       () => void this.group(loaded, of, state.page.grouping, isWanted),
-      // No delay for the first groups, which a person waits for.
+      // Request the first groups without delay, because a person waits for them.
       state.groups === null ? 0 : groupsDelayMs,
     );
   }

@@ -21,7 +21,7 @@ export class Contacts {
   placeOf(hit: MotionEvent): Place {
     const [cx, cy, cz] = hit.change_mps;
     if (!this.recording.poseAt(hit.body, hit.timeS, pose)) return hit.place_m;
-    // The direction in the body's frame, by the inverse rotation.
+    // Rotate the direction into the body's frame, by the inverse rotation.
     const d = rotated(-pose.qx, -pose.qy, -pose.qz, pose.qw, cx, cy, cz);
     let least = Infinity;
     let touching: Place = [0, 0, 0];
