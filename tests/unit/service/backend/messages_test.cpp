@@ -1,4 +1,4 @@
-// Goal: messages follow docs/BACKENDS.md, with defaults for missing keys and errors that name keys.
+// Goal: messages follow docs/BACKENDS.md: missing keys have defaults, and errors name the key.
 #include "service/backend/messages.h"
 
 #include <gmock/gmock.h>

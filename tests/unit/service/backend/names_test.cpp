@@ -1,4 +1,4 @@
-// Goal: names and orders of attempts read back as written; other text is rejected.
+// Goal: attempt names read back as written, and invalid names and orders are rejected.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -29,7 +29,7 @@ TEST(AttemptNames, AreNothingElse) {
 }
 
 TEST(AttemptNames, OrdersAreChecked) {
-  // Method: a valid order, then one error at a time.
+  // Method: check a valid order, then orders with one error each.
   const Order right{.name = k_name, .folder = "/jobs/it's 17", .command = {"/bin/true", "a\nb"}};
   EXPECT_NO_THROW(check_order(right));
   const auto is_wrong = [&right](auto&& change) {

@@ -1,6 +1,6 @@
-// Goal: the Slurm backend runs the right commands and interprets their output, also lost and
-// unusual output. Method: scripts replace sbatch, squeue and scancel; they log their arguments and
-// answer from files. test_slurm_backend.py uses a real Slurm.
+// Goal: the Slurm backend runs the right commands and interprets their output, including lost or
+// unusual output. Method: scripts replace sbatch, squeue and scancel, log their arguments and print
+// prepared files. test_slurm_backend.py uses a real Slurm.
 #include "service/backend/slurm_backend.h"
 
 #include <fmt/format.h>
@@ -78,7 +78,7 @@ class SlurmBackendTest : public ::testing::Test {
 };
 
 TEST_F(SlurmBackendTest, SubmitsAnAttemptOnce) {
-  // Method: compare the whole command. Submit again with the same object and with another one.
+  // Method: compare the whole command. Submit again with the same backend and with another.
   auto slurm = backend({{"partition", "long"}});
   Order wanted = order();
   wanted.memory_bytes = 3'000'000'001;
@@ -143,8 +143,8 @@ TEST_F(SlurmBackendTest, AsksSqueueOnceForAllAndNotSoonAgain) {
 }
 
 TEST_F(SlurmBackendTest, ALostAnswerIsFoundAgainByItsComment) {
-  // Method: sbatch submits, but its answer is lost in one of several ways. The next launch searches
-  // the queue before it submits, even right after the last list.
+  // Method: sbatch submits the job, but its output is lost in one of several ways. The next launch
+  // searches the queue before it submits, even right after it last listed the queue.
   for (const char* loss : {"kill -9 $$",
                            "echo 'sbatch: error: Batch job submission failed: Socket timed out on "
                            "send/recv operation' >&2; exit 1",
@@ -188,8 +188,7 @@ TEST_F(SlurmBackendTest, ARefusalIsNoSilence) {
 }
 
 TEST_F(SlurmBackendTest, AControllerThatIsAwayIsAskedOnce) {
-  // Method: the queue is unreachable. No job is submitted or ended; twenty questions cause one
-  // call.
+  // Method: the queue is unreachable. No job is submitted, and twenty queries call squeue once.
   program("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2; exit 1");
   auto slurm = backend();
   for (std::uint64_t job = 1; job <= 10; ++job) {

@@ -1,5 +1,5 @@
 // Goal: jobs' options for Slurm become arguments of sbatch. Options that would break the service
-// are refused in any spelling.
+// are refused however they are spelt.
 #include "service/backend/slurm_options.h"
 
 #include <gmock/gmock.h>

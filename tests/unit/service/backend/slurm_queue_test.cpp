@@ -1,4 +1,4 @@
-// Goal: squeue's rows become attempts, whatever else the queue contains.
+// Goal: squeue's rows become attempts, and foreign or damaged rows are ignored.
 #include "service/backend/slurm_queue.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ TEST(SlurmQueue, HasTheAttemptsOfComments) {
 }
 
 TEST(SlurmQueue, PassesOddRowsOver) {
-  // Method: rows with foreign comments, cut rows, arrays, bars in a comment, no last newline.
+  // Method: read foreign comments, cut rows, job arrays, bars in a comment, and no last newline.
   const SlurmQueue queue = slurm_queue_of(
       "\n|||\nslurm_load_jobs error\n"
       "1|RUNNING|None|my own|words\n"
