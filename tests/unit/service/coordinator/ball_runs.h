@@ -1,4 +1,4 @@
-// Whole runs of the 2D ball in a scratch folder; each session is joined like a program's main.
+// Whole runs of the 2D ball in a scratch folder. Each session assembles its own parts.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace sleight::coordinator::testing {
 
 class BallRuns : public archive::testing::Scratch {
  protected:
-  /// For request_text: scans slow enough that a session can be stopped between two units.
+  /// Makes scans slow enough that a session can be stopped between two units (for request_text()).
   static constexpr const char* k_slow = "iterations_per_scan = 200\n";
 
   /// A request of three chains or ladders. `stop` is the content of [stop]; `more` precedes it.
@@ -60,13 +60,13 @@ class BallRuns : public archive::testing::Scratch {
         options);
   }
 
-  /// Requests a stop at the n-th call.
+  /// Returns a function that requests a stop at its n-th call.
   static std::function<bool()> stop_at(std::uint64_t question) {
     return [question, asked = std::uint64_t{0}]() mutable { return ++asked >= question; };
   }
 
-  /// Like stop_at, unless the previous session was stopped while it wrote its archive. Writing
-  /// calls the function more often, so the run would never end.
+  /// Like stop_at(), but requests no stop if the previous session was stopped while it wrote its
+  /// archive. Writing an archive takes more calls than that, so the run would otherwise never end.
   static std::function<bool()> stop_before_writing(std::uint64_t question,
                                                    const RunSummary& before) {
     return before.is_archive_given_up ? std::function<bool()>() : stop_at(question);

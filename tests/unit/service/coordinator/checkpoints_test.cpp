@@ -1,4 +1,4 @@
-// When run checkpoints are made, and that nothing waits for them.
+// Run checkpoints are made at the right times, and nothing waits for them.
 #include "service/coordinator/checkpoints.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ class SetClock final : public base::Clock {
 
 class CheckpointsTest : public ::testing::Test {
  protected:
-  /// Waits for the thread to fulfil a condition; fails after 20 s.
+  /// Waits until the condition holds; fails after 20 s.
   static void await(const std::function<bool()>& holds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (!holds()) {
@@ -40,8 +40,8 @@ class CheckpointsTest : public ::testing::Test {
 };
 
 TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
-  // Goal: a checkpoint follows the first solution, then one per minute, of the newest cut. Method:
-  // a manual clock, one offer per second for five minutes, a solution after ten.
+  // Goal: the first solution triggers a checkpoint, and each minute the newest cut does. Method:
+  // make one offer per second for five minutes, with a solution after ten seconds.
   std::vector<std::uint64_t> cuts;
   Checkpoints checkpoints(
       [&](const request::Cut& reached, const std::atomic<bool>&) {
@@ -60,7 +60,7 @@ TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
 }
 
 TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
-  // Goal: no checkpoint without results, in the first half second, or if checkpoints are off.
+  // Goal: no checkpoint is made without results, in the first half second, or if turned off.
   std::atomic<int> made = 0;
   const auto derive = [&](const request::Cut&, const std::atomic<bool>&) {
     ++made;
@@ -81,9 +81,8 @@ TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
 }
 
 TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
-  // Goal: as soon as a search has all its finds, an archive follows, even if the run ends
-  // meanwhile. Method: an offer at time 0; stop() comes during the derivation, which never sees a
-  // stop.
+  // Goal: an archive is derived as soon as a search has all its finds, even if the run ends
+  // meanwhile. Method: make an offer at time 0, and call stop() during the derivation.
   std::atomic<int> begun = 0;
   std::atomic<bool> stops = false;
   Checkpoints checkpoints(
@@ -108,8 +107,8 @@ TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
 }
 
 TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
-  // Goal: during a derivation, offers return at once and don't begin a second one; stop() cancels
-  // it. Method: a derivation that lasts until it is stopped.
+  // Goal: during a derivation, offers return at once and don't start a second derivation, and
+  // stop() cancels the first. Method: make offers during an endless derivation.
   std::atomic<int> begun = 0;
   std::atomic<bool> was_told = false;
   Checkpoints checkpoints(
@@ -137,8 +136,9 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
 
 TEST_F(CheckpointsTest, CostlyOnesAreRare) {
   // Goal: deriving takes at most a hundredth of the workers' time, excluding new motions. Method:
-  // checkpoints compute for 0.2 s, of which motions take none or 0.15 s. With two workers, the next
-  // follows after 50 times the rest (10 s or 2.5 s, or more), although one is due each second.
+  // each checkpoint computes for 0.2 s, and motions take none or 0.15 s of this time. With two
+  // workers, the next checkpoint starts after 50 times the remaining time (at least 10 s or 2.5 s),
+  // although one is due each second.
   for (const double motions_s : {0.0, 0.15}) {
     std::atomic<double> cost_s = 0;
     Checkpoints checkpoints(
@@ -168,9 +168,9 @@ TEST_F(CheckpointsTest, CostlyOnesAreRare) {
 }
 
 TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
-  // Goal: neither a failure of any kind nor a cut without draws ends checkpoints. The first archive
-  // is tried each second until it succeeds; the next follows a minute later. Method: failures of
-  // two kinds, then a cut without draws, then an archive.
+  // Goal: checkpoints continue after any failure and after a cut without draws. The first archive
+  // is tried each second until it succeeds, and the second a minute later. Method: fail in two
+  // ways, then have a cut without draws, then succeed.
   std::atomic<int> tries = 0;
   Checkpoints checkpoints(
       [&](const request::Cut&, const std::atomic<bool>&) {
@@ -187,7 +187,7 @@ TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
   offer(1);
   await([&] { return tries == 1; });
   for (int nth = 2; nth <= 4; ++nth) {
-    // A try has ended when the next one can begin.
+    // A new attempt shows that the previous one has ended.
     await([&] {
       offer(1.5);
       return tries >= nth;
@@ -199,7 +199,8 @@ TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
 }
 
 TEST_F(CheckpointsTest, WhatGoesOnHasAnArchive) {
-  // Goal: a resumed run with an archive makes no checkpoint at once. Method: with and without one.
+  // Goal: a resumed run that has an archive doesn't make a checkpoint at once. Method: resume with
+  // and without an archive.
   for (const bool has_archive : {true, false}) {
     std::atomic<int> made = 0;
     Checkpoints checkpoints(

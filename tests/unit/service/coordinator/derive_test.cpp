@@ -18,7 +18,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Counts the simulated motions, by state.
+/// Counts how often each state's motion is simulated.
 class CountingReader final : public archive::ForwardingReader {
  public:
   using ForwardingReader::ForwardingReader;
@@ -41,7 +41,7 @@ class CountingReader final : public archive::ForwardingReader {
 
 class DeriveArchive : public testing::BallRuns {
  protected:
-  /// Derives the archive of a run so far, knowing only the run's folder.
+  /// Derives an archive of a run's current results from the run's folder alone.
   static std::string derived(const std::string& text, const std::string& output,
                              const std::string& place, const std::function<bool()>& stop = {}) {
     const run::Catalogue catalogue;
@@ -64,10 +64,9 @@ class DeriveArchive : public testing::BallRuns {
 };
 
 TEST_F(DeriveArchive, IsTheRunsOwn) {
-  // Goal: an archive derived from a folder alone equals the run's archive byte for byte. The
-  // archives are equal for each kind of method, for finished and stopped runs, and for fewer scans
-  // than the store has. Method: runs of the ball and of a word of two bins; stopped runs with two
-  // threads.
+  // Goal: an archive derived from a run's folder alone equals the run's own archive byte for byte,
+  // for each kind of method, for finished and stopped runs, and for fewer scans than the store has.
+  // Method: use runs of the ball and of a word of two bins, some stopped and with two threads.
   const auto word = [](const std::string& sampler, const std::string& stop) {
     return "[world]\nname = \"spelling\"\nbitmap = \"#.#\"\n[sampler]\nseed = 5\n" + sampler +
            "[stop]\n" + stop;
@@ -104,9 +103,9 @@ TEST_F(DeriveArchive, IsTheRunsOwn) {
 }
 
 TEST_F(DeriveArchive, HangsOnItsCutAlone) {
-  // Goal: scans beyond the cut, including new levels of a ladder, don't change its archive. Method:
-  // ladders that choose their levels. Request fewer scans of a long run and compare with a run of
-  // just these scans. The long run has more levels than the short one.
+  // Goal: scans after a cut, including a ladder's later levels, don't change the cut's archive.
+  // Method: request fewer scans of a long run, and compare with a run of just these scans. The
+  // ladders choose their levels, and the long run has more of them.
   const auto text = [](int scans) {
     return request_text("scans = " + std::to_string(scans), "", "parallel_tempering");
   };
@@ -123,9 +122,9 @@ TEST_F(DeriveArchive, HangsOnItsCutAlone) {
 }
 
 TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
-  // Goal: checkpoints, the final archive and an archive derived later simulate each kept animation
-  // once in total. Method: count the motions of a run with checkpoints as often as possible, of a
-  // longer run that resumes it, and of an archive derived afterwards.
+  // Goal: checkpoints, the final archive and the archives of a resumed run simulate each kept
+  // animation once in total. Method: count the simulated motions of a run with checkpoints as often
+  // as possible, and of a session that resumes it.
   const run::Catalogue catalogue;
   const auto read = [&](const std::string& stop) {
     return request::read_request(
@@ -184,7 +183,7 @@ TEST_F(DeriveArchive, CanBeStopped) {
 TEST_F(DeriveArchive, ARunThatIsToldToStopWhileItWritesKeepsTheOldOne) {
   // Goal: if a session is stopped while it writes its archive, the old archive stays, the store is
   // complete, and the session ends as interrupted. The same request then produces its archive.
-  // Method: stop at the phase that announces the writing, in a first session and a resumed one.
+  // Method: stop in the phase before the writing, in a first session and in a resumed one.
   const std::string text = request_text("scans = 200");
   const std::string longer = request_text("scans = 300");
   for (const bool has_archive : {false, true}) {

@@ -1,4 +1,4 @@
-// Any crew and any stops give the same result.
+// A run's result depends neither on the crew nor on stops.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ constexpr std::uint32_t k_chains = 4;
 constexpr std::uint64_t k_round_scans = 10;
 constexpr std::uint64_t k_solutions = 40;
 
-/// The scan at which a run for k_solutions must stop, from the example records.
+/// Returns the scan at which a run for k_solutions must stop, computed from the example records.
 std::uint64_t scans_at_stop() {
   std::uint64_t end = 0;
   for (std::uint64_t length = k_round_scans;; length *= 2) {
@@ -38,9 +38,9 @@ class DriveProperty : public store::testing::RunFolder {};
 
 TEST_F(DriveProperty, AnyCrewAndAnyStopsGiveOneResult) {
   // Goal: results don't depend on when and where units complete, on their costs, on lost states, or
-  // on where sessions stop or fail. Method: runs of random sessions, each with a crew of random
-  // workers, threads, order, costs and memory, and a random end. The final stop and every stored
-  // bit equal the reference. Control: crews did hold states, and did lose some.
+  // on where sessions stop or fail. Method: drive runs in sessions that end at random, with random
+  // numbers of workers and threads, random orders, costs and lost states. The final scan and every
+  // stored bit equal the reference. Control: crews held states, and lost some.
   const std::uint64_t end = scans_at_stop();
   EXPECT_GT(end, 2 * k_round_scans);
   std::uint64_t states_held = 0;

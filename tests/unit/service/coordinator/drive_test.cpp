@@ -40,7 +40,7 @@ class Drive : public store::testing::RunFolder {
     return drive(plan, *store_, *crew_, clock_, options);
   }
 
-  /// Scans of all chains that a concurrent reader finds committed.
+  /// Returns the number of committed scans of all chains, counted by a concurrent reader.
   std::uint64_t committed_scans() const {
     store::Database reader(store::RunStore::database_path(folder()), store::Access::read_only);
     store::Statement count = reader.prepare("SELECT count(*) FROM scan");
@@ -54,8 +54,8 @@ class Drive : public store::testing::RunFolder {
 };
 
 TEST_F(Drive, RunsAPlanToItsEnd) {
-  // Goal: every scan of the plan is computed once, stored and counted. Method: 500 scans of three
-  // chains; compare the counts with the records.
+  // Goal: every scan of the plan is computed once, stored and counted. Method: run 500 scans of
+  // three chains, and compare the counts with the records.
   const DriveOutcome outcome = session(scans(500), {.seconds_per_scan = 0.001});
   EXPECT_EQ(outcome.end, DriveEnd::finished);
   EXPECT_EQ(outcome.reached.scans, 500U);
@@ -114,28 +114,29 @@ TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
 }
 
 TEST_F(Drive, AFinishedRunIsFinishedWhateverIsAsked) {
-  // Goal: a stop request after the last unit has no effect. Method: always stop a complete run.
+  // Goal: a stop request after the last unit has no effect. Method: request a stop at each call,
+  // but the run is complete.
   (void)session(scans(5), {});
   EXPECT_EQ(session(scans(5), {}, {.stop_requested = [] { return true; }}).end, DriveEnd::finished);
 }
 
 TEST_F(Drive, TimeLimitEndsInOrder) {
-  // Goal: the time limit is exceeded by at most the running units, and the cut is the same number
-  // of scans for all chains. Method: a scan takes 10 ms, the limit is 2 s.
+  // Goal: a session exceeds the time limit at most by the time of its running units, and cuts all
+  // chains at the same scan. Method: each scan takes 10 ms, and the limit is 2 s.
   clock_.advance(1000);  // clocks have any origin
   const DriveOutcome outcome =
       session(scans(100'000), {.seconds_per_scan = 0.010}, {.time_limit_s = 2});
   EXPECT_EQ(outcome.end, DriveEnd::time_limit);
   EXPECT_GE(outcome.progress.elapsed_s, 2);
-  // At most six units had been assigned.
+  // At the limit, at most six units are assigned.
   EXPECT_LT(outcome.progress.elapsed_s, 2.005 + 6 * core::BlockSizeOptions{}.target_s);
   EXPECT_NEAR(static_cast<double>(outcome.reached.scans), 200.0 / k_chains, 10);
 }
 
 TEST_F(Drive, UnitsFollowWhatScansCost) {
-  // Goal: measured costs determine the sizes of units (see block_size_test). Units reach the
-  // target's duration and keep it; cheap ones reach the maximum size of a block. Method: scans of
-  // 0.5 ms, and scans that cost almost nothing.
+  // Goal: measured costs determine the sizes of units (see block_size_test). Units grow to the
+  // target duration and stay there; units of cheap scans grow to the maximum block size. Method:
+  // run scans of 0.5 ms, and scans that cost almost nothing.
   const core::BlockSizeOptions size{};
   (void)session(scans(5000), {.seconds_per_scan = 0.0005});
   EXPECT_EQ(crew_->submitted().front().scans, 1U);
@@ -152,7 +153,7 @@ TEST_F(Drive, UnitsFollowWhatScansCost) {
 
 TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
   // Goal: scans_done never exceeds the committed scans and never decreases; the last report equals
-  // the outcome's. Method: at each report a concurrent reader counts the stored scans.
+  // the outcome's progress. Method: at each report a concurrent reader counts the stored scans.
   std::vector<events::Progress> reports;
   const auto report = [&](const events::Progress& progress) {
     EXPECT_LE(progress.scans_done, committed_scans());
@@ -171,8 +172,8 @@ TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
 
 TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
   // Goal: a stop request ends the session soon, even if blocks are still running, and keeps all
-  // results so far. The next session computes the rest. Method: a crew that hangs after 3 s, and a
-  // stop after 5 s; without the grace limit the test would never end.
+  // results so far. The next session computes the rest. Method: the crew hangs after 3 s, and a
+  // stop is requested after 5 s. Without the grace limit the test would never end.
   const double begin_s = clock_.now_s();
   const DriveOutcome cut =
       session(scans(2000), {.seconds_per_scan = 0.001, .hangs_from_s = begin_s + 3},
@@ -189,8 +190,8 @@ TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
 }
 
 TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
-  // Goal: `standing` receives ever larger cuts, which are committed after a flush, and reports a
-  // solution from the first one on. Method: read the run at each call; 60 s of work.
+  // Goal: `standing` is called with growing cuts, whose scans are committed after a flush, and with
+  // has_solution from the first solution on. Method: read the store at each call.
   std::vector<std::uint64_t> cuts;
   bool had_solution = false;
   const auto standing = [&](const Standing& now) {
@@ -212,8 +213,8 @@ TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
 }
 
 TEST_F(Drive, WorkersFailureComesOut) {
-  // Goal: a worker's exception ends the session unchanged, earlier results are stored, and the next
-  // session resumes. Method: the 40th unit fails; exactly the earlier units' scans are stored.
+  // Goal: a worker's exception ends the session and reaches the caller, earlier results are stored,
+  // and the next session resumes. Method: let the 40th unit fail.
   int units = 0;
   std::uint64_t scans_before = 0;
   FakeCrewOptions failing{.seconds_per_scan = 0.001};
@@ -231,7 +232,7 @@ TEST_F(Drive, WorkersFailureComesOut) {
 }
 
 TEST_F(Drive, SupersededSessionEnds) {
-  // Goal: a session ends with conflict if another has taken over. Method: reopen the store.
+  // Goal: a session ends with a conflict if another takes over its run. Method: reopen the store.
   FakeCrewOptions options{.seconds_per_scan = 0.001};
   std::optional<store::RunStore> successor;
   int units = 0;
@@ -247,9 +248,9 @@ TEST_F(Drive, SupersededSessionEnds) {
 }
 
 TEST_F(Drive, SaysWhatHandlingTook) {
-  // Goal: an outcome's Handling counts its own session: the scheduler's counts, the crew's
-  // messages, and the last reported caches of all workers. Method: three workers, whose n-th
-  // delivery reports n times a number of their own; compare with the crew's counts.
+  // Goal: an outcome's Handling covers its session: the scheduler's counts, the crew's messages,
+  // and the last reported caches of all workers. Method: compare with the crew's counts for three
+  // workers, whose cache numbers grow with each delivery.
   const DriveOutcome outcome =
       session(scans(400), {.workers = 3, .threads = 2, .seconds_per_scan = 0.001});
   EXPECT_EQ(outcome.progress.workers, 6U);
@@ -279,7 +280,8 @@ TEST_F(Drive, SaysWhatHandlingTook) {
 }
 
 TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
-  // Goal: an old clock makes no worker silent and ends no lease. Method: a million seconds.
+  // Goal: if the clock starts at a large time, no worker counts as silent and no lease ends.
+  // Method: start at a million seconds.
   clock_.advance(1e6);
   const DriveOutcome outcome =
       session(scans(1000), {.workers = 2, .threads = 2, .seconds_per_scan = 1}, {});
@@ -289,8 +291,8 @@ TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
 }
 
 TEST_F(Drive, ReportsRoundTripsOfItsPlan) {
-  // Goal: progress has the plan's round trips, including those of earlier sessions, if the plan
-  // counts them. Method: a plan that reports its consumed scans as round trips, in two sessions.
+  // Goal: progress includes the round trips of all sessions, if the plan counts round trips.
+  // Method: run two sessions of a plan that reports its consumed scans as round trips.
   class Travelling final : public plan::Plan {
    public:
     explicit Travelling(const sampling::IndependentChainsOptions& options) : chains_(options) {}

@@ -36,7 +36,7 @@ class Dice {
   random::Stream stream_;
 };
 
-/// A run's results, each determined only by its place.
+/// A run's results. Each result depends only on its chain and scan.
 struct World {
   std::uint64_t seed = 1;
   std::uint64_t failing = 12;  ///< one in this many scans fails, some twice
@@ -74,7 +74,7 @@ std::unique_ptr<plan::Plan> plan_of(const Asked& asked) {
           .stop = {.scans = asked.scans, .rounds = {}, .independent_solutions = {}}}));
 }
 
-/// Numbers events in the order of arrival, the mistake that the checks below must catch.
+/// Numbers events in their order of arrival. The checks below must catch this mistake.
 class CompletionOrder {
  public:
   explicit CompletionOrder(const store::ToldFrontier& told) : told_(told) {}
@@ -97,7 +97,7 @@ class CompletionOrder {
 };
 
 /// A run in sessions, with any number of workers whose results arrive in any order. A session that
-/// dies leaves its results and events up to some moment.
+/// dies leaves the results and events it had before its death.
 class PlayedRun {
  public:
   explicit PlayedRun(const World& world) : world_(world) {}
@@ -157,7 +157,7 @@ class PlayedRun {
   store::ToldFrontier told_;
 };
 
-/// A run by one worker, which reports results one by one.
+/// Returns a run by one worker, which reports results one by one.
 PlayedRun quiet_run(const World& world, const Asked& asked) {
   Dice dice(0);
   PlayedRun run(world);
@@ -166,9 +166,9 @@ PlayedRun quiet_run(const World& world, const Asked& asked) {
 }
 
 TEST(EventSequence, IsTheSameHoweverResultsCome) {
-  // Goal: invariant 1: neither the number of workers, the order of results, dying sessions, nor the
-  // number of calls changes the events or their order. Method: compare random runs of chains after
-  // a search, some in sessions that die anywhere, with an undisturbed run.
+  // Goal: events and their order don't depend on the number of workers, the order of results, dying
+  // sessions or the number of calls (invariant 1). Method: compare random runs of a search and then
+  // chains, some in sessions that die anywhere, with an undisturbed run.
   std::uint64_t failures = 0;
   for (const std::uint64_t index : property::cases(150)) {
     Dice dice(index);
@@ -192,7 +192,7 @@ TEST(EventSequence, IsTheSameHoweverResultsCome) {
 }
 
 TEST(EventSequence, NumberedInCompletionOrderItWouldBeCaught) {
-  // Goal: the check above catches events numbered by arrival. Method: runs with CompletionOrder.
+  // Goal: the check above catches events numbered by arrival. Method: use CompletionOrder.
   std::uint64_t caught = 0;
   for (std::uint64_t index = 0; index < 40; ++index) {
     Dice dice(index);
@@ -207,9 +207,9 @@ TEST(EventSequence, NumberedInCompletionOrderItWouldBeCaught) {
 }
 
 TEST(EventSequence, OfALongerStopGoesOn) {
-  // Goal: invariant 2: a run extended to more scans reports the same events as one long run.
-  // Requesting fewer scans meanwhile reports nothing new. Requesting more finds reports these when
-  // they are found, and all other events unchanged. Method: random runs in steps.
+  // Goal: a run extended to more scans reports the same events as one long run (invariant 2).
+  // Requesting fewer scans in between reports nothing new. Requesting more finds only adds events
+  // of these finds. Method: extend random runs step by step.
   for (const std::uint64_t index : property::cases(60)) {
     Dice dice(index);
     const World world{.seed = index};
@@ -234,9 +234,9 @@ TEST(EventSequence, OfALongerStopGoesOn) {
 }
 
 TEST(EventSequence, TellsInTheOrderOfItsHeader) {
-  // Goal: events have the header's order, with their places, numbers and files. Method: results of
-  // two chains by hand, the second chain first. Events of a scan are failures, then its solution,
-  // then its round; a scan that a chain lacks has none.
+  // Goal: events have the order that event_sequence.h defines, and the right places, numbers and
+  // files. Method: consume hand-written results of two chains, the second chain first. A scan's
+  // events are its failures, then its solution, then its round.
   sampling::IndependentChains plan(
       {.seed = 1,
        .chains = 2,
@@ -290,8 +290,8 @@ TEST(EventSequence, TellsInTheOrderOfItsHeader) {
 }
 
 TEST(EventSequence, TellsSoManyFailuresAndNoMore) {
-  // Goal: if a simulator fails everywhere, only the first failures in order are reported, up to the
-  // limit over all sessions, in any order of results. Method: runs that fail at each scan.
+  // Goal: if a simulator always fails, only the first failures in logical order are reported, up to
+  // the limit for all sessions, for any order of results. Method: fail at each scan.
   const World world{.seed = 5, .failing = 1};
   const Asked asked{.scans = 500, .finds = 0};
   const PlayedRun quiet = quiet_run(world, asked);

@@ -35,7 +35,7 @@ class FailureFilesOf : public archive::testing::Scratch {
 };
 
 TEST_F(FailureFilesOf, KeepAFewThatCanBeReadBack) {
-  // Goal: the first failures become readable files; later failures don't. Method: twenty failures.
+  // Goal: only the first failures are written to readable files. Method: report twenty failures.
   FailureFiles keeper = new_files();
   EXPECT_EQ(count(), 0U);
   std::set<std::string> paths;
@@ -54,7 +54,7 @@ TEST_F(FailureFilesOf, KeepAFewThatCanBeReadBack) {
 
 TEST_F(FailureFilesOf, AreWrittenOnceOverSessions) {
   // Goal: if a lost result is computed again, its files exist already. A later session adds files
-  // up to the limit of ten. Method: two objects on one folder, several failures of one scan.
+  // up to the limit of ten. Method: report failures of one scan to two objects.
   {
     FailureFiles first = new_files();
     for (const std::byte state : {std::byte{1}, std::byte{2}, std::byte{3}})

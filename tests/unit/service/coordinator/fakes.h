@@ -1,4 +1,4 @@
-// A crew that computes nothing: its results are the store's examples, and tests set the time.
+// A crew that computes nothing. Its results are the store's examples, and its clock is manual.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,8 @@ struct FakeCrewOptions {
   double seconds_per_scan = 0;  ///< passes on the clock when an assignment completes
   /// The reported cost of a unit. Empty: the seconds above.
   std::function<double(const plan::Unit&)> cost_s{};
-  /// Index of the waiting assignment that completes next, given their number. Empty: the oldest.
+  /// Returns the index of the waiting assignment that completes next, given the number of waiting
+  /// assignments. Empty: the oldest.
   std::function<std::size_t(std::size_t)> choose{};
   /// Called before each unit completes. May throw, as a failing worker would.
   std::function<void(const plan::Unit&)> before{};
@@ -32,9 +33,9 @@ struct FakeCrewOptions {
   double hangs_from_s = std::numeric_limits<double>::infinity();
 };
 
-/// Completes one assignment per receive. Checks that each unit comes with the state before it: as
-/// bytes, or held by the worker that made the state last and hasn't reported its loss. Checks that
-/// no worker has more assignments than the scheduler may give.
+/// Completes one assignment per receive. Checks that each unit comes with the state before it as
+/// bytes, unless the worker made this state last and hasn't reported its loss. Checks that no
+/// worker has more assignments than the scheduler may give.
 class FakeCrew final : public Crew {
  public:
   FakeCrew(base::ManualClock& clock, FakeCrewOptions options)
@@ -90,7 +91,7 @@ class FakeCrew final : public Crew {
   std::size_t outstanding() const { return waiting_.size(); }
   /// All units in the order of submission.
   const std::vector<plan::Unit>& submitted() const { return submitted_; }
-  /// Units that don't start and came without state bytes.
+  /// Number of units that came without state bytes, excluding a replica's first unit.
   std::uint64_t states_held() const { return states_held_; }
   std::uint64_t states_given() const { return states_given_; }
   std::uint64_t deliveries(core::WorkerId worker) const { return deliveries_.at(worker); }
@@ -144,7 +145,8 @@ class FakeCrew final : public Crew {
     return delivery;
   }
 
-  /// In each worker's n-th delivery, all numbers are n times a factor that grows by worker.
+  /// Returns cache numbers that are proportional to worker + 1 and, except bytes_max, to the
+  /// worker's number of deliveries.
   plan::CacheUse cache_after(core::WorkerId worker) {
     const std::uint64_t n = ++deliveries_[worker];
     const std::uint64_t factor = worker.value + 1;

@@ -24,7 +24,7 @@ class FakeWorker final : public plan::BlockWorker {
   using Act = std::function<void(const plan::Unit&)>;
   explicit FakeWorker(Act act = {}) : act_(std::move(act)) {}
 
-  /// Returns each member's state. Returns nothing if a state is missing.
+  /// Returns each member's state, or no results if a state is missing.
   std::vector<plan::UnitResult> run(const plan::Block& block,
                                     std::span<const plan::GivenState> states) const override {
     ++started_;
@@ -58,7 +58,7 @@ schema::Assignment assignment(std::uint64_t number, base::Bytes state = {}) {
           .states = {std::move(state)}};
 }
 
-/// Waits for a number of deliveries.
+/// Returns the next `count` deliveries, waiting for them if necessary.
 std::vector<schema::Delivery> collect(LocalCrew& crew, std::size_t count) {
   std::vector<schema::Delivery> all;
   while (all.size() < count) {
@@ -71,7 +71,7 @@ std::vector<schema::Delivery> collect(LocalCrew& crew, std::size_t count) {
   return all;
 }
 
-/// The assignments that the crew reports as not done.
+/// Returns the assignments that the crew reports as not done.
 std::vector<std::uint64_t> before(LocalCrew& crew) {
   crew.send(k_local_worker, schema::Ping{.epoch = 9});
   const std::vector<core::Input> inputs = crew.receive(10);
@@ -119,8 +119,8 @@ TEST(LocalCrew, IsOneWorkerOfAllThreads) {
 }
 
 TEST(LocalCrew, ComputesEveryAssignmentOnce) {
-  // Goal: each assignment returns once, with its number, its epoch, its own state and the worker's
-  // cache. Method: 500 assignments through 3 threads.
+  // Goal: each assignment is delivered once, with its number, its epoch, its own state and the
+  // worker's cache. Method: send 500 assignments to 3 threads.
   const FakeWorker worker;
   LocalCrew crew(worker, 3);
   for (std::uint32_t i = 0; i < 500; ++i)
@@ -139,8 +139,9 @@ TEST(LocalCrew, ComputesEveryAssignmentOnce) {
 }
 
 TEST(LocalCrew, BlocksComeBackWhole) {
-  // Goal: a block's members and states reach the worker unchanged, and its results reach the
-  // driver, even if there are none. Method: a block of three; one that lacks a state.
+  // Goal: a block's members and states reach the worker unchanged, and a delivery reaches the
+  // driver, even without results. Method: send a block of three members, first complete, then
+  // without one of the states.
   const FakeWorker worker;
   LocalCrew crew(worker, 1);
   schema::Assignment block = assignment(1);
@@ -179,7 +180,7 @@ TEST(LocalCrew, AnswersPingsWithWhatIsBeforeIt) {
 }
 
 TEST(LocalCrew, TakesTheOldestFirst) {
-  // Goal: assignments begin in the order of sending. Method: the order of one thread's deliveries.
+  // Goal: assignments begin in the order of sending. Method: check one thread's deliveries.
   const FakeWorker worker;
   LocalCrew crew(worker, 1);
   for (const std::uint64_t number : {7U, 3U, 9U, 1U})
@@ -191,8 +192,8 @@ TEST(LocalCrew, TakesTheOldestFirst) {
 }
 
 TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
-  // Goal: the number of assignments that run at once equals the number of threads. Method: units
-  // that wait for each other; fewer threads would wait forever.
+  // Goal: the number of assignments that run at once equals the number of threads. Method: run
+  // units that wait for each other; fewer threads would wait forever.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 4);
@@ -204,7 +205,8 @@ TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
 }
 
 TEST(LocalCrew, ReceiveEndsWithoutResults) {
-  // Goal: a timeout returns nothing and loses nothing. Method: block the worker, then release it.
+  // Goal: receive() returns nothing after a timeout, and no delivery is lost. Method: block the
+  // worker, then release it.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 1);
@@ -216,7 +218,7 @@ TEST(LocalCrew, ReceiveEndsWithoutResults) {
 }
 
 TEST(LocalCrew, WorkersExceptionComesOutOfReceive) {
-  // Goal: an exception in a thread reaches the driver with its type, repeatedly if necessary, and
+  // Goal: an exception in a thread reaches the driver with its type at every later receive(), and
   // doesn't end the process. Method: the third of five units throws.
   const FakeWorker worker([](const plan::Unit& failing) {
     if (failing.replica.chain.value == 2) {
@@ -239,8 +241,8 @@ TEST(LocalCrew, WorkersExceptionComesOutOfReceive) {
 }
 
 TEST(LocalCrew, DestructorDropsWhatWaits) {
-  // Goal: the destructor waits for running blocks and starts no other. Method: block one thread in
-  // the first of a hundred assignments while another thread destroys the crew.
+  // Goal: the destructor waits for running blocks and starts no waiting block. Method: block one
+  // thread in the first of a hundred assignments while another thread destroys the crew.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   auto crew = std::make_unique<LocalCrew>(worker, 1);
@@ -284,7 +286,7 @@ TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
 }
 
 TEST(LocalCrewDeathTest, ForeignWorkerIsABug) {
-  // Goal: an assignment for another worker is refused. Method: worker 1.
+  // Goal: sending to another worker fails a CHECK. Method: send to worker 1.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const FakeWorker worker;
   LocalCrew crew(worker, 1);

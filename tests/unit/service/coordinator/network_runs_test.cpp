@@ -38,9 +38,9 @@ class NetworkRuns : public testing::BallRuns {
 };
 
 TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
-  // Goal: a run on a network disk that is stopped at any place and resumed has the archive of a run
-  // on a local disk. Checkpoints of this run read over the writer's connection. Method: plain
-  // chains and ladders, sessions of two threads; compare with the same runs on a local disk.
+  // Goal: a run on a network disk, stopped anywhere and resumed, has the same archive as a run on a
+  // local disk. Its checkpoints read over the writer's connection. Method: compare plain chains and
+  // ladders in sessions of two threads with the same runs on a local disk.
   const std::vector<std::string> texts{
       request_text("scans = 300", k_slow),
       request_text("rounds = 3", std::string(k_slow) + "replicas = 4\n", "parallel_tempering")};
@@ -67,8 +67,8 @@ TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
 }
 
 TEST_F(NetworkRuns, MakeCheckpointsOverTheWritersConnection) {
-  // Goal: run checkpoints appear while the run commits; other readers are refused, with the latest
-  // archive's name. Method: stop an endless run once an archive exists.
+  // Goal: run checkpoints appear while the run commits; other readers get an error that names the
+  // latest archive. Method: stop an endless run once an archive exists.
   const store::testing::UnsharedDisk disk;
   const std::string output = path("a.h5");
   std::string refusal;
@@ -88,9 +88,9 @@ TEST_F(NetworkRuns, MakeCheckpointsOverTheWritersConnection) {
 }
 
 TEST_F(NetworkRuns, ARunIsTakenOverFromADeadNode) {
-  // Goal: if a run's node dies, a start on another node resumes the run and ends with the digest of
-  // an undisturbed run. Method: kill a child process after its first commit. Rewrite its lease as
-  // another node's, with a length of one second.
+  // Goal: after a run's node dies, another node can resume the run and gets the digest of an
+  // undisturbed run. Method: kill a child process after its first commit, and rewrite its lease as
+  // another node's with a length of one second.
   const std::string text = request_text("scans = 200", k_slow);
   const std::string expected = session(text, {.output = path("quiet.h5")}).digest;
   const store::testing::UnsharedDisk disk;

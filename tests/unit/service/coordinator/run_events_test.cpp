@@ -1,4 +1,4 @@
-// Events of whole runs, in their folders and for a listener.
+// Events of whole runs, as stored in their folders and as sent to a listener.
 #include "service/coordinator/run_events.h"
 
 #include <gmock/gmock.h>
@@ -36,7 +36,7 @@ class RunEventsOf : public testing::BallRuns {
       lines.push_back(events::to_line(event));
     return lines;
   }
-  /// Events that follow from results, without their numbers.
+  /// Returns the events except the ends of sessions, without their numbers.
   static std::vector<std::string> without_ends(std::vector<events::RunEvent> events) {
     std::erase_if(events, [](const events::RunEvent& event) {
       return std::holds_alternative<events::RunEnd>(event.what);
@@ -57,7 +57,7 @@ class RunEventsOf : public testing::BallRuns {
 
 TEST_F(RunEventsOf, OneRunHaveTheirContents) {
   // Goal: a run reports each independent solution, each round and its end exactly once. Method:
-  // compare with the summary, for plain chains (no swaps) and ladders (swaps).
+  // compare the events of plain chains (no swaps) and ladders (swaps) with the runs' summaries.
   const RunSummary plain = session(request_text("scans = 200"), {.output = path("plain.h5")});
   const auto of_plain = told("plain.h5");
   const auto solutions = of_kind<events::Solution>(of_plain);
@@ -92,9 +92,9 @@ TEST_F(RunEventsOf, OneRunHaveTheirContents) {
 }
 
 TEST_F(RunEventsOf, SessionsGoOnWithTheSameNumbers) {
-  // Goal: a run that is stopped, resumed, extended, and meanwhile requested with fewer scans
-  // reports the same events in the same order as one uninterrupted run. Each session adds its end,
-  // and reported events keep their numbers. Method: compare threaded sessions to one session.
+  // Goal: a run that is stopped, resumed, shortened and extended reports the same events in the
+  // same order as one uninterrupted run. Each session adds an event for its end, and reported
+  // events keep their numbers. Method: compare sessions of several threads with one session.
   const std::string shorter = request_text("scans = 200", k_slow, "parallel_tempering");
   const std::string longer = request_text("scans = 320", k_slow, "parallel_tempering");
   (void)session(longer, {.output = path("at_once.h5")});
@@ -126,9 +126,9 @@ TEST_F(RunEventsOf, SessionsGoOnWithTheSameNumbers) {
 }
 
 TEST_F(RunEventsOf, ALogThatIsLostChangesNothing) {
-  // Goal: deleting or blocking the log loses no numbered event and ends no run. Method: delete one
-  // run's log; block another run's log with folders in its place. The runs' stores have the same
-  // events, and a later session begins a new log.
+  // Goal: a deleted or blocked log loses no numbered event and doesn't end the run. Method: delete
+  // one run's log, and create folders in the place of another run's log. The stores of both runs
+  // have the same events, and a later session starts a new log.
   const std::string request = request_text("scans = 150");
   (void)session(request, {.output = path("ball.h5")});
   const auto events = lines_of(told("ball.h5"));
@@ -149,8 +149,8 @@ TEST_F(RunEventsOf, ALogThatIsLostChangesNothing) {
 }
 
 TEST_F(RunEventsOf, ListenersHearAllInTheirThread) {
-  // Goal: the listener receives each numbered event once and in order, and also progress, phases
-  // and archives, in the thread that runs the request. Method: compare two sessions with the store.
+  // Goal: the listener is called with each numbered event once and in order, and with progress,
+  // phases and archives, in the thread that runs the request. Method: compare with the store.
   const auto here = std::this_thread::get_id();
   std::vector<events::RunEvent> heard;
   const auto hear = [&](const events::RunEvent& event) {
@@ -170,15 +170,15 @@ TEST_F(RunEventsOf, ListenersHearAllInTheirThread) {
   const auto archives = of_kind<events::ArchiveWritten>(heard);
   ASSERT_FALSE(archives.empty());
   EXPECT_EQ(archives.back(), (events::ArchiveWritten{.digest = second.digest, .scans = 300}));
-  // The log has the newest of these events.
+  // The log contains the newest events.
   const auto logged = events::read_event_log(folder("ball.h5"));
   EXPECT_EQ(of_kind<events::ArchiveWritten>(logged).back(), archives.back());
   EXPECT_EQ(of_kind<events::Progress>(logged).back().scans_done, 900U);
 }
 
 TEST_F(RunEventsOf, StartingOverForgetsThem) {
-  // Goal: --fresh restarts numbering at 1 and reports no event of the deleted run. Method: a run of
-  // two sessions, then another seed in its place.
+  // Goal: --fresh restarts numbering at 1 and reports no event of the deleted run. Method: run two
+  // sessions, then start a shorter request with --fresh in the same place.
   (void)session(request_text("scans = 150"), {.output = path("ball.h5")});
   (void)session(request_text("scans = 200"), {.output = path("ball.h5")});
   (void)session(request_text("scans = 100"), {.output = path("other.h5")});

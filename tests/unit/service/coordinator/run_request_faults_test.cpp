@@ -1,6 +1,6 @@
-// Goal: whichever file call fails in a session, the error names the file and the reason, the old
-// archive stays or is replaced by a complete one, and the next session ends with the straight run's
-// digest. Method: sessions on a file system with a fault at each call in turn.
+// Goal: if any file call of a session fails, the error names the file and the reason. The old
+// archive stays or is replaced by a complete one, and the next session has the digest of an
+// undisturbed run. Method: run sessions on a file system that fails at each call in turn.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,11 +31,11 @@ class RunRequestFaults : public testing::BallRuns {
  protected:
   std::string output() const { return path("ball.h5"); }
 
-  /// The error of a session whose calls fail like this; empty: the session succeeded.
+  /// Returns the error of a session with this fault, or an empty string if the session succeeded.
   std::string failure_of(const Fault& fault, const std::string& request) {
     files_.fail(fault);
     try {
-      // No checkpoints, because the order of their calls varies.
+      // Make no checkpoints, because the order of their calls varies.
       (void)session_on(files_, request, {.output = output(), .checkpoint_every_s = 0});
     } catch (const base::Error& error) {
       EXPECT_EQ(error.exit_code(), base::ExitCode::environment) << error.what();
@@ -48,9 +48,9 @@ class RunRequestFaults : public testing::BallRuns {
 };
 
 TEST_F(RunRequestFaults, AnyCallMayFail) {
-  // The disk stays full from each call in turn; at every third call it fails once. deploy/test
-  // takes every 25th and every 40th call; with sanitizers, where a session takes ten times as long,
-  // every 15th and every 22nd.
+  // The disk becomes full and stays full at each call in turn, and fails once at every third call.
+  // deploy/test tries only every 25th and every 40th call. With sanitizers, where a session takes
+  // ten times as long, these are every 15th and every 22nd call.
 #ifdef SLEIGHT_SANITIZED
   const std::uint64_t for_good_every = 15, once_every = 22;
 #else
@@ -96,8 +96,8 @@ TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
 }
 
 TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
-  // Goal: if the archive can't be written, computed results are kept, and the next session computes
-  // nothing. Method: a full disk after the trial file; a failing rename; failing syncs.
+  // Goal: if the archive can't be written, the results stay stored, and the next session computes
+  // nothing. Method: fail in turn each kind of call that writes the archive.
   const std::string request = request_text("scans = 30");
   const std::string expected = session(request, {.output = path("s.h5")}).digest;
   for (const Fault& fault :
@@ -127,8 +127,8 @@ TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
 }
 
 TEST_F(RunRequestFaults, LeftoversThatStayStopNobody) {
-  // Goal: a killed process's unfinished archive is deleted, or the run continues if that fails.
-  // Method: two such files; a removal fails, or listing the folder fails.
+  // Goal: a run deletes a killed process's unfinished archives, and continues if it can't. Method:
+  // leave two such files; fail a removal, then the listing of the folder.
   const std::string request = request_text("scans = 30");
   const auto put_leftovers = [&] {
     put_bytes(path("ball.h5.tmp.11"), "half");

@@ -28,7 +28,7 @@ class RunRequestProperty : public testing::BallRuns {};
 TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
   // Goal: the archive's bytes depend only on the request (C1), not on threads or on where sessions
   // stop. Method: compare k_runs runs of random sessions (1, 2 or 5 threads, stopped at random)
-  // with a straight run. The runs stop by scans, by rounds and by independent solutions, and
+  // with an uninterrupted run. The requests stop after scans, rounds or independent solutions, and
   // include ladders, whose blocks contain several replicas. The seed is printed.
   std::uint64_t sessions = 0;
   struct Case {
@@ -68,7 +68,7 @@ TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
     }
   }
   if (!property::all_cases()) return;
-  // Negative control: sessions were stopped before their end.
+  // Control: sessions were stopped early.
   EXPECT_GT(sessions, 2 * k_runs);
 }
 

@@ -67,8 +67,8 @@ TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
 }
 
 TEST_F(RunRequest, GoesOnWhereItStopped) {
-  // Goal: a resumed run, and one extended by a longer request, equal a straight run bit for bit.
-  // Method: stop early, finish, request more.
+  // Goal: resumed runs and runs extended by a longer request equal an uninterrupted run bit for
+  // bit. Method: stop early, finish, then request more scans.
   const std::string shorter = request_text("scans = 300", k_slow);
   const std::string longer = request_text("scans = 500", k_slow);
   const RunSummary stopped = session(shorter, {.output = output(), .stop_requested = stop_at(6)});
@@ -84,9 +84,9 @@ TEST_F(RunRequest, GoesOnWhereItStopped) {
 }
 
 TEST_F(RunRequest, LeavesHowEachSessionEnded) {
-  // Goal: the store and the listener receive each session's end once, with the archive's digest. A
-  // refusal after the store is open is recorded too. Method: a stopped session, one at its time
-  // limit, one with a foreign file in its place, one that finishes.
+  // Goal: each session's end is stored and reported once, with the archive's digest, even if the
+  // session is refused after it opened the store. Method: stop a session, let one reach its time
+  // limit, put a foreign file in the place of one's archive, and finish one.
   const std::string request = request_text("scans = 300", k_slow);
   std::vector<events::RunEnd> heard;
   RunOptions options{.output = output(),
@@ -129,8 +129,8 @@ TEST_F(RunRequest, LeavesHowEachSessionEnded) {
 }
 
 TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {
-  // Goal: a run cut by a stop equals a run that requests this number of scans (C1), even if the
-  // store has more. Method: stop, then request exactly this number elsewhere, and fewer here.
+  // Goal: a run stopped after n scans equals a run that requests n scans (C1), even if the store
+  // has more. Method: request a stopped run's scans elsewhere, and fewer scans of a finished run.
   const RunSummary stopped = session(request_text("independent_solutions = 3\nscans = 100000"),
                                      {.output = output(), .stop_requested = stop_at(3)}, 2);
   ASSERT_GT(stopped.scans, 0U);
@@ -147,7 +147,7 @@ TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {
 }
 
 TEST_F(RunRequest, StoppedBeforeAnythingWritesNoArchive) {
-  // Goal: a run without results writes no archive. Method: stop at once; then resume.
+  // Goal: a run without results writes no archive. Method: stop at once, then resume.
   const RunSummary summary =
       session(request_text("scans = 50"), {.output = output(), .stop_requested = stop_at(1)});
   EXPECT_EQ(summary.scans, 0U);
@@ -157,8 +157,8 @@ TEST_F(RunRequest, StoppedBeforeAnythingWritesNoArchive) {
 }
 
 TEST_F(RunRequest, AnotherRequestIsRefused) {
-  // Goal: another request never overwrites an output. Method: change the seed, a world value, or
-  // thin; the archive and the run stay unchanged.
+  // Goal: a request never overwrites another request's output. Method: change an option of the
+  // sampler or the constraint; the archive and the run stay unchanged.
   const RunSummary first = session(request_text("scans = 60"), {.output = output()});
   const std::string bytes = bytes_of(output());
   for (const std::string& other :
@@ -173,7 +173,7 @@ TEST_F(RunRequest, AnotherRequestIsRefused) {
 
 TEST_F(RunRequest, FreshStartsOver) {
   // Goal: --fresh deletes an earlier run of any request, and is harmless for a new output. Method:
-  // fresh on nothing, on another request's run, and on the same request's.
+  // use it with no run, with another request's run, and with the same request's run.
   const std::string other = request_text("scans = 40", "change_probability = 0.25\n");
   EXPECT_EQ(session(other, {.output = output(), .fresh = true}).epoch, 1U);
   const RunSummary fresh = session(request_text("scans = 60"), {.output = output(), .fresh = true});
@@ -187,7 +187,7 @@ TEST_F(RunRequest, FreshStartsOver) {
 
 TEST_F(RunRequest, FreshGivesUpAStoreOfAKilledProcess) {
   // Goal: no page of a deleted store reappears, even if the process ends between two removals.
-  // Method: put another run's log and index where there is no database.
+  // Method: put another run's write-ahead log and its index where the database is missing.
   (void)session(request_text("scans = 200"), {.output = path("other.h5")});
   std::filesystem::create_directory(path("ball.h5.run"));
   const std::string target = store::RunStore::database_path(path("ball.h5.run"));
@@ -208,8 +208,8 @@ TEST_F(RunRequest, FreshGivesUpAStoreOfAKilledProcess) {
 }
 
 TEST_F(RunRequest, ForeignFileIsNotTouched) {
-  // Goal: a foreign file stays, even with --fresh, and nothing is created beside it. Method: a text
-  // file as the output; then also an empty folder in the run's place.
+  // Goal: a foreign file in the output's place stays, even with --fresh, and nothing is created
+  // beside it. Method: use a text file as the output; then add an empty folder in the run's place.
   put_bytes(output(), "my thesis");
   for (const bool fresh : {false, true}) {
     EXPECT_THAT(conflict_of(request_text("scans = 5"), fresh),
@@ -235,9 +235,9 @@ TEST_F(RunRequest, RunningRunIsNotDisturbed) {
 }
 
 TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
-  // Goal: a running run has archives, each complete and equal to that of a run with its number of
-  // scans. Method: make checkpoints as often as possible, and copy two of them (one with
-  // sanitizers, where checkpoints are rare). Compare each copy with a run of its number of scans.
+  // Goal: each archive of an unfinished run is complete and equals the archive of a run with its
+  // number of scans. Method: make checkpoints as often as possible, and compare copies of two of
+  // them (one with sanitizers, where checkpoints are rare) with such runs.
 #ifdef SLEIGHT_SANITIZED
   constexpr std::size_t k_copies = 1;
 #else

@@ -1,5 +1,5 @@
-// Goal: runs that search, alone or before chains, keep their finds and give the same archive for
-// any threads and stops. Method: whole runs of a word of two bins.
+// Goal: searches, alone or before chains, keep their finds, and their archives don't depend on
+// threads or stops. Method: compare whole runs of a word of two bins.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// With sanitizers a session takes ten times as long, so runs are stopped less often by this factor.
+// With sanitizers, which slow sessions tenfold, runs are stopped less often by this factor.
 #ifdef SLEIGHT_SANITIZED
 constexpr std::uint64_t k_rarer = 8;
 #else
@@ -71,8 +71,8 @@ TEST_F(SearchRuns, FindTheSameWithAnyNumberOfThreads) {
 }
 
 TEST_F(SearchRuns, GoOnAndAreCutShort) {
-  // More finds extend a run, fewer cut its archive, and a stop keeps the finds. Each result equals
-  // the straight run of the same number of finds.
+  // Requesting more finds extends a run, requesting fewer cuts its archive, and a stop keeps the
+  // finds. Each archive equals that of an uninterrupted run with the same number of finds.
   const std::string straight = session(search(12), {.output = path("s.h5")}).digest;
   const std::string shorter = session(search(3), {.output = path("t.h5")}).digest;
   EXPECT_EQ(session(search(3), {.output = path("a.h5")}).digest, shorter);
@@ -92,9 +92,9 @@ TEST_F(SearchRuns, GoOnAndAreCutShort) {
 }
 
 TEST_F(SearchRuns, TakesAreTheSame) {
-  // Goal: takes are stored like finds and marked as relaxed. The archive with takes is the same for
-  // any threads, after stops, for fewer takes, and for the request stored in it. A run stopped
-  // before its first take has the plain finds. Method: each case.
+  // Goal: takes are stored like finds and marked as relaxed. The archive doesn't depend on threads
+  // or stops, can be cut to fewer takes, and is reproduced by the request stored in it. A run
+  // stopped before its first take has the plain finds.
   const auto takes = [](int count) {
     return words("method = \"search\"\nrelax_scans = 6\niterations_per_scan = 4\n",
                  "takes = " + std::to_string(count) + "\n");
@@ -112,7 +112,7 @@ TEST_F(SearchRuns, TakesAreTheSame) {
   EXPECT_EQ(session(takes(8), {.output = path("t.h5")}, 3).digest, straight.digest);
   EXPECT_EQ(session(summary.request_text, {.output = path("again.h5")}).digest, straight.digest);
 
-  // Stopped often; each archive equals that of the request stored in it.
+  // Stop the run often, and reproduce archives from the requests stored in them.
   RunSummary last{.end = DriveEnd::stop_requested};
   int sessions = 0;
   for (; last.end != DriveEnd::finished && sessions < 1000; ++sessions) {
@@ -146,7 +146,7 @@ TEST_F(SearchRuns, TakesAreTheSame) {
 }
 
 TEST_F(SearchRuns, StandBeforeChains) {
-  // Finds are stored beside the draws and change none of them.
+  // Finds are stored in addition to the draws and don't change them.
   const RunSummary both =
       session(islands("scans = 12\nfound = 4\n"), {.output = path("both.h5")}, 2);
   EXPECT_EQ(both.found, 4U);
@@ -171,8 +171,8 @@ TEST_F(SearchRuns, StandBeforeChains) {
 }
 
 TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
-  // Goal: the batch of islands that determines the odds, and its first island, are the same for any
-  // threads, after stops, and for the archive's request. Method: odds that converge soon.
+  // Goal: the islands that determine the odds don't depend on threads or stops, and the archive's
+  // request reproduces them. Method: request odds that converge soon.
   const std::string request = words("", "odds = 1.0\n");
   const RunSummary straight = session(request, {.output = path("s.h5")});
   ASSERT_EQ(straight.end, DriveEnd::finished);
@@ -187,14 +187,14 @@ TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
   const std::string again = checked(path("s.h5")).request_text;
   EXPECT_EQ(session(again, {.output = path("again.h5")}).digest, straight.digest);
 
-  // The pilot's islands don't count.
+  // The odds exclude the pilot's islands.
   const auto source = archive::hdf5::open_file(path("s.h5"));
   const archive::Values from = source->read(archive::k_tempering, "odds_from_island", 0, 1);
   EXPECT_EQ(std::get<std::vector<double>>(from).at(0), 32);
 }
 
 TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
-  // Goal: Ctrl-C during the burn-in keeps the finds. Method: an endless burn-in.
+  // Goal: a stop during the burn-in keeps the finds. Method: stop an endless burn-in.
   const std::string endless = words(
       "method = \"sequential\"\nchains = 2\nparticles = 8\nround_scans = 1000\n"
       "iterations_per_scan = 100\n",
@@ -215,9 +215,9 @@ TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
 }
 
 TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
-  // Goal: chains that start from a search give the same bits too. The draws of such chains are the
-  // rounds that passed, and each counted scan is a kept animation. Method: a run with threads, one
-  // in sessions, and one cut where the first ended; more solutions extend the run.
+  // Goal: chains that start from a search also give the same bits for any threads and stops. Their
+  // draws are the rounds that passed, and each counted scan is a kept animation. Method: compare a
+  // run with threads, a run in sessions, and a run of the request stored in the archive.
   const auto judged = [](const std::string& stop) {
     return words(
         "method = \"metropolis_hastings\"\nstart = \"search\"\nchains = 4\nround_scans = 8\n"
@@ -253,7 +253,7 @@ TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
       source->read(archive::k_animations, "chain", 0, summary.animations));
   for (std::size_t chain = 0; chain < 4; ++chain) {
     if (std::isnan(counted[chain])) continue;
-    // The counted scan is its chain's first kept animation.
+    // Each chain's counted scan is its first kept animation.
     std::int64_t first = -1;
     for (std::size_t i = 0; i < drawn.size() && first < 0; ++i)
       if (of_chain[i] == static_cast<std::int64_t>(chain)) first = drawn[i];

@@ -26,7 +26,7 @@ TEST(WritingWords, TellsWhatTakesItsTime) {
   clock.advance(0.6);
   words.hear({.part = Part::draws, .done = 1250, .total = 5000});
   words.hear({.part = Part::draws, .done = 1251, .total = 5000});
-  // Each part has its own rate.
+  // Each part of the archive has its own rate.
   words.hear({.part = Part::animations, .done = 0, .total = 3000});
   clock.advance(10);
   words.hear({.part = Part::animations, .done = 1000, .total = 3000});
