@@ -15,7 +15,7 @@ namespace sleight::core::block_size_test {
 constexpr std::uint64_t k_seed = 662607;
 constexpr std::uint64_t k_any = 1'000'000;  ///< larger than any block
 
-/// Round numbers: blocks of 20 ms; handling of 1 ms per thread at half the time.
+/// Round numbers: blocks take 20 ms, and handling 1 ms per thread may take half of the time.
 constexpr BlockSizeOptions k_round{.target_s = 0.020,
                                    .handling_s = 0.001,
                                    .handling_share = 0.5,
@@ -41,8 +41,8 @@ TEST(BlockSize, BeginsWithOneScan) {
 }
 
 TEST(BlockSize, BlocksTakeAboutTheirTarget) {
-  // Goal: blocks reach target_s, growing at most eightfold per step, and do grow that fast. Method:
-  // scans of 1 ms, block by block from the first.
+  // Goal: blocks grow to target_s, at most eightfold per step, and do grow eightfold. Method:
+  // measure scans of 1 ms, block by block.
   BlockSize size(k_round);
   std::uint32_t before = 1;
   bool grew_eightfold = false;
@@ -59,7 +59,7 @@ TEST(BlockSize, BlocksTakeAboutTheirTarget) {
 }
 
 TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
-  // Goal: blocks reach scans_max and don't exceed it. Method: scans of a nanosecond or of 0 s.
+  // Goal: blocks grow to scans_max and no further. Method: measure scans of a nanosecond or of 0 s.
   for (const double scan_s : {1e-9, 0.0}) {
     BlockSize size(k_round);
     settle(size, scan_s);
@@ -69,7 +69,7 @@ TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
 }
 
 TEST(BlockSize, DearScansComeOneByOne) {
-  // Goal: a scan longer than the target is a block of its own, also after cheap scans.
+  // Goal: a scan that takes longer than the target is a block of its own, even after cheap scans.
   BlockSize size(k_round);
   settle(size, 1e-6);
   EXPECT_GT(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 1000U);
@@ -79,8 +79,9 @@ TEST(BlockSize, DearScansComeOneByOne) {
 }
 
 TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
-  // Goal: scans_max of a replica bounds its unit, but not a block of several units, down to the
-  // rate that the coordinator can handle. Method: a block of 20 scans, of which 4 take least_s.
+  // Goal: a replica's scans_max limits its unit, but not below the shortest block that the
+  // coordinator can handle, and never limits a block of several units. Method: limit blocks of 20
+  // scans, of which 4 take least_s.
   BlockSize size(k_round);
   settle(size, 0.001);
   for (const auto& [may, expected] : {std::pair{0U, 4U}, {1U, 4U}, {7U, 7U}, {500U, 20U}}) {
@@ -93,8 +94,8 @@ TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
 
 TEST(BlockSize, StartsCountUntilMoreIsKnown) {
   // Goal: starts, which make no proposals, count as scans until scans are measured, and never
-  // afterwards. Method: blocks of only starts. Then one start among ten scans, which affects the
-  // growth but not the cost. Then starts that look expensive.
+  // afterwards. Method: measure a block of only starts, then one start among ten scans, which
+  // affects the growth but not the cost, then starts that seem expensive.
   BlockSize size(k_round);
   size.measured(8, 0, 0.016);
   EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 10U);
@@ -108,8 +109,8 @@ TEST(BlockSize, StartsCountUntilMoreIsKnown) {
 }
 
 TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
-  // Goal: blocks are long enough that handling one per thread takes handling_share of the time,
-  // between target_s and target_s_max. Method: 1 ms of handling at one half.
+  // Goal: between target_s and target_s_max, blocks are so long that handling one block per thread
+  // takes handling_share of the time. Method: handling takes 1 ms, and its share is one half.
   const std::vector<std::pair<std::uint64_t, double>> expected{
       {0, 0.020}, {1, 0.020}, {10, 0.020}, {11, 0.022}, {100, 0.2}, {500, 1}, {100'000, 1}};
   for (const auto& [threads, block_s] : expected) {
@@ -123,8 +124,8 @@ TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
 }
 
 TEST(BlockSize, HungerMakesBlocksShorter) {
-  // Goal: blocks shrink while threads find no work, to least_s and to what the coordinator can
-  // handle, and grow again. Method: starve and feed 1 and 8 threads; scans of 0.1 ms.
+  // Goal: while threads find no work, blocks shrink to least_s or to the shortest that the
+  // coordinator can handle; afterwards they grow again. Method: starve and feed 1 and 8 threads.
   for (const auto& [threads, shortest_s] : {std::pair{1U, 0.004}, {8U, 0.016}}) {
     BlockSize size(k_round);
     settle(size, 0.0001, threads);
@@ -150,7 +151,7 @@ TEST(BlockSize, HungerMakesBlocksShorter) {
 }
 
 TEST(BlockSize, AWellFedRunHasNoCredit) {
-  // Goal: starvation counts at once. Method: starve once after many blocks.
+  // Goal: the first starvation shrinks blocks, even after many fed blocks.
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)
@@ -161,8 +162,8 @@ TEST(BlockSize, AWellFedRunHasNoCredit) {
 }
 
 TEST(BlockSize, LongHungerIsForgottenSoon) {
-  // Goal: after any starvation, blocks are back at their target within the steps that the shortest
-  // block needs. Method: starve 10,000 times; feed 170, since 1.01^170 > 0.020 / 0.004.
+  // Goal: after any starvation, blocks return to their target as soon as from the shortest block.
+  // Method: starve 10,000 times, then feed 170 times, because 1.01^170 > 0.020 / 0.004.
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)
@@ -174,9 +175,9 @@ TEST(BlockSize, LongHungerIsForgottenSoon) {
 }
 
 TEST(BlockSize, StrangeCostsDoNoHarm) {
-  // Goal: costs reported by a clock or another rank never exceed the bounds, and are forgotten.
-  // Method: random measurements, some with invalid costs, from a printed seed; then honest ones. An
-  // invalid cost must leave everything unchanged.
+  // Goal: whatever costs are reported, block sizes stay within their bounds, and wrong costs are
+  // forgotten. Method: report random costs, some invalid, from a printed seed, then correct ones.
+  // An invalid cost changes nothing.
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<double> costs{std::numeric_limits<double>::quiet_NaN(),
                                   -1,

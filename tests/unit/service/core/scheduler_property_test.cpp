@@ -71,8 +71,8 @@ struct Happened {
   std::uint64_t several = 0;  ///< blocks of more than one member
 };
 
-/// A scheduler, its workers and the messages in transit. Every input is checked against the
-/// scheduler's invariants, as seen from outside.
+/// A scheduler, its workers and the messages in transit. After every input, the scheduler's
+/// invariants are checked from outside.
 class Scene {
  public:
   Scene(const Case& given, const plan::UnitWorker& numbers, Dice& dice, Happened& happened)
@@ -109,8 +109,8 @@ class Scene {
     }
   }
 
-  /// From now on all workers answer and no message is lost. Time advances when nothing else
-  /// happens, until the scheduler has ended and expects nothing from any worker.
+  /// Continues without faults until the scheduler has ended and expects nothing from any worker.
+  /// Time advances when nothing else happens.
   void all_goes_well() {
     all_well_ = true;
     for (std::uint32_t id = 0; id < k_workers; ++id) {
@@ -183,7 +183,7 @@ class Scene {
   void take(const Keep& keep) {
     for (const plan::UnitResult& result : keep.results) {
       std::uint64_t& next = next_scan_[result.unit.replica];
-      // A replica that a ladder adds later begins later.
+      // A replica that its ladder adds later starts at a later scan.
       if (result.unit.starts) next = result.unit.first_scan.value;
       EXPECT_EQ(result.unit.first_scan.value, next);
       for (const plan::ScanRecord& record : result.scans)
@@ -273,7 +273,7 @@ class Scene {
     step(Tick{now_s_});
   }
 
-  /// A worker runs any one of its assignments.
+  /// Runs any assignment of the worker.
   bool run_one(std::uint64_t id) {
     Worker& worker = workers_[id];
     if (!worker.is_there || worker.before_it.empty()) return false;
@@ -315,7 +315,7 @@ class Scene {
     }
   }
 
-  /// Delivers any one of the messages in transit.
+  /// Delivers any message in transit.
   void arrive() {
     if (under_way_.empty()) return;
     const std::size_t which = dice_.below(under_way_.size());
@@ -370,10 +370,10 @@ void add(Happened& happened, const Counts& counts) {
 }
 
 TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
-  // Goal: whatever is lost, repeated, late or corrupt, each scan is kept once and in order, and no
-  // worker gets more assignments than it has room for. When faults end, the run finishes with a
-  // serial run's results. Method: chains and ladders; workers that come and go at random. The test
-  // tracks the scheduler's expected view of each worker, and counts what happened.
+  // Goal: even if messages are lost, repeated, late or corrupt, each scan is kept once and in
+  // order, and no worker gets more assignments than its limit. When faults end, the run finishes
+  // with a serial run's results. Method: run chains and ladders on workers that join and leave at
+  // random. The test tracks the scheduler's expected view of each worker, and counts what happened.
   Happened happened;
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_seed, index);
@@ -404,8 +404,8 @@ TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
 }
 
 TEST(SchedulerProperty, EndsAfterAStop) {
-  // Goal: after a stop at any moment nothing more is assigned, and the end follows when workers
-  // have delivered or their leases have ended. Method: as above, with a stop in the middle.
+  // Goal: after a stop at any moment nothing more is assigned, and the run ends once workers have
+  // delivered or their leases have ended. Method: run the same cases, and stop in the middle.
   Happened happened;
   std::uint64_t kept_after = 0;
   for (const std::uint64_t index : property::cases(k_cases)) {

@@ -1,4 +1,4 @@
-// Tests of the scheduler by scripts (script.h).
+// Tests of the scheduler, written as scripts (script.h).
 #include "service/core/scheduler.h"
 
 #include <fmt/format.h>
@@ -19,9 +19,9 @@ SchedulerOptions blocks_ahead(std::uint32_t count) {
 }
 
 TEST(Scheduler, GivesToTheLeastLoaded) {
-  // Goal: the worker with the fewest assignments per thread gets the next block, and the lowest id
-  // among equals, until every thread has one. A worker that delivers gets up to two per thread.
-  // Method: ten blocks become free at once, then three workers deliver.
+  // Goal: until every thread has a block, the next block goes to the worker with the fewest
+  // assignments per thread, or with the lowest id among equals. A worker that delivers gets up to
+  // two blocks per thread. Method: ten blocks become free at once, then three workers deliver.
   expect_goes("a b<a c<a d<a e<a f<a g<a h<a i<a j<a k<a", blocks_ahead(1), R"(join 3
   assign 3 #0 a@0+1 starts
 join 1 threads=2
@@ -46,8 +46,8 @@ done 1 #1
 }
 
 TEST(Scheduler, SendsNothingAheadOfLongScans) {
-  // Goal: while scans take longer than ahead_s_max, a worker has one block per thread, and two
-  // again when scans become shorter. Method: costs that rise and fall.
+  // Goal: a worker has one block per thread while scans take longer than ahead_s_max, and otherwise
+  // two. Method: let costs rise and fall.
   SchedulerOptions options = blocks_ahead(1);
   options.ahead_s_max = 0.1;
   expect_goes("a2 b2 c2 d2 e2 f9 g9 h9 i9 j9 k9", options, R"(join 1 threads=2
@@ -82,7 +82,7 @@ done 1 #7 cost=0
 
 TEST(Scheduler, SendsAStateOnceToWhoMadeIt) {
   // Goal: a state is sent as a version to the worker that made it, and as bytes to another worker
-  // or to one that reports its loss. Method: one replica, two workers.
+  // or to one that reports its loss. Method: move one replica between two workers.
   expect_goes("a3 a2 a a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+3 starts
 join 2
@@ -106,7 +106,7 @@ done 2 #5
 }
 
 TEST(Scheduler, GoesOnFromStoredStates) {
-  // Goal: replicas known from a run store resume with bytes. Method: two of three are known.
+  // Goal: replicas resumed from a run store start with state bytes. Method: resume two of three.
   expect_goes("a b c a", blocks_ahead(0), R"(resume a 5
 resume c 2
 join 1 threads=3
@@ -120,8 +120,8 @@ done 1 #0
 }
 
 TEST(Scheduler, GivesPartsOfLaddersToWhoHoldsMost) {
-  // Goal: each member's state is sent separately; the worker that holds most states gets the block,
-  // and members advance separately. Method: a ladder of three; two workers hold parts of it.
+  // Goal: each member's state is sent separately, the worker that holds most of a block's states
+  // gets it, and members advance separately. Method: two workers hold parts of a ladder of three.
   expect_goes("a b c [abc] [abc]", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 join 2 threads=2
@@ -144,8 +144,8 @@ done 1 #4 scans=1
 }
 
 TEST(Scheduler, PrefersBlocksWhoseStatesAreHeld) {
-  // Goal: among waiting blocks, a worker gets one whose states it holds. Method: the block whose
-  // state the first worker holds is second in the queue.
+  // Goal: a worker gets the waiting block whose states it holds, even if it isn't the first.
+  // Method: the first worker holds the state of the second waiting block.
   expect_goes("a b c b<c a<c", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 join 2
@@ -164,9 +164,9 @@ done 3 #2
 }
 
 TEST(Scheduler, PassesABlockOverABoundedNumberOfTimes) {
-  // Goal: a block whose states no worker holds is passed over k_passed_over_max times and then
-  // runs, even if a returned block that was never passed over precedes it. Method: one worker
-  // always has the next block of its own replica; two are busy forever.
+  // Goal: a block whose states no worker holds is passed over at most k_passed_over_max times, even
+  // if a returned block precedes it in the queue. Method: one worker always has a next block of its
+  // own replica, and two others are busy forever.
   std::string plan = "a x y z";
   std::string script = R"(join 1
   assign 1 #0 a@0+1 starts
@@ -196,8 +196,8 @@ done 1 #{}
 }
 
 TEST(Scheduler, TakesTheFirstResultOfABlock) {
-  // Goal: when a lease ends, another worker gets the block too. The first result counts; the other
-  // one, or a repetition, has no effect. Method: both orders.
+  // Goal: when a lease ends, another worker also gets the block. The first result counts, and later
+  // results of the block have no effect. Method: deliver in both orders.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -230,7 +230,7 @@ done 2 #1
 done 1 #0
   (refused)
 )");
-  // A late result without any copy.
+  // The result arrives after its lease, but no other worker has the block.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -245,7 +245,7 @@ done 1 #0
 TEST(Scheduler, RefusesWhatDoesNotFit) {
   // Goal: a delivery of another epoch has no effect. A delivery with a wrong replica, scan, number
   // of members or number of scans is refused, and its block is assigned exactly once more. Method:
-  // room for two copies.
+  // the worker has room for two copies.
   expect_goes("a2", blocks_ahead(1), R"(join 1
   assign 1 #0 a@0+2 starts
 done 1 #0 epoch=2
@@ -272,7 +272,7 @@ done 1 #6
   keep a@0+2
   (ended)
 )");
-  // Members of a ladder's part advance up to the part's limit, alone and together.
+  // Members of a ladder's part advance at most to the part's limit, each alone and all together.
   expect_goes("[ab] [ab] [ab]", blocks_ahead(1), R"(join 1
   assign 1 #0 [a@0 starts, b@0 starts]
 done 1 #0 scans=4
@@ -299,7 +299,7 @@ done 1 #1 scans=2
 }
 
 TEST(Scheduler, LeasesRunFromTheClocksBeginning) {
-  // Goal: a late first tick ends no earlier lease. Method: first ticks far above and below 0.
+  // Goal: leases granted before the first tick don't end at it. Method: tick far from 0.
   expect_goes("a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 tick 17000
@@ -320,8 +320,8 @@ tick -370
 
 TEST(Scheduler, AsksTheSilentUntilTheyAnswer) {
   // Goal: a worker whose lease ended gets nothing and is asked repeatedly. Assignments missing in
-  // the answer are given again; the others keep their leases and aren't given to other workers.
-  // Method: both answers; an answer of another epoch is ignored.
+  // its answer are assigned again; listed ones keep their leases and aren't assigned to others.
+  // Method: give both answers, and one of another epoch, which is ignored.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -345,8 +345,8 @@ tick 100
 }
 
 TEST(Scheduler, TakesAnAnswerForWhatWasBeforeTheQuestion) {
-  // Goal: an assignment made after a question isn't lost because the answer doesn't list it.
-  // Method: a result, and with it a new block, comes between question and answer.
+  // Goal: an assignment made after a question isn't counted as lost, although the answer doesn't
+  // list it. Method: a result arrives between question and answer and causes a new assignment.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -363,9 +363,9 @@ done 1 #1
 }
 
 TEST(Scheduler, AsksAgainForWhatItHeardNothingOf) {
-  // Goal: a worker that is heard from without listing its assignments is asked again, because its
-  // room could stay full forever. Method: assignments and the question are lost; the worker then
-  // rejoins with the same incarnation, or delivers something else.
+  // Goal: a worker that sends anything but the list of its assignments is asked again; otherwise
+  // lost assignments would occupy its room forever. Method: assignments and the question are lost;
+  // then the worker rejoins with the same incarnation, or delivers a result.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -397,7 +397,7 @@ pong 1 #2
 }
 
 TEST(Scheduler, KeepsLeasesOfCopiesApart) {
-  // Goal: a block that two workers have is assigned to no third; when one of them is gone, the
+  // Goal: a block that two workers have isn't assigned to a third; when one of the two leaves, the
   // other's lease still holds. Method: the first answers, and the second leaves with its copy.
   expect_goes("a", blocks_ahead(0), R"(tick 0
 join 1
@@ -424,8 +424,8 @@ done 3 #2
 }
 
 TEST(Scheduler, GivesOnAllOfASilentWorkerInOrder) {
-  // Goal: if a worker with many blocks leaves or its leases end, other workers get all blocks, the
-  // oldest first; the worker is asked once. Method: three blocks each time.
+  // Goal: if a worker with several blocks leaves or its leases end, other workers get all its
+  // blocks, the oldest first, and the worker is asked once. Method: use three blocks.
   expect_goes("a b c", blocks_ahead(0), R"(tick 0
 join 1 threads=3
   assign 1 #0 a@0+1 starts
@@ -469,9 +469,9 @@ done 1 #3
 }
 
 TEST(Scheduler, StopsWhenAllCameBack) {
-  // Goal: after a stop nothing is assigned and timely results are kept. The end follows when all
-  // blocks returned or their leases ended. Method: a result, an ended lease, useless deliveries,
-  // and nothing outstanding.
+  // Goal: after a stop nothing is assigned, and timely results are kept. The scheduler ends once
+  // all blocks have returned or their leases have ended. Method: stop before results, an ended
+  // lease or useless deliveries, and with nothing outstanding.
   expect_goes("a b c a", blocks_ahead(0), R"(join 1 threads=2
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts
@@ -510,8 +510,8 @@ leave 1
 }
 
 TEST(Scheduler, ListensToNobodyItDoesNotKnow) {
-  // Goal: answers and departures of unknown workers have no effect. Results of unknown workers
-  // count, but states go as bytes to one that joins later. Method: before and after a join.
+  // Goal: answers and departures of unknown workers have no effect. Their results count, but a
+  // worker that joins later gets states as bytes.
   expect_goes("a a", blocks_ahead(0), R"(leave 4
 pong 4 #0
 join 1
@@ -530,7 +530,7 @@ join 4
 }
 
 TEST(Scheduler, CountsWhatHappened) {
-  // Goal: counts cover what was kept, copied, refused and sent. Method: a script with each.
+  // Goal: counts cover kept results, copies, refusals and sent states. Method: cause each.
   Script script("a2 a3 a", blocks_ahead(0));
   script.play(R"(join 1
 done 1 #0

@@ -19,7 +19,7 @@ char name_of(const plan::ReplicaKey& key) {
   return static_cast<char>('a' + key.chain.value);
 }
 
-/// The state of a replica before a scan: its own text.
+/// Returns a replica's state before a scan: a text made of both.
 base::Bytes state_of(const plan::ReplicaKey& key, std::uint64_t scan) {
   base::Bytes bytes;
   for (const char c : fmt::format("{}{}", name_of(key), scan))
@@ -96,7 +96,7 @@ bool ListedPlan::finished() const {
   return std::ranges::all_of(jobs_, &Job::done);
 }
 
-/// A line's words, without those of the form name=value.
+/// A line's words, and separately its settings (words of the form name=value).
 struct Script::Line {
   std::vector<std::string> words;
   std::map<std::string, std::string, std::less<>> settings;

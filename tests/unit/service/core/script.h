@@ -1,5 +1,5 @@
 // Scripts for the scheduler. A line is an input; the indented lines below it are the resulting
-// effects. Playing a script returns it with the actual effects.
+// effects. Script::play() returns the script with the actual effects.
 //
 // Example:
 //   join 1 threads=2
@@ -11,7 +11,7 @@
 // Inputs:   join W [threads=N] [incarnation=N]      leave W        tick T        stop
 //           done W #N [lacking] [epoch=N] [cost=S] [scans=N] [wrong=replica|first|scans|members]
 //           pong W [#N ...] [epoch=N]               resume a N     (before anything else)
-// Effects:  assign, keep, ask; in brackets changes without an effect: refused, ended.
+// Effects:  assign, keep, ask. Changes without an effect: (refused), (ended).
 #pragma once
 
 #include <cstdint>
@@ -27,9 +27,9 @@
 
 namespace sleight::core {
 
-/// A plan of listed blocks. Each block waits for its replicas' earlier blocks and for the blocks
-/// that it names. "a2 a [bc] d<a" is two scans of a, one of a, a ladder's part with b and c, and d
-/// after a's blocks.
+/// A plan of listed blocks. A block waits for all earlier blocks of its replicas and of the
+/// replicas named after `<`. Example: "a2 a [bc] d<a" has two scans of a, one of a, a ladder's part
+/// with b and c, and d after a's blocks.
 class ListedPlan final : public plan::Plan {
  public:
   explicit ListedPlan(std::string_view list);
@@ -48,7 +48,7 @@ class ListedPlan final : public plan::Plan {
   std::uint64_t scans_consumed() const override { return 0; }
   std::optional<std::uint64_t> scans_total() const override { return std::nullopt; }
 
-  /// Sets the first scan of a replica from a run store.
+  /// Sets the first scan of a resumed replica.
   void begins_at(char replica, std::uint64_t scan) { next_scan_[replica] = scan; }
 
  private:
@@ -89,7 +89,7 @@ class Script {
   std::string played_;
 };
 
-/// Expects that the actual effects equal the script's.
+/// Plays the script and expects the effects that it lists.
 void expect_goes(std::string_view plan, const SchedulerOptions& options, std::string_view script);
 
 }  // namespace sleight::core
