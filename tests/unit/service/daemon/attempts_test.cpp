@@ -1,6 +1,6 @@
-// Goal: an attempt is reported as begun once its keeper has a record. If its keeper exits before
-// that, the failure is known at once. Method: real keepers, some of which kill themselves at a
-// given moment, under a real loop; a script replaces `sleight`.
+// Goal: an attempt is reported as begun once its keeper has a record. If its keeper exits earlier,
+// the failure is reported at once. Method: run real keepers, some of which kill themselves at a
+// given moment, under a real loop. A script replaces `sleight`.
 #include "service/daemon/local_attempts.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ namespace sleight::daemon::attempts_test {
 using ::testing::HasSubstr;
 
 constexpr jobs::JobId k_job{1};
-/// Timeout of a failing test. The machine's own look would come after 5 s.
+/// Timeout of a failing test. The jobs' machine would check by itself after 5 s.
 constexpr double k_patience_s = 20;
 
 class AttemptsTest : public keeper::testing::JobTest {
@@ -33,7 +33,7 @@ class AttemptsTest : public keeper::testing::JobTest {
     program_is("[ \"$1\" = --version ] && { echo results 1; exit 0; }; exec sleep 1000");
   }
 
-  /// The first input after a launch whose keeper dies at this moment; none: the keeper lives.
+  /// Returns the first input after a launch whose keeper dies at this moment, if any is given.
   jobs::Input first_heard(std::optional<keeper::Moment> dies_at) {
     const keeper::LocalBackend backend = this->backend(dies_at.has_value());
     rpc::Loop loop;
@@ -94,15 +94,15 @@ TEST_F(AttemptsTest, WhoseKeeperEndsBeforeTheRecordHaveNotBegun) {
 }
 
 TEST_F(AttemptsTest, WhoseKeeperEndsRightAfterTheRecordHaveDied) {
-  // Method: the record may or may not be seen before the death. Either way the death is reported,
-  // first or after Launched, and never as a failed launch.
+  // The record may or may not be seen before the death. In both cases the first report is Launched
+  // or Died, never a failed launch.
   const jobs::Input heard = first_heard(keeper::Moment::recorded);
   const auto* sight = std::get_if<jobs::Sight>(&heard);
   EXPECT_TRUE(std::holds_alternative<jobs::Launched>(heard) ||
               (sight && std::holds_alternative<jobs::Died>(sight->seen)));
 }
 
-// If a stop's signal kills a program that can't handle it yet, that is a stop, not a death.
+// A program that a stop's signal kills, because it can't handle signals yet, has stopped, not died.
 TEST_F(AttemptsTest, ToldToStopBeforeItListensItStoppedInOrder) {
   AttemptSights sights({.clock = clock_, .folders = folders_, .feeds = feeds_});
   keeper::AttemptRecord record{.attempt = 1, .end = keeper::AttemptEnd{.signal = SIGUSR1}};

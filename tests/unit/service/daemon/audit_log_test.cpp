@@ -1,4 +1,4 @@
-// Goal: the audit log is complete and bounded, whatever strangers try. Method: read lines back.
+// Goal: the audit log is complete and its size bounded, even under attack. Method: read lines back.
 #include "service/daemon/audit_log.h"
 
 #include <gmock/gmock.h>
@@ -61,7 +61,7 @@ TEST_F(AuditLogTest, ALineSaysWhoDidWhat) {
   EXPECT_EQ(read[1]["outcome"], "not_allowed: No.");
 }
 
-// Wrong tokens cause at most one line per second, and each is counted.
+// Wrong tokens cause at most one line per second, and the lines count them all.
 TEST_F(AuditLogTest, StrangersCantFillTheLog) {
   for (int i = 0; i < 1000; ++i) {
     audit_.note_stranger("203.0.113.9:1");
@@ -85,7 +85,7 @@ TEST_F(AuditLogTest, TheLogIsBounded) {
   EXPECT_FALSE(lines("audit.old.log").empty());
 }
 
-// Repeated calls of a user are counted without lines, so other users' lines stay.
+// A user's repeated calls are only counted, so other users' lines stay in the log.
 TEST_F(AuditLogTest, NobodyPushesOutWhatHappenedBefore) {
   AuditLog audit(folder_, clock_);
   audit.note({.user = 4002, .pid = 1}, {.call = "create_token", .outcome = "done"});
@@ -107,13 +107,13 @@ TEST_F(AuditLogTest, NobodyPushesOutWhatHappenedBefore) {
   EXPECT_EQ(others, 2U);
   EXPECT_LE(lines().size(), 1020U);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "audit.old.log"));
-  // After some time the user has lines again.
+  // After some time the user's calls are logged again.
   clock_.advance(100);
   audit.note(far_, {.call = "pin", .of = "16", .outcome = "done"});
   EXPECT_EQ(lines().back()["of"], "16");
 }
 
-// Names come from users: no name breaks a line or a reader.
+// Users choose names, so a name must not break a line or a reader.
 TEST_F(AuditLogTest, OddTextsStayInTheirLine) {
   audit_.note({.user = 1, .pid = 1},
               {.call = "submit", .of = "a\n{\"call\":\"stop\"}\x1b[2J\xff\xc3", .outcome = "done"});
@@ -121,7 +121,7 @@ TEST_F(AuditLogTest, OddTextsStayInTheirLine) {
   EXPECT_EQ(lines()[0]["call"], "submit");
 }
 
-// An obstacle in the log's place stops no call, and is reported once.
+// An obstacle in the log's place fails no call, and is reported once.
 TEST_F(AuditLogTest, AFolderAPipeOrALinkInItsPlace) {
   const auto place = folder_ / "audit.log";
   for (const int kind : {0, 1, 2}) {

@@ -1,6 +1,6 @@
-// Goal: callers see and do only what they may, and a submission is accepted once, completely or not
-// at all. Method: the handler on a real loop, store and machine. The programs don't exist, so jobs
-// stay queued. The callers' user ids need not exist on this machine.
+// Goal: callers see and do only what their rights allow, and a submission is accepted once,
+// completely or not at all. Method: call the handler with a real loop, store and machine. The
+// programs don't exist, so jobs stay queued. The callers' user ids need not exist on this machine.
 #include "service/daemon/calls.h"
 
 #include <gmock/gmock.h>
@@ -116,7 +116,7 @@ TEST_F(CallsTest, ASubmissionIsTakenOnce) {
   ASSERT_TRUE(again.ok());
   EXPECT_EQ(again.value().jobs, first.value().jobs);
   EXPECT_TRUE(again.value().was_known);
-  // A key belongs to its user; the same key with other content is refused.
+  // Users' keys are independent; a user's key with other content is refused.
   EXPECT_NE(submit(k_bob, submission("key", 1)).value().jobs, first.value().jobs);
   const auto other =
       submit(k_ada, submission("key", 1, "[world]\nname = 'toy'\n[stop]\nscans = 11\n"));
@@ -157,7 +157,7 @@ TEST_F(CallsTest, BadRequestsNameTheirPlaces) {
   EXPECT_EQ(list(k_ada).total, 0U);
 }
 
-// Another user's jobs look like missing jobs.
+// For a user, other users' jobs seem not to exist.
 TEST_F(CallsTest, UsersSeeTheirOwn) {
   const rpc::JobId job = submit(k_ada, submission("key", 1)).value().jobs.front();
   EXPECT_EQ(list(k_bob).total, 0U);
@@ -218,7 +218,7 @@ TEST_F(CallsTest, CancelExtendAndDelete) {
   EXPECT_EQ(gone.error().kind, rpc::RefusalKind::gone);
 }
 
-// A token's limits apply besides its user's: on the token's own jobs, and on the cores of each.
+// A token's limits (on its jobs, and on cores of a job) apply in addition to its user's limits.
 TEST_F(CallsTest, ATokensLimits) {
   rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_jobs_max = 2};
   ASSERT_TRUE(submit(k_ada, submission("own", 2)).ok());
@@ -236,7 +236,7 @@ TEST_F(CallsTest, ATokensLimits) {
   EXPECT_TRUE(submit(k_ada, submission("f", 1)).ok());
 }
 
-// A token's limits apply to resuming finished jobs as they do to submits.
+// A token's limits apply to resuming ended jobs as they do to submitting jobs.
 TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   const rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_jobs_max = 1};
   const auto own = submit(k_ada, submission("own", 1));
@@ -257,14 +257,15 @@ TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   ASSERT_TRUE(second.ok());
   EXPECT_EQ(resume(caller, one).error().kind, rpc::RefusalKind::limit);
   EXPECT_EQ(extend(caller, one).error().kind, rpc::RefusalKind::limit);
-  // A job that hasn't ended is counted already.
+  // The job hasn't ended, so it is already counted and can be extended.
   EXPECT_TRUE(extend(caller, second.value().jobs.front()).ok());
   // A limited token can't resume jobs submitted without it.
   const rpc::JobId others = own.value().jobs.front();
   EXPECT_THAT(extend(caller, others).error().sentence, HasSubstr("was not submitted with it"));
   cancel(others);
   EXPECT_EQ(resume(caller, others).error().kind, rpc::RefusalKind::limit);
-  // The user and an unlimited token can resume the job; then the token has room for its own again.
+  // The user's unlimited token can resume the job. After another cancellation the limited token has
+  // room for its own job again.
   EXPECT_TRUE(resume({.user = 4001, .token_id = "1123456789"}, others).ok());
   cancel(second.value().jobs.front());
   EXPECT_TRUE(resume(caller, one).ok());
@@ -324,7 +325,7 @@ TEST_F(CallsTest, OptionsComeBackWithTheJob) {
 }
 
 // Goal: a user's waiting fetches are bounded, even if clients leave, and don't block other users'
-// fetches. Method: a busy maker, and more fetches than allowed.
+// fetches. Method: keep the maker busy, and make more fetches than allowed.
 TEST_F(CallsTest, AUsersFetchesThatWaitAreBounded) {
   const auto of_ada = submit(k_ada, submission("key", 1)).value().jobs.front();
   const auto of_bob = submit(k_bob, submission("key", 1)).value().jobs.front();

@@ -1,4 +1,4 @@
-// Goal: watchers are notified once of new events. Method: a log that grows between reads.
+// Goal: watchers are notified once of new events. Method: append to a log between reads.
 #include "service/daemon/feeds.h"
 
 #include <gtest/gtest.h>
@@ -30,10 +30,10 @@ TEST(Feeds, TellOfNewsWhoeverReadsThem) {
     log.append({.number = numbered(feeds.of(k_watched_job)) + 1,
                 .what = events::Solution{.nth = 1, .in_proportion = true}});
     const std::size_t before = news.size();
-    // This reads like a look at the run's progress.
+    // Read as for a report of the run's progress.
     EXPECT_EQ(numbered(feeds.read(k_watched_job, thoroughly)), thoroughly ? 2U : 1U);
     EXPECT_EQ(news.size(), before + 1);
-    // The watchers' own look then finds nothing new.
+    // A later read for the watchers finds nothing new.
     feeds.read(k_watched_job, false);
     EXPECT_EQ(news.size(), before + 1);
   }

@@ -1,5 +1,5 @@
 // Goal: the job store's records contain the whole job. Method: read back jobs with values of all
-// kinds. Counting the fields reveals forgotten ones. Invalid texts are refused.
+// kinds, and count the fields to reveal forgotten ones. Invalid texts are refused.
 #include "service/daemon/job_records.h"
 #include "common/json/value.h"
 

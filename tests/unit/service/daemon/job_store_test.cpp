@@ -1,6 +1,6 @@
-// Goal: a save is found again completely or not at all; contents changed on the disk are refused
-// and left unchanged. Method: compare random saves with a simple model of the tables; change rows,
-// formats and files behind the store's back.
+// Goal: a save is stored completely or not at all; a store that was changed from outside is refused
+// and left as it is. Method: compare random saves with a simple model of the tables, and change
+// rows, formats and files directly.
 #include "service/daemon/job_store.h"
 
 #include <gtest/gtest.h>

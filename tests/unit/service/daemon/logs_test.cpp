@@ -1,5 +1,5 @@
-// Goal: following a log returns its bytes; lost bytes are left out, and none is repeated. Method:
-// print random pieces through the keeper's bounded log, and compare what readers get.
+// Goal: a reader that follows a log gets each byte once, except lost ones. Method: print random
+// pieces through the keeper's bounded log, and compare what readers get.
 #include "service/daemon/logs.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Goal: a save's `then` is called only after the save is durable, in the order of put. Method: many
-// saves from one thread; each `then` checks that the store has its job.
+// Goal: each save's `then` is called after the save is durable, in the order of put(). Method: put
+// many saves from one thread; each `then` checks that the store has its job.
 #include "service/daemon/save_queue.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Goal: a batch system's answers and a job's folder together become the machine's inputs, and
-// silence is never an end. Method: a hand-written backend, keepers' records, a real loop.
+// Goal: inputs of the jobs' machine follow from a batch system's answers and a job's folder, and
+// silence never becomes an end. Method: use a fake backend and keepers' records.
 #include "service/daemon/system_attempts.h"
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ constexpr jobs::JobId k_job{17};
 constexpr jobs::Attempt k_attempt{3};
 /// Timeout of a failing test.
 constexpr double k_patience_s = 20;
-/// After this many lists, an unwanted input would have arrived.
+/// Number of lists after which an unwanted input would have arrived.
 constexpr std::uint64_t k_lists = 20;
 
 /// A backend that returns the test's answers.
@@ -153,15 +153,14 @@ class SystemAttemptsTest : public ::testing::Test {
     const std::uint64_t before = backend_->lists();
     until([&] { return backend_->lists() >= before + k_lists; });
   }
-  /// Waits for the newest sight of a kind.
+  /// Waits for a sight of this kind and returns the newest.
   template <class Kind>
   Kind sight() {
     until([&] { return newest<Kind>() != nullptr; });
     const Kind* kind = newest<Kind>();
     return kind == nullptr ? Kind{} : *kind;
   }
-  /// Like sight(), but looks repeatedly, because an answer that is already in progress has the old
-  /// state.
+  /// Like sight(), but looks repeatedly, because an answer in progress may have the old state.
   template <class Kind>
   Kind sight_of_looks() {
     until([&] {
@@ -212,7 +211,7 @@ class SystemAttemptsTest : public ::testing::Test {
   void is_gone(const std::string& words, Cause cause) {
     backend_->says({.state = State::gone, .id = "812", .words = words, .cause = cause});
   }
-  /// Launches and continues until the run is active.
+  /// Launches the attempt and waits until its run is active.
   void launch_and_begin() {
     waits();
     launch();
@@ -297,14 +296,14 @@ TEST_F(SystemAttemptsTest, ThatLeaveNoEndHaveDied) {
   EXPECT_EQ(died.outside, jobs::Outside::taken);
 }
 
-/// Allows a shared disk more time than a busy machine takes.
+/// Gives a shared disk more time to show files than a busy machine takes.
 class SystemAttemptsOnASlowDisk : public SystemAttemptsTest {
  protected:
   SystemAttemptsOnASlowDisk() : SystemAttemptsTest(k_patience_s) {}
 };
 
 TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
-  // Goal: a shared disk shows files late. Method: the end appears within the allowed time.
+  // Goal: files may appear late on a shared disk. Method: write the end within the allowed time.
   launch_and_begin();
   is_gone("COMPLETED", Cause::itself);
   await_lists();
@@ -314,7 +313,7 @@ TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
 }
 
 TEST_F(SystemAttemptsTest, WhoseRunMayLiveOnALostNodeAreWaitedFor) {
-  // Method: a lease of 1.5 s by another machine, renewed while its holder lives.
+  // Method: another machine holds a lease of 1.5 s and renews it while alive.
   launch_and_begin();
   const std::string run = folders_.run(k_job);
   files_.make_folder(run);
@@ -342,7 +341,7 @@ TEST_F(SystemAttemptsTest, ThatNeverHadARecordSayWhatTheSystemSays) {
 }
 
 TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
-  // Method: another daemon looks at attempts with an end, without an end, and without a record.
+  // Method: call look(), as a new daemon does, with an end, without an end, without a record.
   look();
   begins();
   ends(events::End::stop_requested);

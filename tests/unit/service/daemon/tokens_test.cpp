@@ -1,6 +1,6 @@
-// Goal: a token authorizes its user until it is revoked or expires, also across restarts of the
-// daemon. The file of tokens is useless to its readers. Method: a manual clock and temporary files;
-// another object on the same file acts as the restarted daemon.
+// Goal: a token authorizes its user until it is revoked or expires, even if the daemon restarts.
+// Reading the token file reveals no token. Method: use a manual clock; another object on the same
+// file acts as the restarted daemon.
 #include "service/daemon/tokens.h"
 
 #include <gmock/gmock.h>
@@ -136,7 +136,7 @@ TEST_F(TokensTest, IsRevokedAlsoWhereThatCantBeWritten) {
   EXPECT_THROW(static_cast<void>(tokens_->revoke(4001, made.value().id)), base::Error);
   EXPECT_FALSE(is_let_in(text));
   std::filesystem::remove(path() + ".new");
-  // A repeated revocation is written.
+  // Repeating the revocation stores it.
   EXPECT_TRUE(tokens_->revoke(4001, made.value().id).ok());
   begin();
   EXPECT_FALSE(is_let_in(text));
@@ -171,7 +171,7 @@ TEST_F(TokensTest, ARepeatedCreateMakesNoSecondOne) {
   ASSERT_TRUE(again.ok());
   EXPECT_EQ(first.value(), again.value());
   EXPECT_EQ(tokens_->of(4001).size(), 1U);
-  // Another user's token with the same id, or another secret, is refused.
+  // A token with an existing id but another user or another secret is refused.
   access::Token other = *access::token_of(text);
   other.secret[0] ^= std::byte{1};
   EXPECT_EQ(tokens_->create(4001, ask(access::text_of(other))).error().kind,
