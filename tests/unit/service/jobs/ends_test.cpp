@@ -1,4 +1,4 @@
-// Goal: each end has its outcome (ends.h) and back-off. Method: tables of ends, and death counts.
+// Goal: each end has the outcome and back-off that ends.h defines. Method: compare tables.
 #include "service/jobs/ends.h"
 
 #include <gmock/gmock.h>
@@ -85,7 +85,7 @@ TEST(Ends, MeanWhatTheRecordSays) {
 }
 
 TEST(Ends, MeanWhatTheSurroundingsExplain) {
-  // A program that can't write reports the system's error; the daemon may know the cause better.
+  // A program that can't write reports only the system's error, but the daemon may see the cause.
   EXPECT_EQ(judged(running_job(), error(ExitCode::environment), {.is_disk_low = true}).reason,
             Reason::disk_full);
   EXPECT_EQ(judged(running_job(), error(ExitCode::conflict), {.has_other_results = true}).reason,
@@ -132,7 +132,7 @@ TEST(Ends, AnExtendedJobGoesOn) {
   EXPECT_EQ(judged(job, {.kind = EndKind::finished}).reason, Reason::extended);
 }
 
-/// The delays after a number of deaths with `commits` scans between them.
+/// Returns the delays after each of `deaths` deaths with `commits` scans between them.
 std::vector<double> waits_of_deaths(Job& job, int deaths, std::uint64_t commits) {
   std::vector<double> waits;
   for (int i = 0; i < deaths; ++i) {

@@ -1,4 +1,4 @@
-// Goal: the machine's effects, step by step. Method: a machine of four cores, inputs by hand.
+// Goal: each input has the right effects. Method: write inputs for a machine of four cores.
 #include "service/jobs/jobs.h"
 
 #include <gmock/gmock.h>
@@ -43,7 +43,7 @@ class Bench {
     now_s_ += seconds;
     return step(Tick{.now_s = now_s_, .wall = 1e9 + now_s_});
   }
-  /// Kills the daemon and begins another.
+  /// Kills the daemon and starts another.
   std::vector<Effect> begin() {
     Restored restored{.clock_s = clock_s_, .next_id = next_id_};
     for (const auto& [id, job] : stored_)
@@ -188,7 +188,7 @@ TEST(Jobs, OfWhichAnOlderAttemptHoldsTheFolderWaitForIt) {
 }
 
 TEST(Jobs, ThatWaitInABatchSystemAreStartingAndNothingIsCharged) {
-  // Method: a job of four cores that waits for 1,000 s and then computes for 100 s.
+  // Method: a job of four cores waits for 1,000 s and then computes for 100 s.
   Bench bench;
   const JobId id = bench.job();
   bench.see(id, Pending{.words = "Slurm job 812 waits: Priority"});
@@ -213,7 +213,7 @@ TEST(Jobs, ThatWaitInABatchSystemAreStartingAndNothingIsCharged) {
 }
 
 TEST(Jobs, ThatWaitInABatchSystemUseNothingOfTheirUsersLimit) {
-  // Method: 360 core-seconds per day; a job of four cores waits for 1,000 s, then runs for 100 s.
+  // Method: a job of four cores waits 1,000 s, then runs 100 s. Limit: 360 core-seconds a day.
   Bench bench({.limits = {.core_hours_per_day = 0.1}});
   const JobId id = bench.job();
   bench.see(id, Pending{});
