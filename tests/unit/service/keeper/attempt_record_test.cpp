@@ -1,4 +1,4 @@
-// Goal: a record reads back as written, is never incomplete, and its end fits.
+// Goal: a record reads back as written, is never incomplete, and has room for its end.
 #include "service/keeper/attempt_record.h"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ TEST(AttemptRecord, IsReadAsItWasWritten) {
 }
 
 TEST(AttemptRecord, AnythingElseIsNone) {
-  // Method: a record cut at each byte, or with one field missing or of another type or value.
+  // Method: cut a record at each byte, or remove or change the type or value of one field.
   const std::string text = to_text(ended());
   for (std::size_t size = 0; size + 1 < text.size(); ++size)
     ASSERT_EQ(record_of(text.substr(0, size)), std::nullopt) << size;
@@ -77,8 +77,8 @@ TEST(AttemptRecord, AnythingElseIsNone) {
 }
 
 TEST(AttemptRecord, StaysUnderItsBound) {
-  // Goal: whatever a program prints or is called, the record fits into its reserved room. Method:
-  // the longest tail, of bytes that take six bytes each in JSON, and long commands.
+  // Goal: the record fits into its reserved room, for any program output and any command. Method:
+  // use the longest log tail, of characters that take six bytes each in JSON, and long commands.
   AttemptRecord record = ended();
   record.end->log_tail.assign(k_tail_lines_max, std::string(400, '\x01'));
   std::string text = to_text(record);
@@ -96,7 +96,7 @@ TEST(AttemptRecord, StaysUnderItsBound) {
 class RecordFileTest : public testing::JobTest {};
 
 TEST_F(RecordFileTest, NothingIsThereUntilItIsWhole) {
-  // Goal: if any call fails, the old or the new record is there. Method: fail each call in turn.
+  // Goal: if any file call fails, the old or the new record exists. Method: fail each call in turn.
   EXPECT_EQ(read_record(folder()), std::nullopt);
   AttemptRecord before = begun();
   before.attempt = 2;
@@ -127,7 +127,7 @@ TEST_F(RecordFileTest, NothingIsThereUntilItIsWhole) {
 }
 
 TEST_F(RecordFileTest, WhatIsNoneOfOursIsSaid) {
-  // Goal: a damaged record is an error that names the file, never "none". Method: garbage.
+  // Goal: a damaged record is an error that names the file, and never counts as missing.
   std::ofstream(path(k_record_name)) << "{\"attempt\":1";
   try {
     static_cast<void>(read_record(folder()));

@@ -1,4 +1,4 @@
-// Goal: a daemon and its successor see, adopt and stop attempts, and start none twice.
+// Goal: a daemon and its successor see, adopt and stop attempts, and start no attempt twice.
 #include "service/keeper/backend.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ using ::testing::HasSubstr;
 class BackendTest : public testing::JobTest {};
 
 TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
-  // Method: check a daemon's view at each step; the descriptor shows the end without polling.
+  // Method: check a daemon's view at each step. The keeper's descriptor signals the end.
   program_is("echo $$ > ready; read -r x < gate");
   ASSERT_EQ(::mkfifo(path("gate").c_str(), 0600), 0);
   EXPECT_EQ(backend().look(folder(), 1).state, Look::State::never_began);
@@ -63,8 +63,7 @@ TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
 }
 
 TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
-  // Method: threads launch an attempt at once. Later launches of this or an earlier attempt do
-  // nothing.
+  // Method: several threads launch the same attempt at once. Later launches do nothing.
   program_is("echo run >> runs; sleep 0.2");
   std::vector<std::optional<RunningKeeper>> keepers(8);
   std::vector<std::thread> threads;
@@ -84,8 +83,8 @@ TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
 }
 
 TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
-  // Method: a separate process launches, and is killed with its process group and terminal. This
-  // process adopts the attempt. The program continues until then, or until its folder is gone.
+  // Method: a separate process launches an attempt, and is killed with its process group. This
+  // process adopts the attempt. The program runs until this test ends it.
   program_is(
       "echo $$ > ready; while [ ! -e go ] && [ -e ready ]; do sleep 0.01; done; echo $$ > "
       "survived");
@@ -122,7 +121,7 @@ TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
 }
 
 TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
-  // Method: no keeper, no folder, too many ranks, and a folder that the keeper can't use.
+  // Method: launch without a keeper, without a folder, with too many ranks, in a bad folder.
   Programs none = backend().programs();
   none.keeper = path("none");
   EXPECT_THROW(LocalBackend(none).launch(spec()), base::Error);
@@ -143,8 +142,8 @@ TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
 }
 
 TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
-  // Goal: no signal reaches a process that has reused a dead keeper's process id, even if the
-  // folder looks active. Method: a record with a bystander's id under a held lock; a record of an
+  // Goal: a process that reuses a dead keeper's process id gets no signal, even if the folder seems
+  // active. Method: write a bystander's id into a record under a held lock, then a record of an
   // earlier boot.
   const pid_t bystander = ::fork();
   if (bystander == 0) {
@@ -173,7 +172,7 @@ TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
     EXPECT_FALSE(backend().adopt(folder(), 1));
     EXPECT_FALSE(backend().stop(folder(), 1, Stop::now));
   }
-  // Negative control: the right process does receive the signal.
+  // Control: the right process does receive the signal.
   base::PosixFileSystem files;
   RecordFile(files, folder()).begin({.attempt = 1, .keeper = *real, .command = {"x"}});
   EXPECT_TRUE(backend().stop(folder(), 1, Stop::now));
@@ -186,7 +185,7 @@ TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
 }
 
 TEST_F(BackendTest, AFolderThatCantBeTrustedIsAnError) {
-  // Method: a damaged record, and a record of an attempt later than the daemon's.
+  // Method: read a damaged record, and the record of a later attempt than the daemon's.
   program_is("exit 0");
   run(spec(5));
   EXPECT_THROW(backend().look(folder(), 4), base::Error);

@@ -15,8 +15,8 @@ namespace {
 class BoundedLogTest : public testing::JobTest {};
 
 TEST_F(BoundedLogTest, KeepsTheNewestUnderItsBound) {
-  // Method: pieces of many sizes, one above the bound. The two files together hold the end of the
-  // output.
+  // Method: append pieces of many sizes, one above the bound. The two files together contain the
+  // last part of the output.
   std::string all;
   BoundedLog log(folder(), 2000);
   for (const std::size_t size : {1UL, 300UL, 699UL, 1UL, 5000UL, 10UL, 990UL}) {
@@ -34,7 +34,7 @@ TEST_F(BoundedLogTest, KeepsTheNewestUnderItsBound) {
 }
 
 TEST_F(BoundedLogTest, GoesOnWithMarkedLines) {
-  // Method: a log that a killed keeper left within a line.
+  // Method: continue a log that a killed keeper left with an incomplete line.
   {
     BoundedLog log(folder());
     log.mark("attempt 1: a\nb");
@@ -48,7 +48,7 @@ TEST_F(BoundedLogTest, GoesOnWithMarkedLines) {
 }
 
 TEST_F(BoundedLogTest, SaysWhatWasLost) {
-  // Method: a folder in the log's place, like a disk that accepts nothing; then remove it.
+  // Method: put a folder in the log's place, so that writing fails, then remove it.
   std::filesystem::create_directory(path("log"));
   BoundedLog log(folder());
   log.append("lost\n");
@@ -59,7 +59,7 @@ TEST_F(BoundedLogTest, SaysWhatWasLost) {
 }
 
 TEST_F(BoundedLogTest, TheBoundHoldsWhereItCantTurnOver) {
-  // Method: a non-empty folder in the old log's place, so that no file can replace it.
+  // Method: put a non-empty folder in the old log's place, so that no file can replace it.
   std::filesystem::create_directories(path("log.old/x"));
   BoundedLog log(folder(), 200);
   for (int i = 0; i < 100; ++i)
@@ -69,7 +69,7 @@ TEST_F(BoundedLogTest, TheBoundHoldsWhereItCantTurnOver) {
 }
 
 TEST(LastLines, AreTheLastOnes) {
-  // Method: lines in pieces, one too long, one incomplete.
+  // Method: append lines in pieces, one too long, one incomplete.
   LastLines last(3);
   EXPECT_TRUE(last.lines().empty());
   last.append("one\ntw");

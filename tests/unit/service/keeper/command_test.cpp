@@ -1,4 +1,4 @@
-// Goal: commands and environments of programs are right.
+// Goal: programs get the right commands and environments.
 #include "service/keeper/command.h"
 
 #include <fmt/ranges.h>
@@ -58,7 +58,7 @@ TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
 }
 
 TEST(Command, InABatchSystemsJobMpirunHasThatJobsMachines) {
-  // Method: compare the whole command lines; this machine's cores and mpirun don't matter.
+  // Method: compare the whole command lines. This machine's cores and mpirun don't matter.
   AttemptSpec spec{.folder = "/jobs/17", .ranks = 100'000, .in_batch = true};
   EXPECT_EQ(obstacle_of(spec, k_programs), "");
   EXPECT_EQ(joined(command_of(spec, k_programs)),
@@ -74,7 +74,7 @@ TEST(Command, InABatchSystemsJobMpirunHasThatJobsMachines) {
 }
 
 TEST(Command, TheEnvironmentIsCleaned) {
-  // Method: one variable of each removed kind, and similar ones that stay.
+  // Method: filter one variable of each removed kind, and similar ones that stay.
   const std::vector<std::string> all{
       "PATH=/bin",        "OMPI_MCA_btl=tcp", "OMPI_ALLOW_RUN_AS_ROOT=1",
       "PMIX_RANK=3",      "LD_PRELOAD=x.so",  "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",

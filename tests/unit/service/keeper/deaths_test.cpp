@@ -1,6 +1,6 @@
-// Goal: after a keeper's death at any moment, a look shows the attempt's progress and no process is
-// left. With the daemon's rule (never began: the same attempt again; died: the next one), each
-// attempt's program starts at most once. Method: keepers killed at each moment and at random times.
+// Goal: after a keeper's death at any moment, look() returns how far the attempt got, and no
+// process is left. The daemon repeats an attempt that never began, and starts the next one if it
+// died; so each attempt's program starts at most once. Method: kill keepers at each moment.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -24,8 +24,8 @@ constexpr std::uint64_t k_seed = 2025;
 
 class DeathsTest : public testing::JobTest {
  protected:
-  /// The state after the keeper's death. A child that has not called exec yet still holds the lock
-  /// until the kernel has killed it.
+  /// Returns the state after the keeper's death. A child that hasn't called exec yet holds the lock
+  /// until the kernel kills it.
   Look look_after(const RunningKeeper& keeper, std::uint32_t attempt) const {
     EXPECT_TRUE(testing::comes_true([&] { return keeper.has_gone(); }));
     Look look;
@@ -44,7 +44,7 @@ Look::State state_after(Moment moment) {
 }
 
 TEST_F(DeathsTest, AtEachMoment) {
-  // The program writes a line per run. There is no line if the keeper was killed before exec.
+  // The program writes one line when it starts, and none if the keeper was killed before exec.
   std::uint32_t attempt = 0;
   std::size_t runs = 0;
   for (std::size_t i = 0; i < k_moment_names.size(); ++i) {
@@ -61,7 +61,7 @@ TEST_F(DeathsTest, AtEachMoment) {
     EXPECT_GE(runs_now, moment > Moment::started ? runs + 1 : runs) << k_moment_names[i];
     EXPECT_LE(runs_now, moment > Moment::in_child ? runs + 1 : runs) << k_moment_names[i];
     runs = runs_now;
-    // Repeating the attempt runs it only if it never began.
+    // Launching the attempt again runs the program only if the attempt never began.
     program_is("echo run >> runs");
     const Look second = look_after(backend().launch(spec(attempt)), attempt);
     runs += look.state == Look::State::never_began ? 1 : 0;
@@ -75,8 +75,8 @@ TEST_F(DeathsTest, AtEachMoment) {
 }
 
 TEST_F(DeathsTest, AtRandomTimes) {
-  // Method: kill -9 up to 30 ms after the launch of a program that ends after 10 ms. Then apply the
-  // daemon's rule until an attempt has ended. Each attempt wrote its number at most once.
+  // Method: kill the keeper up to 30 ms after the launch of a program that takes 10 ms, then apply
+  // the daemon's rule until an attempt has ended. Each attempt writes its number at most once.
   program_is("cat attempt.json | tr ',' '\\n' | grep -m1 '\"attempt\"' >> runs; sleep 0.01");
   std::uint32_t attempt = 0;
   for (const std::uint64_t n : property::in_turn(property::long_run() ? 300 : 15)) {

@@ -19,7 +19,7 @@ namespace sleight::keeper::testing {
 namespace {
 
 std::string content_of(const std::string& path) {
-  // Reading with `<<` takes a failure for the end of the file, if the process ends meanwhile.
+  // If the process ends meanwhile, `<<` counts the read error as the end of the file.
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return std::move(text).str();
@@ -57,7 +57,7 @@ JobTest::JobTest() {
 }
 
 JobTest::~JobTest() {
-  // Each keeper's and each script's command contains the folder's name.
+  // The command lines of all keepers and scripts contain the folder's name.
   for (const pid_t left : processes_with(folder_))
     ::kill(left, SIGKILL);
   std::error_code error;

@@ -1,4 +1,4 @@
-// A job's folder whose program is a shell script, under real keepers.
+// A job's folder for real keepers. The job's program is a shell script.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,11 +22,11 @@ class JobTest : public ::testing::Test {
 
   /// Creates a script that replaces `sleight`, or mpirun if there are ranks.
   void program_is(const std::string& script);
-  /// A backend with the real keeper, or with one that dies at SLEIGHT_KEEPER_DIES_AT.
+  /// Returns a backend with the real keeper, or with a keeper that dies at SLEIGHT_KEEPER_DIES_AT.
   LocalBackend backend(bool dies = false) const;
   AttemptSpec spec(std::uint32_t attempt = 1) const;
 
-  /// Waits like a daemon until the attempt has ended; fails the test after 20 s.
+  /// Waits until the attempt has ended, as a daemon does; fails the test after 20 s.
   Look await_end(std::uint32_t attempt = 1) const;
   /// Launches the script and returns its recorded end.
   AttemptEnd run(const AttemptSpec& spec) const;
@@ -34,17 +34,17 @@ class JobTest : public ::testing::Test {
 
   std::string text_in(const std::string& name) const;
   std::vector<std::string> lines_in(const std::string& name) const;
-  /// Waits for the file and a complete line in it; fails the test after 20 s.
+  /// Waits until the file contains a complete line; fails the test after 20 s.
   void await_file(const std::string& name) const;
 
  private:
   std::string folder_;
 };
 
-/// Polls until the question is true, for at most 20 s.
+/// Polls until question() is true, for at most 20 s.
 bool comes_true(const std::function<bool()>& question);
 
-/// Processes whose command line contains `words`.
+/// Returns the processes whose command line contains `words`.
 std::vector<pid_t> processes_with(const std::string& words);
 
 }  // namespace sleight::keeper::testing

@@ -1,5 +1,5 @@
-// Goal: an attempt's end is recorded correctly, and no process of its program is left. Method: real
-// keepers of shell scripts that end, hang, fork and print in many ways.
+// Goal: an attempt's end is recorded correctly, and no process of its program is left. Method: let
+// real keepers run shell scripts that end, hang, fork and print in many ways.
 #include "service/keeper/keep.h"
 
 #include <fmt/format.h>
@@ -39,7 +39,7 @@ class KeepTest : public testing::JobTest {
 };
 
 TEST_F(KeepTest, HowItEnded) {
-  // Method: an exit code, a signal, and a missing program.
+  // Method: end by an exit code, by a signal, and by a missing program.
   program_is("echo out; echo err >&2; printf 'no end'; exit 7");
   AttemptEnd end = run(spec(1));
   EXPECT_EQ(end.exit_code, 7);
@@ -67,7 +67,7 @@ TEST_F(KeepTest, HowItEnded) {
 }
 
 TEST_F(KeepTest, WhatTheProgramTold) {
-  // Method: two ends after garbage, from a writer that opens the pipe late. The first end counts.
+  // Method: open the pipe late, then write garbage and two ends. The first end counts.
   program_is("sleep 0.1; echo garbage > end.pipe; " + told(events::End::no_draws, 0) + "; " +
              told(events::End::finished, 0));
   const AttemptEnd end = run();
@@ -78,8 +78,8 @@ TEST_F(KeepTest, WhatTheProgramTold) {
 }
 
 TEST_F(KeepTest, NothingOfItIsLeft) {
-  // Method: a child that ignores signals, a daemon that forked twice into its own session, and a
-  // child that forks constantly; the program ends by itself.
+  // Method: the program ends, but leaves a child that ignores signals, a process that forked twice
+  // into its own session, and a child that forks constantly.
   program_is(
       "(trap '' TERM HUP INT; echo $$ > /dev/null; while :; do sleep 1; done) & echo $! > child\n"
       "setsid sh -c '(sh -c \"echo \\$\\$ > daemon; sleep 1000\" &)'\n"
@@ -91,7 +91,7 @@ TEST_F(KeepTest, NothingOfItIsLeft) {
 }
 
 TEST_F(KeepTest, StoppedInOrder) {
-  // Method: a program handles SIGUSR1 and then reports its end.
+  // Method: stop a program that handles SIGUSR1.
   program_is(
       "trap 'touch told; exit 130' USR1\n"
       "echo $$ > ready; while :; do sleep 0.01; done");
@@ -107,7 +107,7 @@ TEST_F(KeepTest, StoppedInOrder) {
 }
 
 TEST_F(KeepTest, StoppedNow) {
-  // Method: a program and its child ignore SIGTERM and SIGUSR1; a clean stop precedes.
+  // Method: a program and its child ignore SIGTERM and SIGUSR1. First request a clean stop.
   program_is(
       "trap '' TERM USR1; sh -c 'echo $$ > child; while :; do sleep 1; done' &\n"
       "while [ ! -s child ]; do sleep 0.01; done; echo $$ > ready; wait; sleep 1000");
@@ -138,7 +138,7 @@ TEST_F(KeepTest, ASignalThatComesAtOnceIsNotLost) {
 }
 
 TEST_F(KeepTest, AProgramThatLingersIsKilled) {
-  // Method: the program reports its end, successful or not, and doesn't exit.
+  // Method: the program reports its end, with and without success, and doesn't exit.
   program_is(told(events::End::finished, 0) + "; sleep 1000");
   AttemptSpec graced = spec();
   graced.grace_s = 0.2;
@@ -151,8 +151,8 @@ TEST_F(KeepTest, AProgramThatLingersIsKilled) {
 }
 
 TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
-  // Method: a script replaces mpirun; its rank ends, and the script hangs, as Debian 12's mpirun
-  // sometimes does. The script isn't killed before its first rank has begun.
+  // Method: a script replaces mpirun and hangs after its rank has ended, as Debian 12's mpirun
+  // sometimes does. It isn't killed before its first rank has started.
   program_is("sleep 0.5 & wait; while :; do read x < /dev/zero; done");
   AttemptSpec ranks = spec();
   ranks.ranks = 1;
@@ -164,8 +164,8 @@ TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
 }
 
 TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
-  // Goal: mpirun passes a signal only to existing ranks, so a signal before the first rank must not
-  // be lost. Method: a script that starts its rank late, and that the signal would kill before.
+  // Goal: a stop before the first rank starts isn't lost, although mpirun passes signals only to
+  // existing ranks. Method: replace mpirun by a script that starts its rank late.
   program_is(
       "echo $$ > ready; read -r x < gate\n"
       "trap 'touch taken; kill $!; exit 130' USR1; sleep 1000 & while :; do wait; done");
@@ -185,9 +185,9 @@ TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
 }
 
 TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
-  // Goal: no descriptor, terminal, blocked or ignored signal, limit or variable of the keeper or
-  // the daemon reaches the program. Method: a daemon with open files, ignored signals and
-  // variables; the script writes down what it has.
+  // Goal: the program doesn't inherit descriptors, the terminal, blocked or ignored signals, limits
+  // or variables of the keeper or the daemon. Method: the daemon has open files, ignored signals
+  // and variables, and the script writes down what it inherits.
   program_is(
       "ls /proc/self/fd > fds; readlink /proc/self/fd/0 > stdin; env > env; pwd > pwd\n"
       "grep -E 'SigBlk|SigIgn' /proc/self/status > signals; ulimit -c > core\n"
@@ -200,7 +200,7 @@ TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
   std::signal(SIGUSR1, ignored);
   ::unsetenv("LD_LIBRARY_PATH");
   ::unsetenv("OMPI_MCA_btl");
-  // The last descriptor belongs to `ls`, which lists the folder.
+  // Descriptor 3 is the folder that `ls` reads.
   EXPECT_THAT(lines_in("fds"), ElementsAre("0", "1", "2", "3"));
   EXPECT_EQ(text_in("stdin"), "/dev/null\n");
   EXPECT_EQ(text_in("pwd"), folder() + "\n");
@@ -213,7 +213,7 @@ TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
 }
 
 TEST_F(KeepTest, WhatADeadAttemptLeftIsCleared) {
-  // Method: leave Open MPI's files and an old pipe that still contains a line.
+  // Method: leave Open MPI's files, and a file in the pipe's place.
   std::filesystem::create_directories(path("mpi/ompi.vm.0/pid.1"));
   std::ofstream(path("mpi/vader_segment.vm.0")) << "x";
   std::ofstream(path("end.pipe")) << "no pipe";
@@ -224,9 +224,9 @@ TEST_F(KeepTest, WhatADeadAttemptLeftIsCleared) {
 }
 
 TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
-  // Goal: if a batch system sends SIGTERM some time before it kills all processes, the run gets
-  // this time. Method: program and keeper receive SIGTERM, as from scancel. The program is told
-  // once, by SIGUSR1, and has the job's variables.
+  // Goal: if a batch system sends SIGTERM some time before it kills all processes, the run may use
+  // this time to stop. Method: send SIGTERM to program and keeper, as scancel does. The program
+  // gets a single SIGUSR1 and has the batch job's variables.
   program_is(
       "trap 'echo term >> told' TERM; trap 'echo usr1 >> told; exit 130' USR1; echo $SLURM_JOB_ID "
       "> "
@@ -234,7 +234,7 @@ TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
   AttemptSpec in_batch = spec();
   in_batch.in_batch = true;
   ::setenv("SLURM_JOB_ID", "812", 1);
-  // A batch system starts it with the unchanged environment.
+  // A batch system starts the keeper's command in its own environment.
   const RunningKeeper keeper = backend().launch_command(
       folder(), {"/usr/bin/env", "SLURM_JOB_ID=812", "sh", "-c", fmt::format("exec {}", [&] {
                    std::string words;
@@ -256,8 +256,8 @@ TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
 }
 
 TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
-  // Goal: if locks don't work and records appear late, the mark decides. Method: delete the record,
-  // as if it weren't visible yet, and launch the same attempt again.
+  // Goal: on a disk without locks, where records may appear late, the mark prevents a second start.
+  // Method: delete the record as if it weren't visible yet, and launch the same attempt again.
   ::setenv("SLEIGHT_NETWORK_DISK", "1", 1);
   program_is("echo started >> starts");
   AttemptSpec in_batch = spec();
@@ -278,8 +278,8 @@ TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
 }
 
 TEST_F(KeepTest, StartedTwiceByABatchSystemTheSecondKeeperWaitsForTheFirst) {
-  // Goal: the batch system sees no end while the first keeper lives. Method: with a lock and with a
-  // mark; stop the second keeper, which passes the stop on.
+  // Goal: a second keeper of an attempt doesn't end while the first one lives. Method: start a
+  // second keeper, with a lock and with a mark, and stop it; it passes the stop on.
   for (const char* network : {"0", "1"}) {
     ::setenv("SLEIGHT_NETWORK_DISK", network, 1);
     program_is("echo started >> starts; trap 'exit 130' USR1; while true; do sleep 0.02; done");
@@ -303,7 +303,7 @@ TEST_F(KeepTest, StartedTwiceByABatchSystemTheSecondKeeperWaitsForTheFirst) {
 }
 
 TEST_F(KeepTest, AKeeperThatWasGivenUpWritesNothingOverALaterRecord) {
-  // Method: a later attempt's record appears while the keeper runs.
+  // Method: write a later attempt's record while the keeper runs.
   ::setenv("SLEIGHT_NETWORK_DISK", "1", 1);
   program_is("touch begun; while [ ! -e go ]; do sleep 0.02; done");
   AttemptSpec in_batch = spec();

@@ -1,4 +1,4 @@
-// Goal: one process at a time holds the lock until it ends, and testing doesn't take the lock.
+// Goal: one process at a time holds the lock until it ends, and is_held() doesn't take the lock.
 #include "service/keeper/keeper_lock.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 class KeeperLockTest : public testing::JobTest {};
 
 TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
-  // Method: this process and a child take the lock in turn; the child is killed.
+  // Method: this process and then a child take the lock, and the child is killed.
   EXPECT_FALSE(KeeperLock::is_held(folder()));
   EXPECT_FALSE(KeeperLock::is_held(path("nowhere")));
   EXPECT_THROW(KeeperLock::take(path("nowhere")), base::Error);

@@ -1,4 +1,4 @@
-// Goal: children and identities of processes equal the kernel's.
+// Goal: children_of() and identity_of() agree with the kernel.
 #include "service/keeper/process_table.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace sleight::keeper {
 namespace {
 
 TEST(ProcessTable, ChildrenAreFoundInBothWays) {
-  // Method: compare children of two threads with a search through all processes; then they end.
+  // Method: compare children of two threads with a search of all processes, then end them.
   const auto wait_for_ever = [] {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -45,7 +45,7 @@ TEST(ProcessTable, ChildrenAreFoundInBothWays) {
 }
 
 TEST(ProcessTable, AnIdentityIsAProcessOfItsOwn) {
-  // Method: this process, new children until one is a kernel tick younger, and no process.
+  // Method: compare this process, a child that is a kernel tick younger, and a missing process.
   const auto self = identity_of(::getpid());
   ASSERT_TRUE(self);
   EXPECT_EQ(self, identity_of(::getpid()));
