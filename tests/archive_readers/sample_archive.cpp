@@ -1,5 +1,6 @@
-// Writes an archive of the fake world, and optionally its tables as CSV, to test other programs'
-// readers: sleight-sample-archive OUT.h5 SCANS [CSV_FOLDER]. Prints digest and writing seconds.
+// Writes an archive of the fake world, and optionally its tables as CSV, to test readers by other
+// programs. Usage: sleight-sample-archive OUT.h5 SCANS [CSV_FOLDER]. Prints the digest and the
+// seconds that writing took.
 #include <fmt/format.h>
 
 #include <chrono>
