@@ -14,12 +14,12 @@ constexpr std::size_t k_message_bytes_max = 4U << 20U;    // for a user, from Se
 constexpr std::size_t k_stranger_bytes_max = 16U << 10U;  // for a stranger
 constexpr std::uint64_t k_opening_answers = 2;
 
-/// A connection, with the server's messages on it.
+/// A connection and the server messages received on it.
 class Talk {
  public:
   Talk(const Scene& scene, std::unique_ptr<Line> line) : scene_(scene), line_(std::move(line)) {}
 
-  /// Reads what has arrived, waiting up to the timeout. False: nothing; the line is open.
+  /// Reads what has arrived, waiting up to the timeout. False: open, but nothing came.
   bool hear(int patience_ms = 0) {
     bool has_heard = false;
     std::string bytes;
@@ -39,7 +39,7 @@ class Talk {
     hear();
     return !has_ended_;
   }
-  /// Ends the sending direction, and reads until the server ends the line.
+  /// Ends the sending direction, and reads until the server closes the connection.
   void end() {
     line_->end_sending();
     while (!has_ended_) {
@@ -54,7 +54,7 @@ class Talk {
     if (listener_.bugs() > 0) scene_.trouble_is("the server failed at a call: a refusal as bug");
     if (listener_.is_garbled()) scene_.trouble_is("the server's answers can't be read");
   }
-  /// Number of server reactions: answers beyond the opening, and the server's own end of the line.
+  /// Returns the number of server reactions: answers after the opening, and a close by the server.
   std::uint64_t reached(bool ended_by_itself) const {
     const std::uint64_t heard = listener_.messages();
     return (heard > k_opening_answers ? heard - k_opening_answers : 0) + (ended_by_itself ? 1 : 0);
@@ -76,7 +76,7 @@ Bounds bounds_of(const Scene& scene) {
   return {.is_owner = scene.door == Door::socket};
 }
 
-/// None: the server has no room for a connection.
+/// Returns nothing if the server has no room for a connection.
 std::optional<Talk> begin(const Scene& scene) {
   auto line = scene.door == Door::socket
                   ? line_to_socket(scene.target.socket)
@@ -98,7 +98,7 @@ std::optional<Talk> begin_opened(const Scene& scene) {
   return talk;
 }
 
-/// Sends messages until the server ends the line; `make` creates the next message.
+/// Sends messages from make() until the server closes the connection.
 template <class Make>
 void send_messages(const Scene& scene, std::uint64_t count, const Make& make) {
   auto talk = begin_opened(scene);
@@ -171,7 +171,7 @@ void calls(const Scene& scene) {
   scene.tally.reached += talk->reached(ended_by_itself);
 }
 
-// Most of these messages end their connection, so only a few are sent on each.
+// Most of these messages end the connection, so each connection sends only a few.
 void mutated_messages(const Scene& scene) {
   const Bounds bounds = bounds_of(scene);
   send_messages(scene, 2,
@@ -205,7 +205,7 @@ void broken_frames(const Scene& scene) {
   send_messages(scene, 1, [&](std::uint32_t) { return broken_frame(scene.dice); });
 }
 
-// Goal: a peer that leaves within a message does no harm.
+// Goal: a peer that disconnects in the middle of a message does no harm.
 void cut_streams(const Scene& scene) {
   auto talk = begin(scene);
   if (!talk) return;
@@ -225,7 +225,7 @@ void cut_streams(const Scene& scene) {
   if (talk->listener().messages() > 0) ++scene.tally.reached;
 }
 
-// Goal: answers that nobody reads don't accumulate, and are dropped with their connection.
+// Goal: unread answers don't accumulate, and are dropped with their connection.
 void unread_answers(const Scene& scene) {
   auto talk = begin_opened(scene);
   if (!talk) return;
@@ -238,8 +238,8 @@ void unread_answers(const Scene& scene) {
     is_taken = talk->line().send_unread(asked.frame + finish(asked.question), 20);
   }
   scene.tally.attacks += sent;
-  // A connection that reads counts the answers received. The first connection reads, because
-  // otherwise nobody would know whether the server answers.
+  // The tally counts answers that the connection reads. The first connection always reads, to check
+  // that the server answers.
   if (never_reads && scene.tally.reached > 0) return;
   const std::uint64_t before = talk->listener().messages();
   talk->end();
@@ -256,7 +256,7 @@ void noise(const Scene& scene) {
   ++scene.tally.reached;  // the server ended the line, so it read the message
 }
 
-// Goal: no wrong token is accepted. Method: send a wrong token, another one, and a call.
+// Goal: no wrong token is accepted. Method: send a wrong token, a call, perhaps a second login.
 void wrong_logins(const Scene& scene) {
   auto talk = begin(scene);
   if (!talk) return;
@@ -265,7 +265,7 @@ void wrong_logins(const Scene& scene) {
   const Asked asked = valid_call(scene.dice, {.text_bytes_max = 1000}, k_first_question);
   bytes += asked.frame;
   talk->send(bytes);
-  // A second login is refused even with a valid token.
+  // The second login uses a valid token, and must be refused too.
   if (scene.dice.one_in(4)) {
     std::string again = login(scene.target.token);
     talk->send(again);

@@ -1,11 +1,11 @@
 // Attacks on the Cap'n Proto interface, one episode per connection: on the socket, and in TLS
 // before and after a login.
 //
-// An episode counts its attacks and those that reached the server's decoder, which shows in answers
-// and in connections that the server ended. After a peer ends its connection, the server must end
-// it too. A valid call must be answered. Anything else is trouble.
+// An episode counts its attacks, and the attacks that reached the server's decoder: those that it
+// answered or ended the connection for. The server must answer each valid call, and must close a
+// connection that its peer has ended. Anything else is reported as trouble.
 //
-// Thread safety: an episode belongs to one thread; tallies and trouble are shared.
+// Thread safety: an episode belongs to one thread. Tally and Trouble may be shared.
 #pragma once
 
 #include <atomic>
@@ -90,7 +90,7 @@ void noise(const Scene& scene);
 /// Only for strangers.
 void wrong_logins(const Scene& scene);
 
-/// Reads until the server ends the line, and counts this. Reports trouble if the server doesn't.
+/// Reads until the server closes the connection, and counts that. Reports trouble otherwise.
 void await_end(const Scene& scene, Line& line);
 
 }  // namespace sleight::attack

@@ -1,5 +1,5 @@
-// `sleight-attack` attacks a running service on its socket and over TLS, and reports whether the
-// service withstood. Not installed; used by tests/programs/test_attacks.py and deploy/soak.
+// `sleight-attack` attacks a running service on its socket and over TLS, and reports whether it
+// withstood. Not installed; used by tests/programs/test_attacks.py and deploy/soak.
 //
 // Exits with 0 if all kinds of attack occurred and reached the server, honest clients were always
 // answered, and nothing else went wrong. Otherwise exits with 1.
@@ -37,7 +37,7 @@ void tell(const Options& options, const Progress& progress) {
   std::fflush(stdout);
 }
 
-/// Whether all kinds of attack occurred and reached the server. Prints those that didn't.
+/// Returns whether all kinds of attack occurred and reached the server. Prints the others.
 bool judge(const Outcome& outcome) {
   bool is_good = true;
   for (const Count& count : outcome.counts) {

@@ -65,7 +65,7 @@ constexpr std::array k_kinds = std::to_array<Kind>({
     {"TLS: after the handshake", Door::stranger, tls_after_handshakes, 0.4, 1},
 });
 
-/// The first episodes are one of each kind; later kinds are drawn by their shares.
+/// Returns an episode's kind: each kind once, then kinds drawn by their shares.
 std::size_t kind_of(std::uint64_t episode, Dice& dice) {
   if (episode < k_kinds.size()) return static_cast<std::size_t>(episode);
   double sum = 0;
@@ -129,7 +129,7 @@ void attack(Shared& shared, int thread) {
   }
 }
 
-/// Connects and asks as an honest client.
+/// Connects and calls the service as an honest client.
 void ask_honestly(Shared& shared, const rpc::ServicePlace& place, const char* way) {
   const base::SteadyClock clock;
   const double began_s = clock.now_s();

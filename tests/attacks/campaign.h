@@ -1,7 +1,7 @@
-// A whole attack: threads run episodes, held peers stay, and honest clients must be answered.
+// A whole attack: threads run episodes, held peers stay connected, and honest clients need answers.
 //
-// Episode n's kind and everything it sends are a function of (seed, n). Only the server's answers
-// and the concurrent episodes vary. --episode repeats the episode that a failure names.
+// Episode n's kind and messages depend only on (seed, n). Only the server's answers and the
+// concurrent episodes vary. --episode repeats the episode that a failure names.
 //
 // Thread safety: run_campaign starts its own threads and ends them.
 #pragma once
@@ -45,11 +45,11 @@ struct Outcome {
   double seconds = 0;
   std::uint64_t honest_calls = 0;
   double longest_honest_s = 0;
-  /// What went wrong, with the episodes in progress. None: nothing.
+  /// What went wrong, and which episodes were in progress. None: nothing.
   std::optional<std::string> trouble{};
 };
 
-/// `tell` is called each second at first, then every ten seconds.
+/// Calls tell() every second at first, then every ten seconds.
 Outcome run_campaign(const Target& target, const Campaign& campaign,
                      const std::function<void(const Progress&)>& tell);
 

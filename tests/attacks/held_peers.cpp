@@ -13,7 +13,7 @@ namespace {
 
 constexpr int k_peers_of_kind = 8;
 constexpr auto k_step = std::chrono::milliseconds(3);
-/// Steps until a silent peer leaves and another connects; far beyond the login's time limit.
+/// Steps until another peer replaces a silent one. They far exceed the login's time limit.
 constexpr int k_silent_steps = 8000;
 
 struct Peer {

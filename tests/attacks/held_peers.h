@@ -16,8 +16,7 @@ struct HeldTallies {
   Tally silent_over_tls{};
 };
 
-/// Holds peers until `is_over`. A slow peer counts as reached when the server has answered it; a
-/// silent one, when the server has answered what it sent before its silence.
+/// Holds peers until `is_over`. A peer counts as reached once the server has answered it.
 void hold_peers(const Target& target, const std::atomic<bool>& is_over, HeldTallies& tallies);
 
 }  // namespace sleight::attack

@@ -1,6 +1,6 @@
-// Connections that send any bytes: on a Unix socket, on TCP, and in TLS with its encrypted bytes.
+// Connections that can send any bytes: over a Unix socket, TCP, or TLS (also encrypted bytes).
 //
-// Each wait of a line has a timeout, which its result reports.
+// Each wait has a timeout, and its result shows whether it timed out.
 //
 // Thread safety: a line belongs to one thread.
 #pragma once
@@ -16,7 +16,7 @@
 
 namespace sleight::attack {
 
-/// The server's time to answer, and to end a connection after its peer has ended it.
+/// The server must answer, or close a connection that its peer has ended, within this time.
 inline constexpr int k_patience_ms = 10'000;
 
 enum class Got : std::uint8_t {
@@ -32,10 +32,10 @@ class Line {
   Line(const Line&) = delete;
   Line& operator=(const Line&) = delete;
 
-  /// Sends all bytes; stores what arrives meanwhile for `receive`. False: the server has ended the
-  /// line, or accepts nothing for k_patience_ms.
+  /// Sends all bytes, and stores data that arrives meanwhile for receive(). Returns false if the
+  /// server has closed the connection, or accepts nothing for k_patience_ms.
   virtual bool send(std::string_view bytes) = 0;
-  /// Like send(), without reading. False also if the server accepts no more for `patience_ms`.
+  /// Like send(), without reading. Also false if the server accepts nothing for `patience_ms`.
   virtual bool send_unread(std::string_view bytes, int patience_ms) = 0;
   /// Appends received bytes to `into`.
   virtual Got receive(std::string& into, int patience_ms) = 0;
@@ -43,13 +43,13 @@ class Line {
   virtual void end_sending() = 0;
 };
 
-/// Null: the server refuses the connection.
+/// Returns null if the server refuses the connection.
 std::unique_ptr<Line> line_to_socket(const std::string& path);
 /// Connects from an address of 127.0.0.0/8 chosen by `number`, because a single address has ports
 /// for only some hundred connections per second. REQUIRES: `address.host` is 127.0.0.1.
 std::unique_ptr<Line> line_to_port(const access::ServerAddress& address, std::uint64_t number);
 
-/// Settings for all TLS connections. May be used by several threads at once.
+/// Settings for all TLS connections. Several threads may use one object at once.
 class TlsSettings {
  public:
   /// `version_max`: TLS1_2_VERSION or TLS1_3_VERSION.
@@ -65,7 +65,7 @@ class TlsSettings {
 
 enum class Shake : std::uint8_t { done, goes_on, broken };
 
-/// One end of TLS without a socket: encrypted bytes go in and come out.
+/// One end of a TLS connection without a socket. The caller transports the encrypted bytes.
 class Tls {
  public:
   explicit Tls(const TlsSettings& settings);
@@ -75,7 +75,7 @@ class Tls {
   /// Returns the bytes to send.
   std::string take();
   std::string encrypt(std::string_view bytes);
-  /// Appends decrypted bytes. False: the peer ended or broke the connection.
+  /// Appends decrypted bytes. Returns false if the peer ended or broke the connection.
   bool decrypt(std::string& into);
   SSL* ssl() { return ssl_.get(); }
 
@@ -86,10 +86,10 @@ class Tls {
   std::unique_ptr<SSL, Free> ssl_;
 };
 
-/// Does the handshake over `line`. False: the server ended the line.
+/// Does the handshake over `line`. Returns false if the server closed the connection.
 bool shake_hands(Line& line, Tls& tls);
 
-/// A line within TLS, after the handshake. Null: the server ended the line.
+/// Returns a TLS line over `line` after its handshake. Null: the server closed the connection.
 std::unique_ptr<Line> secured(std::unique_ptr<Line> line, const TlsSettings& settings);
 
 }  // namespace sleight::attack

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t k_frame_bytes_max = 64U << 20U;
 constexpr std::uint32_t k_segments_max = 512;
 
-/// Size of a frame, from its header (common/rpc/guarded_messages.cpp). 0: more bytes are needed.
+/// Returns a frame's size from its header (common/rpc/guarded_messages.cpp). 0: incomplete.
 std::size_t frame_bytes(std::string_view bytes, bool& is_garbled) {
   std::uint32_t segments = 0;
   if (bytes.size() < 8) return 0;
@@ -66,7 +66,7 @@ void Listener::hear_message(std::string_view frame) {
     resulted_.insert(answer.getAnswerId());
     const auto content = answer.getResults().getContent();
     if (!content.isStruct()) return;  // the bootstrap capability
-    // All results of the service begin with their refusal.
+    // In all result structs of the service, the refusal is the first pointer.
     const auto pointers = content.getAs<capnp::AnyStruct>().getPointerSection();
     if (pointers.size() == 0 || !pointers[0].isStruct()) return;
     const auto refusal = pointers[0].getAs<rpc::generated::Refusal>();

@@ -1,4 +1,4 @@
-// Parses what a server sends on a connection: which calls it has answered, and how. Thread safety:
+// Parses a server's messages on a connection: which calls it has answered, and how. Thread safety:
 // one thread.
 #pragma once
 

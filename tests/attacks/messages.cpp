@@ -49,7 +49,7 @@ std::string entrance() {
   return frame_of(message);
 }
 
-/// Begins question 1, on the result of question 0. Returns its parameters.
+/// Begins question 1, a call on the result of question 0. Returns the call's parameters.
 protocol::Payload::Builder begin_entering(capnp::MessageBuilder& message, std::uint16_t method) {
   auto call = message.initRoot<protocol::Message>().initCall();
   call.setQuestionId(1);
@@ -66,7 +66,7 @@ std::uint32_t odd_id(Dice& dice) {
   return dice.one_in(2) ? dice.below32(6) : static_cast<std::uint32_t>(odd_number(dice));
 }
 
-/// An id that usually exists: an unknown id ends the connection, so it is rare.
+/// Returns an id that usually exists. Unknown ids are rare, because they end the connection.
 std::uint32_t likely_id(Dice& dice) {
   return dice.one_in(8) ? odd_id(dice) : dice.below32(2);
 }
@@ -156,7 +156,7 @@ void fill_resolve(Dice& dice, protocol::Resolve::Builder to, std::uint32_t promi
   }
 }
 
-/// Whether the frame is a message that the owner's attacks must leave out.
+/// Returns whether an attack by the service's owner must not send this message.
 bool does_harm(const std::string& frame) {
   auto words = kj::heapArray<capnp::word>(frame.size() / sizeof(capnp::word));
   std::memcpy(words.begin(), frame.data(), words.asBytes().size());
@@ -244,7 +244,7 @@ std::string odd_protocol(Dice& dice) {
       fill_exception(dice, root.initAbort());
       break;
     case 6: {
-      // Pretends not to implement a message that the server might have sent.
+      // Replies that a message, which the server may have sent, isn't implemented.
       auto inner = root.initUnimplemented();
       if (dice.one_in(2)) {
         fill_resolve(dice, inner.initResolve(), odd_id(dice));
@@ -283,7 +283,7 @@ std::string pipelined_call(Dice& dice, std::uint32_t question) {
     call.setInterfaceId(dice.one_in(2) ? capnp::typeId<rpc::generated::Entrance>() : dice.bits());
     call.setMethodId(static_cast<std::uint16_t>(dice.below(3)));
   } else if (dice.one_in(4)) {
-    // Any method except those that stop the service.
+    // An unknown method number.
     call.setMethodId(static_cast<std::uint16_t>(k_methods + dice.below(60'000)));
   }
   call.setAllowThirdPartyTailCall(dice.one_in(2));
@@ -313,7 +313,7 @@ std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t quest
     auto root = message.initRoot<protocol::Message>();
     switch (dice.below(3)) {
       case 0: {
-        // Resolves to itself, or to the promise's own target.
+        // The promise resolves to itself or to any other promise id.
         auto resolved = root.initResolve();
         resolved.setPromiseId(promise);
         resolved.initCap().setSenderPromise(dice.one_in(2) ? promise : odd_id(dice));
@@ -333,7 +333,7 @@ std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t quest
 
 std::string odd_pointers(Dice& dice, std::uint32_t question) {
   capnp::MallocMessageBuilder message;
-  // Only methods that neither stop the service nor change jobs, whatever the parameters become.
+  // Use only methods that, with any parameters, neither stop the service nor change jobs.
   constexpr std::uint16_t k_readers[] = {submit, list, status,       watch,       logs,
                                          fetch,  info, create_token, revoke_token};
   auto call = begin_call(message, question, k_readers[dice.below(std::size(k_readers))]);
@@ -346,7 +346,7 @@ std::string odd_pointers(Dice& dice, std::uint32_t question) {
       pointer = pointer.initAsAnyStruct(0, 1).getPointerSection()[0];
   }
   std::string frame = frame_of(message);
-  // The pointers are the last words. Replace them at random.
+  // The message's last words are the pointers. Replace them at random.
   const std::size_t words = frame.size() / 8;
   for (std::size_t i = 0; i < std::min<std::size_t>(k_pointers, words - 2); ++i) {
     if (dice.one_in(3)) continue;
@@ -390,7 +390,7 @@ std::string mutated(Dice& dice, const Bounds& bounds, std::uint32_t question) {
       break;
   }
   const std::string before = frame;
-  // Keep the header, so that the content is read; broken_frame changes headers.
+  // Keep the header, so that the server reads the content. broken_frame() changes headers.
   for (std::uint64_t i = 0, changes = 1 + dice.below(6); i < changes; ++i) {
     const std::size_t at = 8 + dice.below(frame.size() - 8);
     frame[at] = dice.one_in(2) ? static_cast<char>(frame[at] ^ (1 << dice.below(8)))

@@ -1,9 +1,9 @@
 // Cap'n Proto messages as frames, from plain calls to messages that no client would send.
 //
 // A connection's question 0 requests the bootstrap object, and question 1 opens a session or logs
-// in; its result promises the service. Attacks use numbers from 2 on.
+// in; the result of question 1 is a promise of the service. Attacks use question numbers from 2 on.
 //
-// Thread safety: pure functions of their Dice.
+// Thread safety: functions change only their Dice.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ inline constexpr std::uint32_t k_first_question = 2;
 struct Asked {
   std::string frame{};
   std::uint32_t question = 0;
-  /// A watch, or a fetch of a derived file, whose answer may take longer than k_patience_ms.
+  /// Whether the call may take longer than k_patience_ms: watch, or fetch of a derived file.
   bool may_wait = false;
 };
 
@@ -35,13 +35,13 @@ std::string finish(std::uint32_t question);
 
 /// Messages about questions, capabilities and promises that don't exist.
 std::string odd_protocol(Dice& dice);
-/// A call on the promised result of another question, or on capabilities that exist or don't.
+/// A call on the promised result of another question, or on an existing or missing capability.
 std::string pipelined_call(Dice& dice, std::uint32_t question);
-/// A call with the client's capabilities, and the client's later messages about them.
+/// A call that passes capabilities of the client, and later messages about these capabilities.
 std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t question);
-/// A call with invalid pointers: beyond the message, to themselves, or deeply nested.
+/// A call with random pointers, which may point outside the message, to themselves, or nest deeply.
 std::string odd_pointers(Dice& dice, std::uint32_t question);
-/// A message of any of the kinds above with some bytes changed.
+/// Any of the above messages with some bytes changed.
 std::string mutated(Dice& dice, const Bounds& bounds, std::uint32_t question);
 /// A frame whose header is wrong.
 std::string broken_frame(Dice& dice);

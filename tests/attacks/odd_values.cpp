@@ -135,7 +135,7 @@ std::string wrong_token(Dice& dice, const std::string& real) {
   std::string changed = real;
   switch (dice.below(9)) {
     case 0:
-      // The real token's id with another secret and a valid check.
+      // The real token's id, another secret, and a valid checksum.
       return drawn(real.substr(access::k_token_prefix.size(), access::k_token_id_characters));
     case 1:
       return drawn("0123456789");

@@ -1,5 +1,5 @@
-// Values that a server should never receive: extreme numbers, hostile texts, invalid tokens. All
-// are functions of their Dice and so repeatable. Thread safety: one Dice belongs to one thread.
+// Values that a server should never receive: extreme numbers, hostile texts, invalid tokens. Each
+// is repeatable from its Dice. Thread safety: one Dice belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -34,12 +34,12 @@ std::string random_bytes(Dice& dice, std::size_t size);
 std::uint64_t odd_number(Dice& dice);
 /// NaN, infinite, tiny, or negative.
 double odd_real(Dice& dice);
-/// An id that no job has, possibly with one or two bytes changed; or 0.
+/// 0, or a number far beyond all job ids.
 std::uint64_t far_id(Dice& dice);
-/// An odd text: empty, with `../`, control characters, invalid UTF-8 or format strings; one in a
-/// thousand has half or all of `bytes_max`.
+/// An odd text: empty, or with `../`, control characters, invalid UTF-8 or format strings. One in a
+/// thousand is as long as `bytes_max` or half of it.
 std::string odd_text(Dice& dice, std::size_t bytes_max);
-/// Invalid requests: deep nesting, endless names, or one that is too expensive.
+/// An invalid request: deeply nested, with very long names, or too expensive.
 std::string odd_request(Dice& dice, std::size_t bytes_max);
 /// An invalid token that resembles `real` or any other token.
 std::string wrong_token(Dice& dice, const std::string& real);

@@ -14,12 +14,12 @@ capnp::Text::Reader text_of(const std::string& text) {
   return {text.c_str(), text.size()};
 }
 
-/// An id for a call that changes nothing; it may be an existing job's.
+/// An id for a call that changes nothing, possibly of an existing job.
 std::uint64_t read_id(Dice& dice) {
   return dice.one_in(3) ? 1 + dice.below(3) : dice.one_in(2) ? odd_number(dice) : far_id(dice);
 }
 
-/// An id for a call that changes something.
+/// An id for a call that changes jobs.
 std::uint64_t touch_id(Dice& dice, const Bounds& bounds) {
   return bounds.is_owner ? far_id(dice) : read_id(dice);
 }
@@ -80,7 +80,7 @@ void fill_fetch(Dice& dice, rpc::generated::FetchAsk::Builder to) {
 }
 
 void fill_token(Dice& dice, const Bounds& bounds, rpc::generated::TokenAsk::Builder to) {
-  // The token's check is wrong, so no token is ever created.
+  // The token has no valid checksum, so it is never created.
   to.setToken(text_of(odd_text(dice, bounds.text_bytes_max)));
   to.setName(text_of(odd_text(dice, 400)));
   to.setForUser(static_cast<std::int64_t>(odd_number(dice)));
@@ -136,7 +136,7 @@ void fill_parameters(Dice& dice, const Bounds& bounds, Method method,
     case create_token:
       return fill_token(dice, bounds, to.initAs<generated::CreateTokenParams>().initAsk());
     case revoke_token:
-      // A valid form of an id makes the service look it up.
+      // The service looks up ids of a valid form.
       return to.initAs<generated::RevokeTokenParams>().setId(
           text_of(dice.one_in(2) ? std::string(10, "0123456789abcdefgh"[dice.below(18)])
                                  : odd_text(dice, bounds.text_bytes_max)));

@@ -1,5 +1,5 @@
-// Parameters of the service's calls: of the right form, with any values. Thread safety: pure
-// functions of their Dice.
+// Parameters of the service's calls: structurally valid, with any values. Thread safety: functions
+// change only their Dice.
 #pragma once
 
 #include <capnp/any.h>
@@ -11,12 +11,12 @@
 
 namespace sleight::attack {
 
-/// Limits of messages' contents.
+/// Limits of message contents.
 struct Bounds {
-  /// Maximum size of a text, and so roughly of a message.
+  /// Maximum size of a text, which is also roughly the maximum size of a message.
   std::size_t text_bytes_max = 1U << 20U;
-  /// The attacker is the service's own user, who may do anything. So messages that would stop the
-  /// service, create tokens or change its jobs are left out.
+  /// Whether the attacker is the service's own user, who may do anything. Then no message is sent
+  /// that would stop the service, create tokens or change its jobs.
   bool is_owner = false;
 };
 

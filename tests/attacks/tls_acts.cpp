@@ -11,7 +11,7 @@ namespace {
 
 enum ContentType : std::uint8_t { change_cipher = 20, alert = 21, handshake = 22, data = 23 };
 
-/// A record whose header states `size`, whatever the size of its content.
+/// Returns a record whose header states `size`, even if its content has another size.
 std::string record(std::uint8_t type, std::size_t size, std::string_view content) {
   std::string bytes = {static_cast<char>(type), 3, 3, static_cast<char>(size >> 8U),
                        static_cast<char>(size)};
@@ -112,7 +112,7 @@ void tls_records(const Scene& scene) {
   send_and_end(scene, *line, bytes);
 }
 
-// Goal: a handshake may stop anywhere. Method: only the hello, or a changed or missing answer.
+// Goal: a cut handshake does no harm. Method: send only the hello, or a changed or cut answer.
 void tls_half_handshakes(const Scene& scene) {
   auto line = reach(scene);
   if (!line) return;
@@ -140,7 +140,7 @@ void tls_half_handshakes(const Scene& scene) {
   await_end(scene, *line);
 }
 
-// Goal: data after a handshake does no harm: key updates, new handshakes, alerts, bad records.
+// Goal: key updates, new handshakes, alerts and bad records after a handshake do no harm.
 void tls_after_handshakes(const Scene& scene) {
   auto line = reach(scene);
   if (!line) return;
