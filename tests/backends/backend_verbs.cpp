@@ -1,8 +1,7 @@
-// Any backend as a program with the interface of service/backend/messages.h, for the conformance
-// suite:
+// Runs any backend by the messages of service/backend/messages.h, for the conformance suite:
 //   `sleight-backend --kind slurm --script direct.sbatch [--option KEY=VALUE] VERB`
 //   `sleight-backend --kind program --program PATH [--seconds S] VERB`.
-// The program reads the question on stdin. Each call acts as a daemon that lives for the call.
+// The program reads the question on stdin. Each call acts as a new daemon.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -73,7 +72,7 @@ void put(json::Value& json, const Seen& seen) {
   json["cause"] = name_of(seen.cause);
 }
 
-/// Answers a question. Throws as the backend does, and json::Error if the question is invalid.
+/// Answers a question. Throws the backend's errors, and json::Error if the question is invalid.
 std::string answer_to(std::string_view verb, std::string_view text, Backend& backend) {
   const json::Value question = json::Value::parse(text);
   if (question.at("version") != k_message_version) refuse("the question is of another version");
