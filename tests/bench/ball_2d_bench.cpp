@@ -1,4 +1,4 @@
-// The 2D ball: one simulation, one iteration of Algorithm 2.1, and one scan as in runs.
+// Times of the 2D ball: one simulation, one iteration of Algorithm 2.1, and one scan of a run.
 #include <benchmark/benchmark.h>
 
 #include "tests/bench/harness.h"

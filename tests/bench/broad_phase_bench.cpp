@@ -1,4 +1,4 @@
-// Broad phases: a move of one body's box, in a gas and in a heap.
+// Time of a broad phase to move one body's box, in a gas and in a heap.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ namespace {
 using physics::BodyId;
 using physics::Box;
 
-/// Balls of diameter 1 near places of a lattice, each in a box 1.3 wide, and their moves.
+/// Balls of diameter 1 near lattice places, each in a box 1.3 wide, and their moves.
 struct Balls {
   using Point = std::array<double, 3>;
   std::array<double, 3> period_m{};
@@ -36,7 +36,8 @@ constexpr double k_loose_m = 0.3;
 constexpr std::size_t k_moves = 1 << 16;
 constexpr std::size_t k_moves_verified = 2000;
 
-/// Each ball starts within `loose_m` of its place, steps up to a third of that, and stays within.
+/// Each ball starts within `loose_m` of its place, moves by steps of up to a third of `loose_m`,
+/// and never leaves this range.
 Balls moving(const std::vector<Balls::Point>& places, double loose_m) {
   random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, 0);
   const auto step = [&](double most) { return most * (2 * stream.uniform() - 1); };
@@ -81,7 +82,7 @@ Balls uniform(std::uint32_t n) {
 
 constexpr std::uint32_t k_shorter = 16;
 
-/// A flat heap on a floor: square layers of balls, each k_shorter shorter than the one below.
+/// A flat heap on a floor: square layers of balls. Each side is k_shorter balls shorter than below.
 Balls clustered(std::uint32_t n) {
   const auto held = [](std::uint32_t side) {
     std::uint32_t sum = 0;
@@ -127,7 +128,7 @@ class Neighbours {
       sum += list.size();
     return static_cast<double>(sum) / static_cast<double>(lists_.size());
   }
-  /// Hash of the set of pairs, independent of the order in lists.
+  /// Hash of the set of pairs, independent of the lists' order.
   std::uint64_t hash() const {
     ResultHash hash;
     for (std::uint64_t body = 0; body < lists_.size(); ++body) {
@@ -188,7 +189,7 @@ constexpr Case k_cases[] = {
     {"clustered", clustered, 10648, 0x0b5208b37faa2759U},
 };
 
-// Iterations are fixed, since each attempt builds a scene (a second or two in sweep-and-prune).
+// Iterations are fixed, because each trial builds a scene (up to 2 s in sweep-and-prune).
 template <physics::BroadPhase Structure>
 void add(const char* structure, double iterations_over_n, std::int64_t most) {
   for (const Case& one : k_cases) {

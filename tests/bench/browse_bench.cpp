@@ -1,8 +1,8 @@
-// Browsing 5,000 animations of a bouncing body with 64 path pieces each, which a person waits for.
+// Times of interactive queries on 5,000 animations of a bouncing body with 64 path pieces each.
 //
-// `find` searches a box of some centimetres within a tenth of a second. `find_slowly` does the same
-// for fewer animations with the plain reference of tests/browse. `items_per_second` counts
-// animations examined, or pairs for `matrix`.
+// `find` searches for animations that pass a box of some centimetres within a tenth of a second.
+// `find_slowly` does the same for fewer animations with the plain reference of tests/browse.
+// `items_per_second` counts animations examined, or pairs for `matrix`.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -23,7 +23,7 @@ constexpr double k_side_m = 0.016;
 constexpr double k_mass_kg = 1200 * k_side_m * k_side_m * k_side_m;
 constexpr std::int32_t k_half_points = 12;  ///< the table is 0.5 m wide; flat beyond
 
-/// One set of control points, like the peers' table.
+/// A fixed random set of control points, as in the peers' scene.
 class Bumps final : public SurfaceControls {
  public:
   Bumps() {
@@ -85,7 +85,7 @@ Scene table() {
   return scene;
 }
 
-/// Simulates until rest, or for 6 s like the peers.
+/// Simulates until rest, but at most for 6 s, as the peers do.
 Pose rest_of(Scene& scene, std::uint64_t number) {
   scene.bodies[0].start = throw_of(number);
   auto started = Simulation::start(scene, {.record = false});

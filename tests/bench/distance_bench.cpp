@@ -1,7 +1,7 @@
 // Distances between convex pieces, which take most of the time in scenes of polyhedra.
 //
 // Two equal bodies of size 1 tumble past each other in 1,024 steps of 0.005 sizes and 0.02 rad,
-// never closer than 0.01. Poses are computed in advance; an item is one distance. Cold searches
+// never closer than 0.01. Poses are computed in advance, and an item is one distance. Cold searches
 // start from scratch at every step, and warm searches from the last step's features.
 #include <benchmark/benchmark.h>
 
@@ -27,7 +27,7 @@ struct Step {
   PlacedPose b;
 };
 
-// A turns in place. B turns faster and passes, as close as the bodies' radii allow.
+// A turns in place. B turns faster and passes A, as close as the bodies' radii allow.
 std::vector<Step> passage(const physics::ConvexPolyhedron& body) {
   std::vector<Step> steps;
   const auto pose = [](const Vec3& rotation_rad, const Vec3& position_m) {

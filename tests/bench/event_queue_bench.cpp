@@ -92,7 +92,7 @@ class Gas {
   std::size_t next_ = 0;
 };
 
-/// Hash of the first events, the same for any queue.
+/// Hash of the first events, which is the same for all queues.
 std::uint64_t expected_hash(std::uint32_t slots) {
   switch (slots) {
     case 64:

@@ -1,4 +1,4 @@
-// Shared by benchmarks: each verifies a hash of its results, or it doesn't count.
+// Result verification for benchmarks: each compares a hash of its results with a known one.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -27,8 +27,8 @@ class ResultHash {
   std::uint64_t value_ = 0xcbf29ce484222325U;
 };
 
-/// Compares the hash of a fixed piece of work with the known one. A difference is an error of the
-/// benchmark and of the whole program. REQUIRES: called once for each run of a benchmark.
+/// Compares the hash of a fixed piece of work with the known one. A difference makes the benchmark
+/// and the whole program fail. REQUIRES: called once for each run of a benchmark.
 void verify(benchmark::State& state, std::uint64_t hash, std::uint64_t expected);
 
 bool any_wrong();

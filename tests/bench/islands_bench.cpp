@@ -1,5 +1,6 @@
-// Free islands of 32 particles (worker/sampling/island.h) with a guide learnt in advance: islands
-// per second as items, and simulations per island, including single dice but no single balls.
+// Free islands of 32 particles (worker/sampling/island.h) with a guide learnt in advance. Rows
+// report islands per second (as items) and simulations per island, which include simulations of
+// single dice but not of single balls.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
@@ -19,7 +20,7 @@ using worlds::dice::StagedDice;
 
 constexpr sampling::ChainStreams k_streams{.seed = 1, .chain = {}, .replica = {}};
 
-/// Uses log lambda of requests without a sampler.
+/// Uses the log lambda that requests without a sampler have.
 StagedSpelling world_of(const spelling::Pattern& pattern, double log_lambda) {
   spelling::Parameters parameters;
   parameters.pattern = pattern;

@@ -11,7 +11,7 @@
 
 namespace {
 
-/// Converts names such as "store" or "ball_2d/chain" to one regular expression.
+/// Returns a regular expression for names such as "store" or "ball_2d/chain".
 std::string filter_of(const std::vector<std::string>& names) {
   std::string filter;
   for (const std::string& name : names)

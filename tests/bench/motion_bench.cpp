@@ -1,4 +1,4 @@
-// Free flight, which every search and every bounding volume evaluates.
+// Time to evaluate free flight, as in every search and every bounding volume.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -40,7 +40,7 @@ Inertia inertia_of(InertiaSymmetry symmetry) {
   return {.mass_kg = 1, .principal_kgm2 = Vec3(1, 1.6, 2.1), .symmetry = symmetry};
 }
 
-/// Evaluates a second of flight at ticks `apart` apart.
+/// Evaluates a second of flight, every `apart` ticks.
 void orientations(benchmark::State& state, InertiaSymmetry symmetry, TickCount apart,
                   std::uint64_t expected) {
   const Inertia inertia = inertia_of(symmetry);
@@ -62,9 +62,9 @@ void orientations(benchmark::State& state, InertiaSymmetry symmetry, TickCount a
   verify(state, hash.value(), expected);
 }
 
-/// About 0.03 rad apart, as in a search.
+/// Orientations differ by about 0.03 rad, as in a search.
 constexpr TickCount k_near = TickCount{1} << 20;
-/// Far enough apart that each is in another step of a general body.
+/// Each evaluation is in a different step of a general body's motion.
 constexpr TickCount k_far = TickCount{1} << 23;
 
 void spherical(benchmark::State& state) {

@@ -1,4 +1,4 @@
-// Random numbers and elementary functions, which every simulation uses.
+// Times of random numbers and elementary functions, which every simulation uses.
 #include <benchmark/benchmark.h>
 
 #include "common/math/elementary.h"

@@ -1,4 +1,4 @@
-// Impacts, which every collision of a simulation computes.
+// Time to compute an impact, as in every collision of a simulation.
 #include <benchmark/benchmark.h>
 
 #include <cstddef>
@@ -29,7 +29,7 @@ physics::Twist random_twist(random::Stream& stream) {
   return twist;
 }
 
-/// Runs a law over the cases in turn. The hash covers one pass.
+/// Applies a law to the cases in turn. The hash covers one pass.
 template <class Input, class Law>
 void run(benchmark::State& state, const std::vector<Input>& cases, const Law& law,
          std::uint64_t expected) {

@@ -1,16 +1,16 @@
 // The cost of keeping a simulation's history, and its benefit (docs/SIMULATOR.md, "Replay of an
 // earlier simulation").
 //
-// A row alternates between two ways to run a scene. It reports CPU times of a recorded simulation
-// from scratch (`whole_ms`) and of the other way (`ms`), including the start and the new history.
+// Each row alternates between a recorded simulation from scratch (`whole_ms`) and the row's own way
+// (`ms`). CPU times include the start and the new history.
 //   keep   a simulation that keeps its history
 //   all    everything differs: with a useless history of another scene, or without
 //   early  one body starts differently, or is kicked, at the beginning: in scenes that mix,
 //          everything is simulated
 //   half   the same half-way
 //   late   the same after nine tenths
-// In rows that replay, both ways keep their histories, as in a chain of proposals. In `all` neither
-// does. The verified hash is the recording's digest, which equals that from scratch.
+// In rows that replay, both ways keep their histories, as a chain of proposals does. In `all`
+// neither does. The verified hash is the recording's digest, which is the same for both ways.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -79,7 +79,7 @@ std::uint64_t digest_of(const Scene& scene, double duration_s,
   return simulation.recording().digest();
 }
 
-/// A proposal that changes one body after a fraction of the time, or all at once.
+/// Returns a proposal that changes one body after a fraction of the time, or all bodies.
 Scene changed(const Subject& subject, const Scene& before, Row row) {
   Scene scene = before;
   if (row == Row::all) {

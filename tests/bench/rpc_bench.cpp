@@ -4,9 +4,9 @@
 //                                events, a file is fetched. Prints calls/s, latencies, MB/s.
 //   sleight-rpc-bench --check    A short run that tests all answers, but no times.
 //
-// The server is a process of its own, as are the clients of the first part. Watchers are threads.
-// An event's latency begins when the server's process can first see the event (it looks every 0.5
-// ms) and ends when the watcher's sink receives it.
+// The server is a separate process, and so is each client that requests a status. Watchers are
+// threads. An event's latency begins when the server's process can first see the event (it looks
+// every 0.5 ms) and ends when the watcher's sink receives it.
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -49,7 +49,7 @@ void print_times(const std::string& what, std::vector<double> times_s) {
              1e3 * at_share(times_s, 0.5), 1e3 * at_share(times_s, 0.99), 1e3 * times_s.back());
 }
 
-/// A client process: calls for `seconds` seconds, and writes each call's latency.
+/// A client process's work: makes calls for `seconds` seconds, and writes their latencies.
 [[noreturn]] void ask_for_status(const std::string& socket, double seconds, int write_to) {
   Client client(socket);
   const base::SteadyClock clock;

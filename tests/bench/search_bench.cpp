@@ -1,6 +1,6 @@
-// Pourings built ball by ball (worker/worlds/spelling/pouring_builder.h) from a map of landings
-// learnt in advance: solutions per second as items. Also that map, and six dice built die by die
-// (worker/worlds/dice/throw_stages.h).
+// Searches: pourings built ball by ball (worker/worlds/spelling/pouring_builder.h) from a map of
+// landings learnt in advance, and six dice built die by die (worker/worlds/dice/throw_stages.h).
+// Items are solutions. Learning the map is measured too.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -17,7 +17,7 @@ namespace spelling = worlds::spelling;
 using spelling::Spelling;
 
 constexpr std::uint64_t k_seed = 1;
-/// 2,000 balls. More balls make no pouring cheaper.
+/// 2,000 balls. A map from more balls doesn't make pourings cheaper.
 constexpr std::uint64_t k_batches = 20;
 
 Spelling world_of(const spelling::Pattern& pattern) {
@@ -44,7 +44,7 @@ void measure(benchmark::State& state, const Find& find, std::uint64_t number,
   state.counters[guesses] = static_cast<double>(effort.guesses) / each;
 }
 
-/// Hashes the first `hashed` pourings. The measurement makes more.
+/// Hashes the first `hashed` pourings, and then measures more pourings.
 void search(benchmark::State& state, const spelling::Pattern& pattern, std::uint64_t hashed,
             std::uint64_t expected) {
   const Spelling world = world_of(pattern);

@@ -1,4 +1,4 @@
-// Calls per second that a daemon answers: durable submits, and status with many jobs.
+// Calls per second that a daemon answers: durable submits, and status requests with many jobs.
 //
 //   sleight-service-bench SOCKET SUBMITS SECONDS
 //

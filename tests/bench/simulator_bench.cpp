@@ -1,13 +1,12 @@
 // The event-driven simulator on the thesis's two experiments (3.3) and on gases of spheres.
 //
-// A row of box/, hourglass/ or wall/ times a simulation without a recording. Before that, it runs
-// the beginning once with a recording, whose digest it verifies; both algorithms have the same
-// digest. sync is Algorithm 3.4 with a complete sort of all extents, which is faster on these
-// scenes than the same algorithm on the grid (sync_grid, for comparison). Rows of one size simulate
-// the same time, so total times are comparable (hourglass/1000 simulates a twentieth of a second).
-// sync rows report the ratio to async in the same run of the program. Rows of more than about a
-// second are timed only if they, or their scene, are requested by name. Their hashes are always
-// verified.
+// Rows of box/, hourglass/ and wall/ time simulations without a recording. Each row first simulates
+// the beginning once with a recording and verifies the recording's digest, which both algorithms
+// share. Rows named sync use Algorithm 3.4 with a complete sort of all extents, which is faster on
+// these scenes than the same algorithm on the grid (sync_grid, for comparison). Rows of one size
+// simulate the same time, so total times are comparable (hourglass/1000 simulates a twentieth of a
+// second). Rows named sync report the ratio to async in the same run of the program. Rows above
+// about a second are timed only if their name or scene is requested, but always verified.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -49,7 +48,7 @@ SimulationOptions options_of(Way way, bool record) {
   return options;
 }
 
-/// Returns nothing after a benchmark error if the simulation fails.
+/// Reports a benchmark error and returns nothing if the simulation fails.
 std::optional<Simulation> simulated(benchmark::State& state, const physics::Scene& scene,
                                     const SimulationOptions& options, double duration_s) {
   auto started = Simulation::start(scene, options);
@@ -111,12 +110,12 @@ constexpr Experiment k_experiments[] = {
     {"bowling", scenes::bowling, 11, 0, 1, false, true, 0x26de07c6d97275fcU},
     // Two hundred bricks, and the ball that knocks them down.
     {"wall", scenes::wall, 201, 0.75, 0.03, true, true, 0xdf661de415c33449U},
-    // All grains have started, and the last ones fall on the heap. The whole simulation takes the
-    // asynchronous algorithm minutes, and the synchronous one an hour.
+    // All grains have started, and the last ones fall on the heap. The whole simulation takes
+    // minutes with the asynchronous algorithm, and an hour with the synchronous one.
     {"hourglass", scenes::hourglass, 1000, 0.05, 1.5, true, true, 0x4929c940aa320193U, 50},
 };
 
-/// CPU seconds of one asynchronous run of each measured experiment, or of one event of its parts.
+/// CPU seconds of each experiment's asynchronous run, or of one event if parts are timed.
 std::map<const Experiment*, double>& async_seconds() {
   static std::map<const Experiment*, double> seconds;
   return seconds;
@@ -158,8 +157,8 @@ std::optional<Timed> time_whole(benchmark::State& state, const physics::Scene& s
   return timed;
 }
 
-/// Times a part of a long simulation. The rows of an experiment share that simulation: each
-/// continues where the last one stopped.
+/// Times a part of a long simulation. An experiment's rows share the simulation. Each continues
+/// where the last one stopped.
 std::optional<Timed> time_part(benchmark::State& state, const Experiment& experiment,
                                const physics::Scene& scene, Way way) {
   static std::map<const Experiment*, Simulation> shared;
@@ -260,7 +259,7 @@ void add(const Experiment& experiment, Way way, const char* name) {
       fmt::format("{}/{}/{}", experiment.scene, name, experiment.n).c_str(),
       [&experiment, way](benchmark::State& state) { run(state, experiment, way); });
   added->Unit(benchmark::kMillisecond);
-  // One run of a long row is enough. Don't repeat an empty loop to measure its speed.
+  // One run of a long row is enough. If the row isn't timed, repeating its empty loop is useless.
   if (way == Way::async ? experiment.long_async : experiment.long_sync) added->Iterations(1);
 }
 

@@ -1,5 +1,5 @@
-// Balls that spell HI: one simulation of ten balls until the outcome is decided, and to rest, each
-// with completely new geometry; a chain of Algorithm 2.1; both engines on the same scenes.
+// Times for balls that spell HI: simulations of ten balls with completely new geometry, until the
+// outcome is decided or until rest; a chain of Algorithm 2.1; and both engines.
 #include <benchmark/benchmark.h>
 
 #include <ctime>
@@ -43,7 +43,7 @@ using Simulate = worlds::spelling::Outcome (*)(const Spelling&, const Spelling::
 worlds::spelling::Outcome decide(const Spelling& world, const Spelling::State& state) {
   return world.simulate(state);
 }
-/// Simulates a candidate of an unknown state from scratch, with its history.
+/// Simulates a state from scratch and records its history.
 worlds::spelling::Outcome decide_and_keep(const Spelling& world, const Spelling::State& state) {
   return world.simulate_from(state, state, {});
 }
@@ -71,7 +71,7 @@ using worlds::spelling::Replays;
 BENCHMARK_CAPTURE(simulation, decision, &decide, Replays::no, 0xcbb75db773a49fa5U)
     ->Name("spelling_hi/decision")
     ->Unit(benchmark::kMillisecond);
-/// The same simulation, but it keeps all data for simulations of similar states.
+/// The same simulation, but with all data kept for simulations of similar states.
 BENCHMARK_CAPTURE(simulation, decision_kept, &decide_and_keep, Replays::yes, 0xcbb75db773a49fa5U)
     ->Name("spelling_hi/decision_kept")
     ->Unit(benchmark::kMillisecond);
@@ -110,8 +110,8 @@ BENCHMARK_CAPTURE(chain, fresh, worlds::spelling::Replays::no)
 
 // The ratio of both engines' times (docs/SIMULATOR, "Equal balls by themselves"). Each engine
 // simulates the same scenes from the start until two seconds after the last drop. Building static
-// geometry is measured separately and excluded, because a chain reuses it. `reuse` uses, like a
-// chain's proposals, the history of a scene in which one ball is dropped elsewhere.
+// geometry is measured separately and excluded, because a chain reuses it. Like a chain's
+// proposals, rows named `reuse` use the history of a scene in which one ball is dropped elsewhere.
 
 constexpr double k_after_the_last_s = 2;
 
@@ -190,7 +190,7 @@ void run_engines(const physics::Scene& scene, const physics::Scene* other, std::
   };
   if (is_void()) start_afresh();
   if (other != nullptr) histories = marbles.histories();
-  // Read all places, including those of replayed balls.
+  // Read all balls' places, including those of replayed balls.
   for (std::uint32_t ball = 0; ball < bodies; ++ball) {
     if (marbles.replayed({ball}) != nullptr) marbles.stop_replay({ball});
   }
@@ -211,7 +211,7 @@ void engines(benchmark::State& state, bool reuses) {
       Spelling::State proposal = states[i];
       proposal.drops_m[moved] = states[(i + 1) % states.size()].drops_m[moved];
       const physics::Scene scene = *world.scene(proposal);
-      // Share the mesh, so that it is recognised at once as unchanged.
+      // Share the mesh, so that the engine sees at once that it is unchanged.
       physics::Scene before = scene;
       before.bodies[moved].start = world.scene(states[i])->bodies[moved].start;
       run_engines(scene, reuses ? &before : nullptr, moved, both);

@@ -1,4 +1,4 @@
-// The run store: scans per second from put to committed, including fsync.
+// The run store's speed: scans per second from put() until committed, including fsync.
 #include <benchmark/benchmark.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ constexpr std::uint32_t k_chains = 4;
 constexpr std::uint32_t k_units = 25;
 constexpr std::uint32_t k_scans_per_unit = 1000;
 
-/// A temporary folder on the current disk.
+/// A temporary folder on the current folder's disk.
 class Folder {
  public:
   Folder() : path_("sleight-bench-store-XXXXXX") { CHECK(mkdtemp(path_.data()) != nullptr); }
@@ -94,7 +94,7 @@ void commit(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * k_chains * k_units * k_scans_per_unit);
   verify(state, hash, 0x69ce590e794d0b8cU);
 }
-// Wall-clock time: the writer has its own thread and waits for the disk.
+// Use wall-clock time, because the writer has its own thread and waits for the disk.
 BENCHMARK(commit)->Name("store/commit")->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -1,11 +1,11 @@
-// Latency of a run's events at 100 watchers of a daemon.
+// Latency of a run's events for 100 watchers of a daemon.
 //
 //   sleight-watch-bench SOCKET JOB EVENTS_LOG
 //
-// Watchers are threads with their own connections that watch a running job. An event's latency is
-// from when its line can first be read in the run's log (checked every 0.5 ms) until the watcher's
-// sink receives it. The program ends when the job ends. The daemon and the job must be running
-// (service_figures.py).
+// Watchers are threads with their own connections that watch a running job. An event's latency
+// starts when its line can first be read in the run's log (checked every 0.5 ms), and ends when the
+// watcher's sink receives the event. The program ends when the job ends. The daemon and the job
+// must be running (service_figures.py).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace {
 
 constexpr int k_watchers = 100;
 
-/// Times in seconds of one clock, by event number.
+/// Times in seconds of a common clock, by event number.
 using Moments = std::map<std::uint64_t, double>;
 
 class Arrivals final : public WatchSink {
