@@ -1,4 +1,4 @@
-// Computes where bodies are by the C++ code, for comparison with the page (pixels.test.mjs,
+// Computes bodies' positions with the C++ code, for comparison with the web page (pixels.test.mjs,
 // evaluation.test.mjs).
 //
 //   sleight-evaluate-poses ARCHIVE.h5 < QUESTIONS
@@ -9,10 +9,10 @@
 //   {"name", "time_s", "end_s", "bodies": [{"name", "radius_m", "centre_m": [x, y, z]}]}
 //   sleight-evaluate-poses --segments COUNT SEED FOLDER
 //
-// Writes random segments of all modes as columns. segments.bin has the segments and a time for
-// each; expected.bin has the positions, velocities and orientations at these times.
+// Writes random segments of all modes as columns. segments.bin contains the segments and a time for
+// each. expected.bin contains the positions, velocities and orientations at these times.
 //
-// Columns have the form of the page's answers (clients/gallery_server/packed.h).
+// Columns have the same form as answers to the web page (clients/gallery_server/packed.h).
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -79,7 +79,7 @@ Vec3 any_vector(random::Stream& stream, double size) {
           size * (2 * stream.uniform() - 1)};
 }
 
-/// Sometimes exactly zero, as many recorded numbers are.
+/// Returns a random vector that is sometimes exactly zero, as in many recordings.
 Vec3 vector_or_none(random::Stream& stream, double size) {
   const Vec3 vector = any_vector(stream, size);
   return stream.uniform() < 0.25 ? Vec3(0, 0, 0) : vector;
@@ -104,7 +104,7 @@ int write_segments(std::uint64_t count, std::uint64_t seed, const std::string& f
   for (std::uint64_t n = 0; n < count; ++n) {
     random::Stream stream({.seed = seed, .purpose = random::Purpose::scene}, n);
     const motion::Segment segment = any_segment(stream, n);
-    // From the segment's start to as long as people look at a rest.
+    // A time in the segment's first half second, sometimes its start.
     const double t_s = segment.start_s + (n % 50 == 0 ? 0 : 0.5 * stream.uniform());
     all.push_back(segment);
     time.push_back(t_s);
