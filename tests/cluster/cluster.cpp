@@ -6,7 +6,7 @@
 namespace sleight::cluster {
 namespace {
 
-/// Shares of the scans between which the middle utilisation is measured.
+/// The middle utilisation is measured between these shares of the scans.
 constexpr double k_marks[] = {0.2, 0.8};
 /// Assignments between two checks of the run's progress.
 constexpr std::uint64_t k_note_every = 32;
@@ -112,7 +112,7 @@ void Cluster::begin_session() {
   session->begin();
 }
 
-/// The coordinator has ended; another one starts.
+/// Ends the dead coordinator's session and starts another one.
 void Cluster::end_session() {
   if (coordinator_) {
     coordinator_->die();
@@ -170,7 +170,7 @@ void Cluster::strike(const Fault& fault) {
   }
 }
 
-/// Overlapping bursts are as bad as the worst of them.
+/// Overlapping bursts of bad weather have the worst burst's effect.
 void Cluster::change_weather(const Fault& fault, bool begins) {
   if (begins) {
     bad_weather_.push_back(fault);

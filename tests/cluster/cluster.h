@@ -32,9 +32,8 @@ struct Outcome {
   std::uint64_t sessions = 0;
   std::uint64_t events = 0;
   core::Counts counts{};  ///< of all sessions
-  /// Shares of all threads' time, including dead and absent threads. `utilisation` is the kept
-  /// scans' cost over the whole run. The next field is the work between a fifth and four fifths of
-  /// the scans.
+  /// Shares of the time of all threads, even dead ones. `utilisation` covers kept scans of the
+  /// whole run, and `utilisation_amid` all work between a fifth and four fifths of the scans.
   double utilisation = 0;
   double utilisation_amid = 0;
 };
@@ -76,10 +75,10 @@ class Cluster {
   std::uint64_t assigned_ = 0;
 };
 
-/// Maximum time of a run after the last fault. Every outstanding assignment returns or is assigned
-/// again within the longest lease. Then the available threads do the remaining work, at most all of
-/// it, no faster than one replica's scans in sequence. The factor of two covers copies, because
-/// short leases cause blocks to be assigned twice.
+/// Maximum time of a run after the last fault. Each outstanding assignment returns or is assigned
+/// again within the longest lease. Then the available threads do the remaining work, which is at
+/// most the whole run's and takes at least one replica's scans in sequence. The factor of two
+/// covers copies, because short leases cause blocks to be assigned twice.
 double liveness_bound_s(const Case& of);
 
 }  // namespace sleight::cluster

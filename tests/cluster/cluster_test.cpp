@@ -1,4 +1,4 @@
-// Contracts C1 and C2 under faults.
+// Tests of contracts C1 and C2 under faults.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,15 +11,15 @@
 namespace sleight::cluster {
 namespace {
 
-/// Seeds of the ordinary run, or of the long one (SLEIGHT_SOAK=1).
+/// Number of seeds in an ordinary run, or in a long one (SLEIGHT_SOAK=1).
 std::uint64_t seeds() {
   return property::long_run() ? 10'000 : property::of_tier(20, 150);
 }
 
-/// Tests of one name, each with a share of the seeds, so that several processes can run them.
+/// Number of tests that share the seeds, so that several processes can run them.
 constexpr std::uint64_t k_shares = 4;
 
-/// Totals of a test's clusters, for people.
+/// Totals of a test's clusters, printed for people.
 struct Summary {
   std::uint64_t runs = 0;
   std::uint64_t large = 0;
@@ -80,15 +80,15 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(Seeds, DigestIsTheSerialRuns) {
-  // Goal: whatever happens to workers, messages, coordinator and disk, a run ends once faults stop,
-  // with the serial run's bits and no lost commit. Method: clusters of 1 to 4096 workers by seed;
-  // compare digests, check the store's invariants, and bound the time after the last fault.
+  // Goal: for any faults of workers, messages, coordinator and disk, a run ends once faults stop,
+  // has the serial run's bits, and loses no commit. Method: simulate clusters of 1 to 4096 workers;
+  // compare digests, check the store's invariants, and limit the time after the last fault.
   check_share({}, seeds());
 }
 
 TEST_P(Seeds, FewWorkersDoIt) {
-  // Goal: the same if each worker matters: a fault that blocks one worker forever stops the run.
-  // Method: the same with at most four workers, which is cheap, so twenty times as many seeds.
+  // Goal: the same holds for small clusters, where a single blocked worker would stop the run.
+  // Method: simulate clusters of at most four workers, with twenty times as many seeds.
   check_share({.method = {}, .workers_max = 4}, 20 * seeds());
 }
 

@@ -1,4 +1,4 @@
-// Random choices of a simulated cluster: a function of its seed and of the order of calls. Each
+// Random choices of a simulated cluster, which depend only on its seed and the order of calls. Each
 // part has its own dice, so that changing a part leaves others' draws unchanged. Not thread-safe.
 #pragma once
 

@@ -9,7 +9,7 @@ namespace {
 
 using Kind = Fault::Kind;
 
-/// Workers and messages fail more often, because the coordinator's end disturbs everything.
+/// The coordinator fails less often than workers and messages, because its end disturbs everything.
 constexpr Kind k_kinds[] = {
     Kind::workers_die,       Kind::workers_die,    Kind::workers_die,
     Kind::workers_stall,     Kind::workers_stall,  Kind::workers_stall,

@@ -1,4 +1,4 @@
-// A run's faults and their times: a schedule drawn from the seed before the run begins.
+// A schedule of a run's faults, drawn from the seed before the run begins.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ inline constexpr std::uint64_t k_faults_max = 100;
 /// Draws up to k_faults_max faults that begin before `span_s` and last at most a fifth of it.
 std::vector<Fault> faults_of(std::uint64_t seed, std::uint32_t workers, double span_s);
 
-/// The end of all faults that don't last forever.
+/// Returns the time after which only permanent faults remain.
 double quiet_from(const std::vector<Fault>& faults);
 
 }  // namespace sleight::cluster

@@ -7,7 +7,7 @@
 namespace sleight::cluster {
 namespace {
 
-/// Lets a worker's mistake depend on the worker.
+/// Applies a mistake that differs between workers.
 sampling::HashedWorker::Options hash_of(const HashWorkerOptions& options) {
   sampling::HashedWorker::Options hash = options.hash;
   if (options.mistake == Mistake::own_numbers) hash.seed += options.id;
@@ -74,7 +74,7 @@ plan::UnitResult HashWorker::go_on(const plan::Unit& unit, base::Bytes state) co
     one.first_scan = base::ScanIndex{scan};
     one.starts = unit.starts && nth == 0;
     one.inverse_temperatures = {unit.inverse_temperature(nth)};
-    // A draw from the prior has no proposals, so the sizes sent for later scans don't belong to it.
+    // A draw from the prior makes no proposals, so it has no proposal scales.
     if (one.inverse_temperatures.front() == 0) {
       one.proposal_scales.clear();
     } else {

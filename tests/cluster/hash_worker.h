@@ -1,8 +1,8 @@
-// Work as a hash chain (HashedWorker), scan by scan. Each scan has a fixed cost, and the worker
-// holds a bounded number of states by replica and version, like a real worker process.
+// A worker that computes a hash chain (HashedWorker) scan by scan. Each scan has a fixed cost, and
+// the worker holds a bounded number of states by replica and version, like a real worker process.
 //
-// Costs are log-uniform over a factor of k_cost_spread. Running advances the given clock by the
-// work's cost, so a block runner that measures time measures exactly this cost. Not thread-safe.
+// Costs are log-uniform over a factor of k_cost_spread. Running a unit advances the given clock by
+// its cost, so a block runner measures exactly this cost. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ struct Costs {
   std::uint64_t seed = 1;
   double least_s = 1e-4;
   double of(const plan::ReplicaKey& replica, std::uint64_t scan) const;
-  /// The mean of a log-uniform number over the spread.
+  /// Mean cost of a scan.
   double mean_s() const;
 };
 

@@ -1,4 +1,4 @@
-// All scans of a run with their states, by replica, from a store or a serial run. Not thread-safe.
+// All scans of a stored or serial run with their states, by replica. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct Ledger {
   };
   std::map<plan::ReplicaKey, Replica> replicas;
 
-  /// Whether the result begins the replica or continues it.
+  /// Returns whether the result starts its replica or directly continues it.
   bool continues(const plan::UnitResult& result) const;
   /// REQUIRES: continues(result).
   void add(plan::UnitResult result);
@@ -29,10 +29,10 @@ struct Ledger {
 
 /// A digest of all bits, in logical order.
 std::uint64_t digest_of(const Ledger& ledger);
-/// The first difference between two ledgers, for people. Empty: they are equal.
+/// Returns a description of the first difference between two ledgers, or an empty string.
 std::string difference(const Ledger& expected, const Ledger& found);
 
-/// The plan's results if scans run one after another. The plan is finished afterwards.
+/// Returns the plan's results if scans run one after another. The plan is finished afterwards.
 Ledger run_serially(plan::Plan& plan, const plan::UnitWorker& worker);
 
 }  // namespace sleight::cluster

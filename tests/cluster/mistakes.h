@@ -1,4 +1,4 @@
-// Mistakes in distributing work, one at a time, which digests must reveal (mutants_test.cpp).
+// Mistakes in distributing work. A run's digest must reveal each of them (mutants_test.cpp).
 #pragma once
 
 #include <array>

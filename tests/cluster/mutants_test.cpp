@@ -1,4 +1,4 @@
-// Control test of contract C1: clusters with one known mistake each.
+// Control test of contract C1, on clusters with one known mistake each.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -13,13 +13,13 @@
 namespace sleight::cluster {
 namespace {
 
-/// How a run was found wrong, as a process's exit status.
+/// Exit status of a process that checks a run: what was wrong with the run.
 enum Verdict : int { k_right = 0, k_digest = 10, k_violation = 11, k_unfinished = 12 };
 
 /// Maximum runs per mistake.
 constexpr std::uint64_t k_seeds = 12;
 
-/// A method in which the mistake shows: parts of ladders, or units that differ only in their names.
+/// Returns a method that reveals the mistake: parts of ladders, or units that differ only by name.
 Method method_of(Mistake mistake) {
   const bool is_of_ladders = mistake == Mistake::double_swap || mistake == Mistake::past_the_edge ||
                              mistake == Mistake::swaps_in_any_order;
@@ -28,9 +28,9 @@ Method method_of(Mistake mistake) {
 
 Case mutant(std::uint64_t seed, Mistake mistake, Mistake looks_like) {
   Case of = case_of(seed, {.method = method_of(looks_like), .workers_max = 64, .mistake = mistake});
-  // One scan per block, so that no worker decides a swap before the plan does.
+  // Use one scan per block, so that no worker decides a swap before the plan does.
   if (looks_like == Mistake::swaps_in_any_order) of.scenario.scheduler.size.scans_max = 1;
-  // Sessions so short that assignment numbers are reused while old messages are in transit.
+  // Make sessions so short that assignment numbers are reused while old messages are in transit.
   if (looks_like == Mistake::stale_epoch) {
     of.scenario.restart_s_max = 1e-3;
     for (int i = 1; i <= 20; ++i)
@@ -69,8 +69,8 @@ std::string words_for(int status) {
 class Mutant : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(Mutant, IsCaught) {
-  // Goal: the comparison with the serial run does fail if work is distributed wrongly. Method: run
-  // clusters of the same seeds with a mistake, until one is caught, and without it, which all pass.
+  // Goal: the comparison with the serial run fails if work is distributed wrongly. Method: run
+  // clusters with a mistake until one fails; the same clusters without the mistake must pass.
   const auto& [mistake, name] = k_mistakes[GetParam()];
   int status = k_right;
   std::uint64_t seed = 0;

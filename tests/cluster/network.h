@@ -1,4 +1,4 @@
-// The network between coordinator and workers. Each message has its own delay, so messages may
+// The network between coordinator and workers. Messages have independent delays, so they may
 // overtake each other. In bad weather some messages are lost, repeated, or late. Not thread-safe.
 #pragma once
 

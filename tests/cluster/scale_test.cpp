@@ -1,6 +1,6 @@
 // Utilisation of many workers in the simulated cluster. Scans take 1 ms on average, log-uniform
-// over a factor of 100; messages take 20 to 200 us, and the coordinator 50 us for each. There are
-// no faults, and the scheduler has its default options.
+// over a factor of 100. Messages take 20 to 200 us, and the coordinator needs 50 us for each
+// message. There are no faults, and the scheduler has its default options.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -66,8 +66,8 @@ void print_line(const std::string& line) {
   std::fclose(file);
 }
 
-/// The time until all levels have made their scans, if each begins as soon as its swap is decided,
-/// without waiting for workers or messages. A swap's levels continue when the later one is done.
+/// Returns the time until all levels have made their scans, if no level waits for workers or
+/// messages. After a swap, both its levels continue once the later one is done.
 double critical_path_s(const Case& of, const Size& size) {
   std::vector<double> done_s(size.levels, 0.0);
   for (std::uint64_t scan = 0; scan < size.scans; ++scan) {
@@ -81,9 +81,9 @@ double critical_path_s(const Case& of, const Size& size) {
 }
 
 TEST(Scale, AThousandWorkersAreBusy) {
-  // Goal: at least 95% of 1,024 workers' time is used if there is a ladder for each worker. Method:
+  // Goal: with one ladder per worker, at least 95% of 1,024 workers' time is used. Method: simulate
   // clusters of several sizes; measure utilisation between the first and the last fifth of the
-  // scans, and over the whole run with the ramps at its ends.
+  // scans, and over the whole run including its slow start and end.
   const bool is_long = property::long_run();
   print_line("| workers | ladders x levels | scans a block | amid the run | whole run | run |");
   print_line("|---|---|---|---|---|---|");
@@ -128,9 +128,9 @@ Case case_of_islands(std::uint32_t workers, double handling_s) {
 }
 
 TEST(Scale, IslandsKeepAThousandWorkersBusy) {
-  // Goal: chains of islands never wait. Nearly all of 1,024 workers' time is used over a whole run
-  // of about 3.6 s, including its ramps. The coordinator's time for all workers' first messages is
-  // the limit. Method: runs with several message times; each equals the serial run.
+  // Goal: chains of islands never wait, so nearly all of 1,024 workers' time is used over a whole
+  // run of about 3.6 s. The limit is the coordinator's time for all workers' first messages.
+  // Method: compare runs with several message times with the serial run.
   constexpr std::uint32_t k_workers = 1024;
   struct Asked {
     double handling_s;
@@ -150,9 +150,9 @@ TEST(Scale, IslandsKeepAThousandWorkersBusy) {
 
 TEST(Scale, OneLadderAgainstWorkers) {
   // Goal: measure one ladder's utilisation for different numbers of workers, and compare it with
-  // the theoretical bounds. Method: clusters of 1 to 64 workers. A ladder of N levels has at most N
-  // units at once. So W workers take at least sum(c) / W, and at least the critical path of the
-  // swaps. Each scan of a pair waits for the slower of two, so S scans take longer than S
+  // the theoretical bounds. Method: simulate clusters of 1 to 64 workers. A ladder of N levels has
+  // at most N units at once. W workers take at least sum(c) / W, and at least the critical path of
+  // the swaps. Each scan of a pair waits for the slower level, so S scans take longer than S
   // E[max(c1, c2)]. For costs log-uniform over a factor r, with q = log r:
   //   E[c] / E[max(c1, c2)] = (r - 1) / (2 (r - (r - 1) / q)).
   constexpr Size k_size{.workers = 1, .ladders = 1, .levels = 32, .scans = 600};
@@ -169,7 +169,7 @@ TEST(Scale, OneLadderAgainstWorkers) {
     const double of_pairs = std::min(1.0, pairs * size.levels / workers);
     print_line(fmt::format("| {} | {:.1f}% | {:.1f}% | {:.1f}% |", workers,
                            100 * outcome.utilisation, 100 * path, 100 * of_pairs));
-    // The replicas' own costs determine the path; the computed path is another draw of it.
+    // The replicas' costs determine the actual path; the computed path is another draw.
     EXPECT_LE(outcome.utilisation, 1.1 * path);
     EXPECT_GE(outcome.utilisation, workers <= 4 ? 0.9 * path : 0.4 * path);
   }

@@ -27,7 +27,7 @@ void choose_independent(Scenario& scenario, Dice& dice, std::uint64_t units) {
   const std::uint64_t scans = quotient_up(units, options.chains);
   options.round_scans = scans;
   if (scenario.method == Method::islands) {
-    // Rounds that don't count come first.
+    // The first rounds are a burn-in and don't count.
     options.has_islands = true;
     options.round_scans = std::max<std::uint64_t>(scans / 8, 1);
     options.burn_in_scans = options.round_scans;
@@ -185,7 +185,7 @@ Case case_of(std::uint64_t seed, const CaseChoice& choice) {
                    .mistake = choice.mistake};
   scenario.scheduler = scheduler_options(dice);
   scenario.handling_s = dice.log_uniform(1e-6, 50e-6);
-  // A coordinator must handle a message of each worker per lease, or it only assigns copies.
+  // If a lease is too short to handle a message of each worker, only copies are assigned.
   const double round_s = scenario.handling_s * scenario.workers * scenario.threads_max;
   scenario.scheduler.lease_s = std::max(scenario.scheduler.lease_s, 10 * round_s);
   scenario.scheduler.ask_every_s = scenario.scheduler.lease_s / 3;
@@ -193,7 +193,7 @@ Case case_of(std::uint64_t seed, const CaseChoice& choice) {
   scenario.commit_every_s = dice.log_uniform(0.002, 0.05);
   scenario.hello_every_s = 2 * scenario.scheduler.lease_s;
 
-  // If a plan's length depends on its results, the plan may be too short. Then draw a larger plan.
+  // A plan whose length depends on its results may be too short. If so, draw a larger plan.
   const std::uint64_t least = std::max<std::uint64_t>(k_units_per_worker * scenario.workers, 300);
   for (std::uint64_t units = least;; units *= 2) {
     choose_plan(scenario, dice, units);

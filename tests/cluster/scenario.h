@@ -1,4 +1,4 @@
-// A simulated run from a seed: its plan, its cluster, its faults, and the expected result.
+// A simulated run, drawn from a seed: its plan, its cluster, its faults, and the expected result.
 #pragma once
 
 #include <cstdint>

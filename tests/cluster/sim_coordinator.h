@@ -1,9 +1,8 @@
 // One session of a simulated coordinator. The session does what service/coordinator/drive.cpp does,
 // with the real scheduler and a fresh real plan, on the simulated clock.
 //
-// The coordinator is a serial resource: each incoming message takes handling_s, in the order of
-// arrival. A session ends with the run, or by dying, which cancels its later actions. Not
-// thread-safe.
+// The coordinator handles incoming messages one at a time, in the order of arrival, and takes
+// handling_s for each. A session's end or death cancels its later actions. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +29,7 @@ class SimCoordinator : public std::enable_shared_from_this<SimCoordinator> {
     std::function<void()> finished;
   };
 
-  /// Borrows all arguments. REQUIRES: the store was opened under this epoch.
+  /// Borrows all arguments. REQUIRES: opening the store returned this epoch.
   SimCoordinator(const Scenario& scenario, std::uint64_t epoch, SimStore& store, EventQueue& events,
                  Outside outside);
 
@@ -49,7 +48,7 @@ class SimCoordinator : public std::enable_shared_from_this<SimCoordinator> {
   void commit_soon();
   void commit();
   void end_if_over();
-  /// Calls the action later, unless this session has ended by then.
+  /// Calls the action at `time_s`, unless this session has ended.
   void at(double time_s, std::function<void(SimCoordinator&)> action);
 
   const Scenario& scenario_;

@@ -34,7 +34,7 @@ void SimStore::put(plan::UnitResult result) {
   if (known != put_up_to_.end() && known->second != first) {
     note(first < known->second ? "a scan is kept twice" : "a scan is left out");
     if (first > known->second) return;
-    // As in a real store, a scan's first result stays.
+    // A scan's first result stays, as in the real store.
     const std::uint64_t again = std::min<std::uint64_t>(known->second - first, result.scans.size());
     if (again == result.scans.size()) return;
     result.scans.erase(result.scans.begin(),
@@ -49,7 +49,7 @@ void SimStore::put(plan::UnitResult result) {
 bool SimStore::commit(double now_s) {
   const Crash crash = std::exchange(crash_, Crash::none);
   if (now_s < full_until_s_ || crash == Crash::before) return false;
-  // A crash may cut a group between any two results, even those of one block.
+  // A crash may cut a group between any two results, even of one block.
   const std::size_t all = pending_.size();
   make_durable(crash == Crash::within ? dice_.whole(0, all) : all, crash == Crash::none);
   return crash == Crash::none;

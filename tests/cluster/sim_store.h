@@ -1,9 +1,9 @@
-// A simulated coordinator's run store: results are put, and become durable in groups. A crash loses
+// A simulated coordinator's run store, in which results become durable in groups. A crash loses
 // uncommitted results. A full disk fails a commit, which ends the coordinator.
 //
 // The store checks two invariants (violation()):
 //   1. Each replica's scans are consecutive, and none is repeated.
-//   2. Acknowledged commits are present when the store is opened again.
+//   2. A store that is opened again has all acknowledged commits.
 // Not thread-safe.
 #pragma once
 
@@ -22,7 +22,7 @@ namespace sleight::cluster {
 
 class SimStore {
  public:
-  /// The point in a commit at which the coordinator ends.
+  /// The point in a commit at which the coordinator dies.
   enum class Crash { none, before, within, after };
 
   SimStore(std::uint64_t seed, Mistake mistake)

@@ -44,7 +44,7 @@ void SimWorker::die() {
   process_ = nullptr;
 }
 
-/// Runs the action now, or after the stall; never if the process dies first.
+/// Runs the action now or after the stall, unless the process dies first.
 void SimWorker::when_awake(const EventQueue::Action& action) {
   if (events_.now_s() >= stalled_until_s_) {
     action();

@@ -7,7 +7,7 @@
 // start, and periodically while it has no work or has received nothing, so that a new coordinator
 // notices it.
 //
-// Not thread-safe. The cluster owns the worker and outlives all events.
+// Not thread-safe. The worker's owner, the cluster, outlives all events.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ class Meter {
     since_s_ = now_s;
     busy_ += threads;
   }
-  /// Total working time of threads until now.
+  /// Returns the threads' total working time until now.
   double thread_s(double now_s) const { return thread_s_ + (now_s - since_s_) * busy_; }
 
  private:
@@ -48,11 +48,11 @@ class SimWorker {
   /// Sends a message to the coordinator.
   using Send = std::function<void(core::Input)>;
 
-  /// Borrows all arguments. Only the worker uses the clock, to measure costs.
+  /// Borrows all arguments. No other object may use the clock, which measures costs.
   SimWorker(const Scenario& scenario, std::uint32_t id, EventQueue& events,
             base::ManualClock& clock, Meter& meter, Send send);
 
-  /// Starts a new incarnation, unless one exists.
+  /// Starts a new incarnation, unless the worker is alive.
   void start();
   void die();
   void stall(double until_s) { stalled_until_s_ = std::max(stalled_until_s_, until_s); }

@@ -6,7 +6,7 @@
 namespace sleight::cluster {
 namespace {
 
-/// Numbers swaps in the order of decisions.
+/// Returns a swap's number in the order of decisions.
 double number_of_next_swap(const sampling::SwapPlace& place) {
   static std::uint64_t swaps = 0;
   sampling::SwapPlace next = place;
@@ -20,7 +20,7 @@ void WrongDeliveries::given(const schema::Assignment& assignment) {
   if (mistake_ != Mistake::none) outstanding_[assignment.assignment] = assignment.block;
 }
 
-/// Renames the results to another assignment's, if only the name distinguishes them.
+/// Renames the results to those of another assignment, if they differ only in their names.
 bool WrongDeliveries::take_as(schema::Delivery& delivery, std::uint64_t assignment) const {
   const plan::Block& asked = outstanding_.at(assignment);
   if (asked.ladder || asked.members.size() != delivery.results.size()) return false;

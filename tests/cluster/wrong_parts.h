@@ -1,5 +1,5 @@
-// The wrong behaviour of a coordinator and a worker for each mistake (mistakes.h). The right
-// coordinator and worker use none of this code.
+// Implements each mistake of mistakes.h in a coordinator or worker. Correct coordinators and
+// workers use none of this code.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class WrongDeliveries {
  public:
   WrongDeliveries(Mistake mistake, std::uint64_t epoch) : mistake_(mistake), epoch_(epoch) {}
   void given(const schema::Assignment& assignment);
-  /// Changes the delivery into what the wrong coordinator takes it for.
+  /// Changes the delivery to what the wrong coordinator mistakes it for.
   void take(schema::Delivery& delivery);
 
  private:
