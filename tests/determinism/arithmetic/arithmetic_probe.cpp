@@ -1,5 +1,5 @@
-// Prints a hash of the bits of Sleight's arithmetic for many arguments, and one for libm, in two
-// lines: "sleight <sha-256>" and "libm <sha-256>". same_bits.sh compares processors and builds.
+// Prints hashes of the bits of Sleight's arithmetic and of libm for many arguments, in two lines:
+// "sleight <sha-256>" and "libm <sha-256>". same_bits.sh compares processors and builds.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ random::Stream stream_for(std::uint64_t part) {
   return random::Stream({.seed = k_seed, .purpose = random::Purpose::prior}, part);
 }
 
-/// An argument of either sign: half are below 10, half of any magnitude.
+/// Returns an argument of either sign. Half of them are below 10, half are of any magnitude.
 double argument(random::Stream& stream) {
   const double sign = stream.uniform() < 0.5 ? -1 : 1;
   if (stream.uniform() < 0.5) return sign * 10 * stream.uniform();
@@ -91,7 +91,7 @@ void add_vectors(BitHash& hash) {
     const math::Vec3 a = vector();
     const math::Vec3 b = vector();
     const math::Vec2 p(a.x(), b.y());
-    // Component by component, because Eigen may vectorise it.
+    // Hash each component, because Eigen may vectorise the expression.
     position += 0.01 * (a - 2 * b) + 0.5 * 0.01 * 0.01 * (b - position / 3);
     hash.add(position);
     hash.add(math::dot(a, b - a));
