@@ -1,4 +1,4 @@
-// The slow reference: every change compares the body's old and new box with all other boxes.
+// A slow broad phase: each change compares the body's old and new box with all other boxes.
 //
 // A change costs one pass over all boxes, 32 bytes each, in order.
 // Invariants and thread safety: broad_phase.h.

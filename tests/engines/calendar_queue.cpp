@@ -11,8 +11,8 @@ namespace {
 
 /// Buckets per slot. More buckets make epochs longer and cost 4 bytes each.
 constexpr std::uint32_t k_buckets_per_slot = 4;
-/// The buckets' width follows from the early events of a sample, because they are processed soon.
-/// Late events may never be processed. Sample size and share of early events:
+/// Number of sampled events, and of the earliest ones among them. Only the earliest determine the
+/// buckets' width, because late events may never be processed.
 constexpr std::size_t k_sample_max = 64;
 constexpr std::size_t k_early_of_sample = 8;
 
@@ -56,8 +56,8 @@ void CalendarQueue::begin_epoch() {
   for (const SlotRecord& record : records_)
     earliest = std::min(earliest, record.key.tick);
 
-  // If the last epoch was too short to pay for this scan of all slots, the next is longer whatever
-  // the sample suggests. Otherwise the width follows the sample, but shrinks only in small steps.
+  // If the last epoch was too short to pay for this scan of all slots, make buckets at least four
+  // times as wide. Otherwise the width follows the sample, but shrinks only in small steps.
   const std::uint32_t wanted = wanted_shift(earliest);
   const bool short_epoch = changes_ < records_.size();
   const std::uint32_t least = short_epoch ? shift_ + 2 : std::max(shift_, 1U) - 1;

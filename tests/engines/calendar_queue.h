@@ -1,25 +1,23 @@
 // An EventQueue as a calendar: G. Paul, "A complexity O(1) priority queue for event driven
-// molecular dynamics simulations", Journal of Computational Physics 221 (2007), with changes listed
-// below.
+// molecular dynamics simulations", Journal of Computational Physics 221 (2007), with changes.
 //
-// Idea. Future time is cut into buckets of equal width, each for about one event. Only the current
-// bucket is ordered, as a heap. The other buckets are lists, so most key changes only move a slot
-// from one list to another. An event after the last bucket is `far` and in no list.
+// Idea. Buckets of equal width divide future time, so that each holds about one event. Only the
+// current bucket is ordered, as a heap. The other buckets are lists, so most key changes only move
+// a slot from one list to another. An event after the last bucket is `far` and in no list.
 //
-// At the end of the buckets, an epoch ends. The queue then scans all slots and lays out the buckets
-// again from the earliest event on, with a width from a sample of waiting events. Paul instead
-// reuses buckets in a circle, fixes their width by hand, and stores a list of far events.
+// An epoch ends with the last bucket. The queue then scans all slots and lays out new buckets from
+// the earliest event on. Their width follows from a sample of waiting events. Paul instead reuses
+// buckets in a circle, fixes their width by hand, and stores a list of far events.
 //
 // Invariants, in addition to event_queue.h
-//   1. A slot with an event is in the heap if its bucket is at or before the current one, otherwise
-//      in its bucket's list, or far if there is no bucket. So an event's location follows from its
-//      tick.
+//   1. An event's location follows from its tick: it is in the heap if its bucket isn't after the
+//      current one, else in its bucket's list, or far if it is after all buckets.
 //   2. The heap is empty only if the queue is.
-//   3. A bit of `occupied_` is set exactly if that bucket's list isn't empty.
+//   3. A bucket's bit in `occupied_` is set exactly if the bucket's list isn't empty.
 // A wrong width only costs time. Wide buckets leave the work to the heap, and narrow ones make
-// epochs short. After a short epoch, buckets are at least four times as wide. Time: O(1) amortised
-// if events spread over time; the call that begins an epoch scans all slots. Memory: 64 to 80 bytes
-// per slot. Thread safety: as for event_queue.h.
+// epochs short. After a short epoch, buckets become at least four times as wide. Time: O(1)
+// amortised if events spread over time; the call that begins an epoch scans all slots. Memory: 64
+// to 80 bytes per slot. Thread safety: as for event_queue.h.
 #pragma once
 
 #include <cstdint>
@@ -77,7 +75,7 @@ class CalendarQueue {
   /// Returns the bucket of a tick, or buckets() for far ticks.
   std::uint64_t bucket_of(Tick tick) const {
     if (tick <= base_) return 0;
-    // The difference of two ticks may need 64 bits. The unsigned difference is always right.
+    // The signed difference of two ticks may overflow, and the unsigned difference can't.
     const std::uint64_t since =
         static_cast<std::uint64_t>(tick.value) - static_cast<std::uint64_t>(base_.value);
     const std::uint64_t bucket = since >> shift_;

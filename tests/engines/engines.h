@@ -2,10 +2,11 @@
 // bits (worker/physics/simulator/engine.h):
 //
 //   SweepAndPrune   The thesis's sorted lists of extents (3.2.3); slow if bodies cluster.
-//   AllPairs        A reference for broad phases that compares all bodies; in no engine.
+//   AllPairs        A reference that compares all bodies. No engine uses it.
 //   HeapQueue       A heap with four children per node.
-//   CalendarQueue   Buckets of time, as the literature on event-driven dynamics recommends. Here
-//                   its lists cost more than the few levels that a change passes in others.
+//   CalendarQueue   Buckets of time, as the literature on event-driven dynamics recommends. In
+//                   our engine its lists cost more than the few levels that a change passes
+//                   in other queues.
 // Thread safety: pure functions.
 #pragma once
 
@@ -18,7 +19,7 @@ namespace sleight::physics {
 enum class BroadPhaseKind : std::uint8_t { hierarchical_grid, sweep_and_prune };
 enum class QueueKind : std::uint8_t { tournament, heap, calendar };
 
-/// For SimulationOptions::make_engine. Null for the product's own grid and tournament.
+/// Returns a value for SimulationOptions::make_engine. Null: the product's grid and tournament.
 EngineMaker engine_with(BroadPhaseKind broad_phase, QueueKind queue);
 
 }  // namespace sleight::physics

@@ -2,19 +2,18 @@
 //
 // Idea. A list of extents sorted along an axis (thesis 3.2.3) becomes a circle, so a repeating axis
 // needs no copies of boxes near its ends. When an arc changes, its two ends travel through the
-// circle past their neighbours. Two arcs begin or cease to overlap only if the first point of one
-// passes the last point of the other. Other passes don't matter (thesis, figure 3.5). So passes of
-// first and last points name all pairs to check.
+// circle past their neighbours. Two arcs begin or cease to overlap only when the first point of one
+// passes the last point of the other. Only these passes name pairs to check (thesis, figure 3.5).
 //
-// An end is one number: place on the axis's ring (32 bits), first or last (1), body (28). First
-// points precede last points at the same place, because boxes are closed. All ends are different,
-// so their order has no ties.
+// An end is one number with three fields: place on the axis's ring (32 bits), first or last (1
+// bit), and body (28 bits). First points precede last points at the same place, because boxes are
+// closed. All ends are different, so their order has no ties.
 //
 // Invariants
-//   1. From any entry, the others follow by ascending forward distance around the circle of 2^61.
+//   1. From any entry on, entries ascend in forward distance around the circle of 2^61.
 //   2. place(body, kind) is the index of that end in the list.
 // On a non-repeating axis, no travel crosses the seam between the greatest and the least float. The
-// list is then sorted from its first entry on, apart from a rotation. Thread safety: none.
+// list is then sorted, apart from a rotation. Thread safety: none.
 #pragma once
 
 #include <algorithm>
@@ -27,21 +26,21 @@
 
 namespace sleight::physics {
 
-/// Signed travel of an arc's two ends, each less than one turn.
+/// Signed travels of an arc's two ends, each less than one turn.
 struct ArcTravel {
   std::int64_t first = 0;
   std::int64_t last = 0;
 };
 
-/// Returns a travel from one arc to another that never turns the arc inside out: the short way
-/// round on a repeating axis, within the axis on any other.
+/// Returns a travel from one arc to another that never turns the arc inside out: the shorter way on
+/// a repeating axis, and within the axis otherwise.
 constexpr ArcTravel travel(Arc from, Arc to, bool periodic) {
   constexpr std::int64_t k_turn = std::int64_t{1} << 32;
   const std::int64_t wider = std::int64_t{to.width} - std::int64_t{from.width};
   std::int64_t first = std::int64_t{to.start} - std::int64_t{from.start};
   if (periodic) {
     first = static_cast<std::int32_t>(to.start - from.start);
-    // If an arc grows to nearly the whole ring, its last point would lap the first.
+    // Keep the last point of an arc that grows to nearly the whole ring from lapping the first.
     if (first + wider >= k_turn) first -= k_turn;
     if (first + wider <= -k_turn) first += k_turn;
   }
@@ -61,7 +60,7 @@ class ExtentRing {
   /// REQUIRES: the body is present.
   void remove(std::uint32_t body);
 
-  /// Moves the body's ends and calls visit(other) for each body whose opposite end is passed, at
+  /// Moves the body's ends and calls visit(other) for each passed opposite end of another body, at
   /// most twice per body. REQUIRES: the body is present.
   template <class Visit>
   void move(std::uint32_t body, ArcTravel by, const Visit& visit) {
@@ -126,7 +125,7 @@ void ExtentRing::move_end(std::uint32_t body, std::uint64_t kind, std::int64_t b
   const std::uint64_t from = ends_[at];
   const bool forwards = by > 0;
   const std::uint64_t distance = static_cast<std::uint64_t>(forwards ? by : -by) << k_place_shift;
-  // Pass every end within the distance; `passed` stops after one turn.
+  // Pass all ends within the distance, but at most one turn (`passed`).
   for (std::size_t passed = 1; passed < count; ++passed) {
     const std::size_t neighbour =
         forwards ? (at + 1 == count ? 0 : at + 1) : (at == 0 ? count - 1 : at - 1);
@@ -178,7 +177,7 @@ void ExtentRing::move_all(const TravelOf& travel_of, const Visit& visit) {
   // Sort the line.
   for (std::size_t i = 1; i < lifted_.size(); ++i)
     sift_down(i, visit);
-  // Close the circle: while the last is more than a turn after the first, they pass each other.
+  // Close the circle: let the last end pass the first while it is more than a turn ahead.
   constexpr auto k_line_turn = static_cast<std::int64_t>(k_turn);
   while (lifted_.back() - lifted_.front() > k_line_turn) {
     const std::int64_t last = lifted_.back();

@@ -1,7 +1,7 @@
 // An EventQueue as a heap of all slots with an event (slot_heap.h).
 //
-// Cost: at worst a new key passes O(log n) nodes, four to a cache line. A key that isn't among the
-// least and changes little usually passes about one. Empty slots cost nothing. Invariants and
+// Cost: a new key passes at most O(log n) nodes, four per cache line. A key that changes little and
+// isn't among the least usually passes about one node. Empty slots cost nothing. Invariants and
 // thread safety: as for event_queue.h.
 #pragma once
 

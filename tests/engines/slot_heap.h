@@ -1,8 +1,8 @@
 // A heap of slots with four children per node, for HeapQueue and CalendarQueue's current bucket.
 //
 // Idea. Nodes store the tick beside the slot, because ticks decide nearly all comparisons. Four
-// siblings fill one cache line, and the rest of the key, in the slot's record, is read only for
-// equal ticks. A record stores its node, so a key can change in place.
+// siblings fill one cache line. The slot's record has the rest of the key, which is read only for
+// equal ticks. A record stores its node's index, so a key can change in place.
 //
 // Node p has the children 4p - 8 to 4p - 5, and the root is node 3. This puts siblings into one
 // aligned line (A. LaMarca, R. Ladner, "The influence of caches on the performance of heaps", 1996,
@@ -28,7 +28,7 @@ namespace sleight::physics {
 
 inline constexpr std::uint32_t k_nowhere = UINT32_MAX;
 
-/// A queue's data about a slot; half a cache line.
+/// A queue's data about a slot. They fill half a cache line.
 struct alignas(32) SlotRecord {
   EventKey key = k_no_event;
   std::uint32_t place = k_nowhere;  ///< in a SlotHeap: its node

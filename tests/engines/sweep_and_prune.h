@@ -1,12 +1,11 @@
 // Sweep-and-prune as in the thesis (3.2.3, figures 3.3 and 3.5; after Cohen et al. 1995).
 //
 // Idea. There are three sorted lists of extents, and tables of overlapping pairs for each axis and
-// for space. When a box changes, its extents travel through the lists. A first point that passes a
-// last point changes an axis's table, and a pair in all three tables overlaps in space. A small
-// change costs little, but an extent passes all others between its old and new place in that
-// direction. In a pile on a floor, an extent in height passes nearly all others (3.3.2). An axis's
-// table also holds far more pairs than really overlap, of the order of n^(5/3) in an evenly filled
-// cube.
+// for space. When a box changes, its extents travel through the lists. When a first point passes a
+// last point, the axis's table changes. A pair that is in all three tables overlaps in space. A
+// moved extent passes all extents on its way, which are few if it moves little. But in a pile on a
+// floor, a vertical extent passes nearly all others (3.3.2). In an evenly filled cube, an axis's
+// table has about n^(5/3) pairs, and most don't overlap in space.
 //
 // Invariants (in addition to broad_phase.h)
 //   1. Axis table k holds exactly the pairs of present bodies whose arcs on axis k overlap.
