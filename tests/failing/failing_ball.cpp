@@ -5,7 +5,7 @@
 namespace sleight::failing {
 
 std::uint64_t percentile_of(base::BytesView state) {
-  // FNV-1a, in which every bit of the state counts.
+  // Use FNV-1a, so that the result depends on all bits of the state.
   std::uint64_t hash = 14695981039346656037U;
   for (const std::byte byte : state)
     hash = (hash ^ static_cast<std::uint64_t>(byte)) * 1099511628211U;

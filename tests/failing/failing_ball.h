@@ -1,6 +1,6 @@
 // The 2D ball for tests of failures: known shares of states fail or have overlapping starts.
 //
-// Whether a state fails depends only on its bytes. Thread safety: that of Ball2d.
+// A state's bytes determine whether it fails. Thread safety: as for Ball2d.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace sleight::failing {
 
-/// Percentages of states that fail in one way, that fail in the other way, and that can't start.
+/// Percentages of states that give up, that exceed the work limit, and that can't start.
 inline constexpr std::uint64_t k_gives_up_percent = 3;
 inline constexpr std::uint64_t k_work_limit_percent = 1;
 inline constexpr std::uint64_t k_overlaps_percent = 2;

@@ -1,4 +1,4 @@
-// Plots of the programs for tests of failures: those of every world.
+// The programs for tests of failures have no plots for particular worlds.
 #include "clients/cli/main_world_plots.h"
 
 namespace sleight::programs {

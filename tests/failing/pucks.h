@@ -1,14 +1,14 @@
 // A made-up world, for tests of adding a world. A puck is pushed along the ice and hits another
-// puck, which must come to rest at a target. The test programs include this world beside the
-// failing ball; clients, service and common contain nothing specific to it.
+// puck, which must come to rest at a target. The test programs contain this world and the failing
+// ball. Clients, service and common contain nothing specific to this world.
 //
-//   Random variables: the first puck's speed, and the gap between the pucks; independent, normal.
-//   Outcome: where the second puck rests, along x.
+//   Random variables: the first puck's speed and the pucks' gap, normal and independent.
+//   Outcome: the x at which the second puck rests.
 //   Density: log p_c = -1/2 ((x - target) / sigma)^2.
 //   Satisfied: |x - target| <= tolerance.
 //
 // Pucks are square, slide along x without turning, slow down by friction, and transfer their speed
-// at the hit; all in closed form. Thread safety: immutable after construction.
+// at the hit. The motion is computed in closed form. Thread safety: immutable after construction.
 #pragma once
 
 #include <array>
