@@ -1,4 +1,4 @@
-// Each job ends once, whatever happens to daemon, keepers, messages, clocks and disk.
+// Each job ends once, for any faults of daemon, keepers, messages, clocks and disk.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,10 +15,10 @@ std::uint64_t seeds() {
   return property::long_run() ? 10'000 : property::of_tier(20, 150);
 }
 
-/// Tests of one name, each with a share of the seeds, so that several processes can run them.
+/// Number of tests that share the seeds, so that several processes can run them.
 constexpr std::uint64_t k_shares = 4;
 
-/// Totals of a test's services, for people.
+/// Totals of a test's services, printed for people.
 struct Summary {
   std::uint64_t runs = 0;
   std::uint64_t jobs = 0;
@@ -72,15 +72,15 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(Seeds, EachJobEndsOnce) {
-  // Goal: the invariants of jobs.h hold. Method: services of 1 to 1,000 jobs of up to 20 users by
-  // seed, whose daemon, keepers, messages, clock and disk fail in every way. A ledger checks its
-  // rules, and the time from the last fault to the end is bounded.
+  // Goal: the invariants of jobs.h hold. Method: simulate services with 1 to 1,000 jobs of up to 20
+  // users, whose daemon, keepers, messages, clock and disk fail in every way. A ledger checks its
+  // rules, and the time from the last fault to the end is limited.
   check_share({}, seeds());
 }
 
 TEST_P(Seeds, FewJobsToo) {
-  // Goal: the same invariants, with each fault at each step of each job. Method: the same with at
-  // most ten jobs, which is cheap, so ten times as many seeds.
+  // Goal: the same invariants hold if any fault hits any step of a job. Method: simulate services
+  // with at most ten jobs, with ten times as many seeds.
   check_share({.jobs_max = 10}, 10 * seeds());
 }
 

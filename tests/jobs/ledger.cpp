@@ -149,7 +149,7 @@ void Ledger::check_change(const Change& change, const Job* before) {
   }
 }
 
-/// Checks rules 9 and 10 against the reports on the attempt.
+/// Checks rules 9 and 10 against the reports about the attempt.
 void Ledger::count_end(const Change& change, Told& told) {
   const auto found = ends_.find({change.id, change.attempt});
   // Without a reported end, the attempt's launches never began.
@@ -269,7 +269,7 @@ void Ledger::program_begins(JobId job, Attempt attempt, std::uint32_t cores,
     wrong(fmt::format("job {}: attempt {} begins after {}", job, attempt, newest->second));
   newest_begun_[job] = attempt;
   live_[job] = {.attempt = attempt, .cores = cores, .memory_bytes = memory_bytes};
-  // The following holds only if all reports to the daemon are true.
+  // The checks below hold only if all reports to the daemon are true.
   if (scenario_.has(Fault::Kind::messages_wrong)) return;
   const Job* stored = store.find(job);
   if (stored == nullptr || is_over(stored->state))
@@ -308,7 +308,7 @@ void Ledger::tells(const Input& input, const Jobs& machine) {
   ToldEnd end{.lived_s = machine.clock_s() - job->attempt_begin_s};
   if (const auto* running = std::get_if<Running>(&sight->seen)) {
     told.scans_told = std::max(told.scans_told, running->counts.scans);
-    // A launch was wrongly reported as failed, so the attempt has not ended in that way.
+    // A running attempt hasn't ended, even if its launch was reported as failed.
     return;
   }
   if (const auto* ended = std::get_if<Ended>(&sight->seen)) {

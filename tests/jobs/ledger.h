@@ -1,26 +1,25 @@
-// Checks the rules of the service. The ledger receives everything that is saved, answered, launched
-// and running, and reports the first violation.
+// Checks the rules of the service. The ledger receives all inputs, saves, answers, launches and
+// program events, and reports the first violation.
 //
 // Numbered rules
-//   1. Each save's histories continue from the earlier states and end in the saved ones.
-//   2. A job is over once, unless its user extended or resumed it. No program of a job that is over
-//      begins.
-//   3. A launch is of the attempt that is open in the store. A stop is of an attempt that should
-//      stop or isn't the newest. A removal is of a job that is leaving. An answer matches the
-//      store.
-//   4. At most one program of a job runs, and each has a newer attempt than all before.
-//   5. When an attempt is added, cores and memory of the stored open attempts are within the
-//      machine's and the user's limits. If all reports are true, so are those of running programs.
-//   6. No attempt is added while the disk is known to be low, the server is draining, or the
-//      backend is away.
-//   7. A user's unfinished jobs are within the limit at each submit.
+//   1. In each save, a job's history starts at its earlier state and ends at its saved state.
+//   2. A job ends once, unless its user extends or resumes it. No ended job's program starts.
+//   3. Only the stored open attempt is launched. Only an attempt that should stop or isn't the
+//      newest is stopped. Only a leaving job is removed. An answer matches the store.
+//   4. At most one program of a job runs, and each has a newer attempt than earlier ones.
+//   5. When an attempt is added, the stored open attempts are within the machine's and the user's
+//      limits of cores and memory. If all reports are true, the running programs are too.
+//   6. No attempt is added while the disk is reported low, the server is draining, or the backend
+//      is reported unreachable.
+//   7. At each submit, a user's unfinished jobs are within the limit.
 //   8. A key belongs to one job, and an id is never reused.
-//   9. A job is done when its program finished, and fails as its program does. Exactly five
-//      reported deaths without a commit in between, or the same bug twice, make it fail.
-//  10. After the n-th consecutive failed start, the next start comes at least 2^(n-1) s later.
-//  11. Unless a user deletes a job, its deletion is announced announce_s earlier. Pinned jobs
-//      aren't deleted.
-//  12. A running job that should stop is asked to in the same step.
+//   9. A job is done when its program has finished, and fails when its program fails. It also fails
+//      after five reported deaths without a commit in between, no earlier and no later, or after
+//      the same bug twice.
+//  10. After n consecutive failed starts, the next start is at least 2^(n-1) s later.
+//  11. A job's deletion is announced announce_s in advance, unless a user deletes the job. Pinned
+//      jobs aren't deleted.
+//  12. A running job that should stop gets its stop in the same step.
 //  13. If somebody cancels a job's attempt in the batch system and no stop was requested, the job
 //      is held, or done if it had finished.
 // Not thread-safe.
@@ -51,7 +50,7 @@ class Ledger {
   /// Called when the save becomes durable.
   void saves(const Save& save, const SimStore& before);
   void carries_out(const Effect& effect, const SimStore& store);
-  /// Called when another daemon begins with the stored jobs.
+  /// Called when another daemon starts with the stored jobs.
   void restarts(const SimStore& store);
 
   // The actual events.

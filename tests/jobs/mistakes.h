@@ -1,4 +1,4 @@
-// Known mistakes for tests, each in one part around the machine of jobs, or in one setting.
+// Known mistakes for tests. Each is in one part around the machine of jobs, or in one setting.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Control test: services with one known mistake, which the ledger or time limit must catch.
+// Control test on services with one known mistake, which the ledger or the time limit must catch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -14,7 +14,7 @@
 namespace sleight::jobs::simulated {
 namespace {
 
-/// How a run was found wrong, as a process's exit status.
+/// Exit status of a process that checks a run: what was wrong with the run.
 enum Verdict : int { k_right = 0, k_violation = 11, k_unfinished = 12 };
 
 /// Maximum runs per mistake.
@@ -54,8 +54,8 @@ std::string words_for(int status) {
 class Mutant : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(Mutant, IsCaught) {
-  // Goal: the ledger does fail if a service is wrong. Method: run services of the same seeds with a
-  // mistake, until one is caught, and without it, which all pass.
+  // Goal: the checks fail if a service is wrong. Method: run services with a mistake until one
+  // fails; the same services without the mistake must pass.
   const auto& [mistake, name] = k_mistakes[GetParam()];
   int status = k_right;
   std::uint64_t seed = 0;

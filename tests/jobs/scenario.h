@@ -1,4 +1,4 @@
-// A simulated service from a seed: its users, their jobs, the jobs' fates, and faults.
+// A simulated service, drawn from a seed: its users, their jobs, the jobs' fates, and faults.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ enum class Fate : std::uint8_t {
   stops_by_itself,  ///< once, cleanly, at a scan; then it finishes
 };
 
-/// A user's other action on the job.
+/// A user's action on a job after its submission.
 struct UserAct {
   AskKind kind = AskKind::cancel;
   double at_s = 0;
@@ -95,14 +95,14 @@ struct Scenario {
 struct ScenarioChoice {
   std::uint64_t jobs_max = k_jobs_max;
   Mistake mistake = Mistake::none;
-  /// Kinds of faults that the mistake needs; the seed includes some.
+  /// Kinds of faults that the mistake needs. The scenario includes some of them.
   std::vector<Fault::Kind> wants{};
   bool are_deleted = false;  ///< each user deletes each job soon after its end
 };
 
 Scenario scenario_of(std::uint64_t seed, const ScenarioChoice& choice = {});
 
-/// Maximum time for jobs to end after the last fault; far above the actual time.
+/// Maximum time for jobs to end after the last fault, far above the actual time.
 double liveness_bound_s(const Scenario& scenario);
 
 }  // namespace sleight::jobs::simulated

@@ -14,7 +14,7 @@ using Kind = Fault::Kind;
 
 constexpr double k_commit_s_min = 1e-3, k_commit_s_max = 0.02;
 constexpr double k_restart_s_max = 5;
-/// A user without an answer asks again after this time.
+/// A user who gets no answer repeats the call after this time.
 constexpr double k_ask_again_s = 4;
 constexpr double k_submit_again_s = 20;
 constexpr double k_look_around_s = 5;
@@ -92,7 +92,7 @@ void Service::step(const Input& input) {
   std::vector<Effect> effects = machine_->step(input_with(scenario_.mistake, input, *machine_));
   effects = effects_with(scenario_.mistake, std::move(effects), dice_);
   ledger_.decides(effects, *machine_);
-  // Effects before a save don't wait for it.
+  // Effects that precede a save don't wait for it.
   Batch batch;
   for (Effect& effect : effects) {
     if (auto* save = std::get_if<Save>(&effect)) {
@@ -122,11 +122,11 @@ void Service::plan_tick() {
 
 void Service::tick() {
   tick_at_s_.reset();
-  // A clock has a resolution, so a tick comes slightly late.
+  // Ticks come slightly late, because real clocks have a limited resolution.
   step(Tick{.now_s = events_.now_s() - ticks_begin_s_ + 1e-6, .wall = wall()});
 }
 
-/// Carries out what is possible; a save takes time.
+/// Carries out effects up to the next save, which takes time.
 void Service::pump() {
   while (machine_ && !is_committing_ && !batches_.empty()) {
     if (batches_.front().save) {
@@ -152,7 +152,7 @@ void Service::commit() {
   ledger_.saves(*batch.save, store_);
   store_.apply(*batch.save);
   if (dies) {
-    // Only this many of its effects are carried out.
+    // The daemon dies before it has carried out all effects.
     batch.rest.resize(std::min<std::size_t>(batch.rest.size(), *dies - 1));
     carry_out(batch.rest);
     return kill_daemon();
@@ -160,7 +160,7 @@ void Service::commit() {
   if (carry_out(batch.rest)) pump();
 }
 
-/// Tells the backend the program of each submitted job.
+/// Passes the program of each submitted job to the backend.
 void Service::know_new_jobs(const Save& save) {
   for (const Job& job : save.jobs) {
     if (store_.find(job.id) != nullptr) continue;
@@ -275,7 +275,7 @@ void Service::change(const Fault& fault, bool begins) {
   tell_surroundings();
 }
 
-/// The daemon isn't always told of a full disk or an unreachable backend.
+/// Reports disk and backend, but sometimes omits a full disk or an unreachable backend.
 void Service::tell_surroundings() {
   Room room = scenario_.room;
   BackendNote note{.results_version = "ours"};
@@ -295,7 +295,7 @@ void Service::tell_surroundings() {
   if (begun == incarnation_) hear(room);
 }
 
-/// Users release held jobs until all jobs are over.
+/// Makes users resume held jobs until all jobs have ended.
 void Service::look_around() {
   if (machine_ && unfinished().empty()) {
     outcome_.is_finished = true;

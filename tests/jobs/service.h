@@ -6,8 +6,8 @@
 //                 │  ▲
 //   faults ──▶ backend: keepers and programs.
 //
-// A step's effects wait until its save is on disk. A daemon that dies between effects leaves those
-// that are done. Invariant: a run is a function of its scenario. Not thread-safe.
+// A step's effects wait until its save is on disk. Effects carried out before a daemon dies stay.
+// Invariant: a run is a function of its scenario. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -49,14 +49,14 @@ class Service {
  public:
   explicit Service(const Scenario& scenario);
 
-  /// Runs until all jobs are over, or until `limit_s` after the last fault.
+  /// Runs until all jobs have ended, or until `limit_s` after the last fault.
   Outcome run(double limit_s);
 
   /// Schedules an action during the run. REQUIRES: the run hasn't begun.
   void at(double time_s, std::function<void()> action) { events_.at(time_s, std::move(action)); }
   double now_s() const { return events_.now_s(); }
   const SimBackend& backend() const { return backend_; }
-  /// The job with this number as stored; null: not stored.
+  /// Returns the stored job with this number, or null.
   const Job* job(std::size_t nth) const {
     const auto id = ids_.find(nth);
     return id == ids_.end() ? nullptr : store_.find(id->second);

@@ -12,7 +12,7 @@ namespace sleight::jobs::simulated {
 namespace {
 
 constexpr double k_latency_s_min = 1e-3, k_latency_s_max = 0.05;
-/// Less time than an attempt's launches take until it fails (Options::unbegun_max).
+/// Maximum delay of messages, so short that Options::unbegun_max launches take longer.
 constexpr double k_late_s_max = 8;
 
 }  // namespace
@@ -128,7 +128,7 @@ void SimBackend::go_on(JobId job) {
   after(job, folder.plan->scan_core_s / folder.cores, &SimBackend::scan);
 }
 
-/// Commits a scan, or lets the program's fate happen there.
+/// Commits a scan, or ends the program as planned.
 void SimBackend::scan(JobId job) {
   Folder& folder = folders_.at(job);
   const std::uint64_t wanted = folder.plan->scans * folder.revision;
@@ -152,7 +152,7 @@ void SimBackend::scan(JobId job) {
     return;
   }
   ledger_.is_finished(job, folder.revision);
-  // mpirun's exit code is unreliable: some finished runs end with a crash of mpirun.
+  // mpirun's exit code is unreliable, because mpirun sometimes crashes after a finished run.
   end(job, {.kind = EndKind::finished, .exit_code = dice_.chance(0.2) ? 1 : 0, .digest = "all"});
 }
 

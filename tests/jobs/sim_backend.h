@@ -16,7 +16,7 @@
 
 namespace sleight::jobs::simulated {
 
-/// What may happen to a message, by chance.
+/// Probabilities of message faults.
 struct Weather {
   double lost = 0;
   double doubled = 0;
@@ -46,17 +46,17 @@ class SimBackend {
   void fill_disk(bool full) { is_disk_full_ = full; }
   void leave(bool away) { is_away_ = away; }
   void change_programs(bool other) { has_other_programs_ = other; }
-  /// The n-th running program loses its cores: it stops cleanly or is killed.
+  /// Takes the cores of the n-th running program, which stops cleanly or is killed.
   void take_place(std::uint64_t nth);
-  /// Somebody cancels the n-th running or waiting job.
+  /// Cancels the n-th running or waiting job, as a person would in the batch system.
   void cancel_by_hand(std::uint64_t nth);
   /// Kills the n-th keeper that holds a folder, or all, with their programs.
   void kill(std::uint64_t nth, bool all);
 
   bool anything_runs() const;
-  /// core_s() of one user, up to now.
+  /// Returns one user's core_s() until now.
   double core_s_of(UserId user) const;
-  /// Seconds of cores that programs had, and the part in committed scans.
+  /// Core-seconds of programs, and the part spent on committed scans.
   double core_s() const { return core_s_; }
   double useful_core_s() const { return useful_core_s_; }
 

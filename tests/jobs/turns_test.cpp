@@ -1,4 +1,4 @@
-// Turns on the simulated clock: shares, short jobs, large jobs, patience, and the cost of turns.
+// Turns in simulated time: users' shares, short jobs, large jobs, patience, and the cost of turns.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 constexpr UserId k_ann{1};
 constexpr UserId k_bob{2};
 
-/// A job whose restart costs under 0.5 s: 0.2 s to the first scan, 0.1 s for it, 0.1 s to stop.
+/// A job whose restart costs under 0.5 s: 0.2 s to start, 0.1 s per scan, 0.1 s to stop.
 JobPlan job_of(UserId user, double at_s, double core_s) {
   return {.user = user,
           .submitted_s = at_s,
@@ -66,7 +66,7 @@ double difference_of_shares(const Split& split) {
 
 TEST(Turns, TwoUsersHaveEqualShares) {
   // Goal: over ten minutes, two users' shares of the machine differ by under 5%, for even and odd
-  // numbers of cores and any numbers of jobs. Method: endless jobs; compare core-seconds.
+  // numbers of cores and any numbers of jobs. Method: compare the core-seconds of endless jobs.
   for (const Split& split :
        {Split{.cores = 1}, Split{.cores = 2}, Split{.cores = 3}, Split{.cores = 10},
         Split{.cores = 1, .anns_jobs = 9}, Split{.cores = 10, .anns_jobs = 9},
@@ -81,7 +81,7 @@ TEST(Turns, TwoUsersHaveEqualShares) {
 
 TEST(Turns, AShortJobEndsSoon) {
   // Goal: on a full machine, another user's job of 2 s ends within 15 s. Method: Ann's jobs use all
-  // cores, and more of them wait; Bob submits at sixty moments.
+  // cores, and more of her jobs wait. Bob submits at sixty different moments.
   double longest_s = 0;
   for (const std::uint32_t cores : {1U, 2U, 8U}) {
     for (const std::size_t anns_jobs : {1UL, 20UL}) {
@@ -111,7 +111,7 @@ TEST(Turns, AShortJobEndsSoon) {
   EXPECT_LT(longest_s, 15);
 }
 
-/// The longest wait of the nth job, from its submit or its last attempt.
+/// Returns the nth job's longest wait, counted from its submission or its last attempt.
 double longest_wait_s(Service& service, std::size_t nth, double until_s) {
   struct Watch {
     double since_s = -1;
@@ -135,8 +135,9 @@ double longest_wait_s(Service& service, std::size_t nth, double until_s) {
 
 TEST(Turns, ALargeJobGetsItsRoom) {
   // Goal: a stream of small jobs doesn't starve ranks that need the whole machine, even if their
-  // user has used more than all others. Method: 19 users always have jobs of one core waiting. Ann
-  // submits eight ranks at first, and after using the machine for an hour; patience is ten minutes.
+  // user has used the machine more than all others. Method: 19 users always have jobs of one core
+  // waiting. Ann submits a job of eight ranks, first at the start, then after she has used the
+  // machine for an hour. Patience is ten minutes.
   for (const double head_start_s : {0.0, 3600.0}) {
     Scenario scenario = quiet_machine(8, 0);
     scenario.options.patience_s = 600;
@@ -156,7 +157,7 @@ TEST(Turns, ALargeJobGetsItsRoom) {
     const double wait_s = longest_wait_s(service, 0, end_s);
     fmt::print("eight ranks wait {:.0f} s, where their user had {:.0f} s of the machine\n", wait_s,
                head_start_s);
-    // The patience, plus a slice and a stop of the running jobs.
+    // The wait is at most the patience, plus a slice and a stop of the running jobs.
     EXPECT_LT(wait_s, scenario.options.patience_s + 40);
     ASSERT_NE(service.job(0), nullptr);
     EXPECT_GT(service.job(0)->attempt.value, 0U);
@@ -164,8 +165,8 @@ TEST(Turns, ALargeJobGetsItsRoom) {
 }
 
 TEST(Turns, NobodyStarves) {
-  // Goal: the bound in jobs.h holds. Method: twenty users with endless jobs on one core: one had it
-  // for hours, one has long scans, and one has a low-priority job; patience is ten minutes.
+  // Goal: the bound in jobs.h holds. Method: twenty users have endless jobs on one core. One user
+  // has used it for hours, one has long scans, one has low priority. Patience is ten minutes.
   Scenario scenario = quiet_machine(1, 0);
   scenario.options.patience_s = 600;
   constexpr double k_begin_s = 8000, k_end_s = 20'000;
@@ -188,8 +189,8 @@ TEST(Turns, NobodyStarves) {
 }
 
 TEST(Turns, RestartsCostLittle) {
-  // Goal: turns cost at most a twentieth. Method: eight users on two cores for an hour; compare
-  // core-seconds in committed scans with all core-seconds of programs.
+  // Goal: turns cost at most a twentieth of the time. Method: simulate eight users on two cores for
+  // an hour, and compare core-seconds of committed scans with all core-seconds of programs.
   Scenario scenario = quiet_machine(2, 3600);
   for (std::uint32_t user = 1; user <= 8; ++user)
     scenario.jobs.push_back(job_of(UserId{user}, 0, k_endless_core_s));
@@ -203,9 +204,9 @@ TEST(Turns, RestartsCostLittle) {
 }
 
 TEST(Turns, CoresThatNobodyWantsAreUsedWhereItIsWorthIt) {
-  // Goal: a job with few cores is restarted on all cores once the others are gone, if that is worth
-  // it. Method: two users on four cores. When Bob's job ends, Ann's job has done much work and is
-  // restarted; or it has done little and isn't stopped.
+  // Goal: a job with few cores is restarted on all cores once no other jobs are left, if the
+  // restart pays off. Method: two users share four cores. When Bob's job ends, Ann's long job is
+  // restarted, but in a second scenario her short job isn't.
   Scenario scenario = quiet_machine(4, 0);
   scenario.jobs = {job_of(k_ann, 0, 2000), job_of(k_bob, 0, 100)};
   Service service(scenario);
@@ -216,7 +217,7 @@ TEST(Turns, CoresThatNobodyWantsAreUsedWhereItIsWorthIt) {
   EXPECT_EQ(service.run(2000).violation, "");
   EXPECT_EQ(cores, 2U);
   EXPECT_EQ(cores_later, 4U);
-  // First on all cores alone, then on half of them beside Bob's job, then on all again.
+  // Ann's job runs on all cores, on half of them while Bob's job runs, and on all again.
   EXPECT_EQ(service.job(0)->attempt.value, 3U);
 
   Scenario brief = quiet_machine(4, 0);
@@ -237,9 +238,9 @@ double used_s() {
 }
 
 TEST(Turns, TenThousandJobsCostLittle) {
-  // Goal: with 10,000 waiting jobs, and one report per second of its running jobs, the machine uses
-  // under 0.5% of a core. Submissions, and queries of a job's place, are cheap. Method: run the
-  // machine alone for ten minutes of its clock; measure this process's processor time.
+  // Goal: with 10,000 waiting jobs and a report of each running job per second, the machine uses
+  // under 0.5% of a core. Submissions and queries of a job's place in the queue are cheap. Method:
+  // measure this process's time while the machine runs alone for ten simulated minutes.
   Options options;
   options.slice_s_min = 1e6;  // no job makes room, so others only wait
   Jobs machine(options);

@@ -1,4 +1,4 @@
-// The wrong behaviour of each mistake (mistakes.h). With Mistake::none, nothing changes.
+// Implements the mistakes of mistakes.h. Mistake::none changes nothing.
 #pragma once
 
 #include <vector>
@@ -10,14 +10,14 @@
 namespace sleight::jobs::simulated {
 
 Options options_with(Mistake mistake, Options options);
-/// What a restarted daemon reads from the store.
+/// Returns what a daemon with this mistake reads from the store.
 Restored restored_with(Mistake mistake, Restored restored);
-/// The input that the machine receives.
+/// Returns the input that the machine receives.
 Input input_with(Mistake mistake, Input input, const Jobs& machine);
-/// The effects that are carried out.
+/// Returns the effects that are carried out.
 std::vector<Effect> effects_with(Mistake mistake, std::vector<Effect> effects, cluster::Dice& dice);
 
-/// A choice of scenarios in which the mistake shows.
+/// Returns a choice of scenarios that reveals the mistake.
 ScenarioChoice where_it_shows(Mistake mistake);
 
 }  // namespace sleight::jobs::simulated
