@@ -1,9 +1,8 @@
-// The local backend as commands that print JSON. Each call acts as a new daemon that ends when the
-// call returns.
+// Commands of the local backend, which print JSON. Each call acts as a new daemon.
 //   `sleight-attempts launch FOLDER N [options]` prints the keeper's process id.
-//   `sleight-attempts look FOLDER N` prints state, record and words.
+//   `sleight-attempts look FOLDER N` prints the attempt's state, record and message.
 //   `sleight-attempts stop FOLDER N in_order|now` prints whether there was an attempt to stop.
-//   `sleight-attempts await FOLDER N` waits for the keeper's end, then looks.
+//   `sleight-attempts await FOLDER N` waits until the keeper exits, then prints the same.
 #include <fmt/format.h>
 #include <poll.h>
 

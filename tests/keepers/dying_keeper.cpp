@@ -18,7 +18,7 @@ class Dying final : public sleight::keeper::Moments {
     if (moment != sleight::keeper::Moment::in_child) {
       ::kill(::getpid(), SIGKILL);
     } else {
-      // Kill the keeper before its child has become the program: the kernel then kills the child.
+      // Kill the keeper before its child executes the program. The kernel then kills the child.
       ::kill(::getppid(), SIGKILL);
     }
     ::sleep(60);
