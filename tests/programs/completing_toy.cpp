@@ -1,5 +1,5 @@
-// Program for test_completion: the unit tests' toy command line, its completion scripts, and a list
-// of jobs, which fails if NO_SERVER is set.
+// Program for test_completion.py with the unit tests' toy command line and its completion scripts.
+// Listing jobs fails if NO_SERVER is set.
 #include <cstdio>
 #include <cstdlib>
 #include <string>

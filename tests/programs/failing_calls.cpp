@@ -1,5 +1,5 @@
-// For LD_PRELOAD: replaces library functions by failing ones that the programs CHECK or never
-// expect to fail, so that a test sees a real program's report of a bug.
+// For LD_PRELOAD: makes library functions fail whose failure the programs CHECK or don't expect.
+// Tests then see a real program's report of a bug.
 #include <dlfcn.h>
 #include <pthread.h>
 
@@ -9,12 +9,12 @@
 
 extern "C" {
 
-/// SHA-256 can't be started, so no archive's digest can be computed.
+/// Fails to start SHA-256, so no archive's digest can be computed.
 int EVP_DigestInit_ex(void*, const void*, void*) {
   return 0;
 }
 
-/// If FAILING_THREADS is set, no thread can be created, with an error that nobody can fix.
+/// If FAILING_THREADS is set, fails to create threads, with an error that no user can fix.
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*work)(void*),
                    void* argument) {
   if (std::getenv("FAILING_THREADS") != nullptr) return EPERM;
@@ -23,7 +23,7 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
   return real(thread, attributes, work, argument);
 }
 
-/// On rank 1, MPI provides less than the required thread support.
+/// On rank 1, reports less than the required thread support of MPI.
 int MPI_Init_thread(int* argc, char*** argv, int required, int* provided) {
   using Function = int(int*, char***, int, int*);
   auto* const real = reinterpret_cast<Function*>(dlsym(RTLD_NEXT, "MPI_Init_thread"));

@@ -1,5 +1,5 @@
-// For LD_PRELOAD: simulates another node of a cluster, named SLEIGHT_TEST_HOST. Every disk is NFS
-// without a lock server: no flock, no fcntl locks, no shared memory beside SQLite's files.
+// For LD_PRELOAD: simulates another node of a cluster, named SLEIGHT_TEST_HOST. Every disk acts as
+// NFS without a lock server: flock, fcntl locks and SQLite's shared-memory files don't work.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/vfs.h>
@@ -52,7 +52,7 @@ int statfs(const char* path, struct statfs* found) noexcept {
   return outcome;
 }
 
-// fcntl.h declares a struct with the function's name.
+// The C++ name differs, because fcntl.h declares a struct with the function's name.
 int refused_flock(int descriptor, int operation) noexcept __asm__("flock");
 int refused_flock(int, int) noexcept {
   return refuse(ENOSYS);
