@@ -1,4 +1,4 @@
-// `sleight-scenes`: a page with a strip of pictures of each scene shared by tests and benchmarks.
+// `sleight-scenes` writes a page with a strip of pictures of each scene in shared/.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -28,7 +28,7 @@ struct Arguments {
   bool quick = false;
 };
 
-/// Writes a file beside `path`, then renames it.
+/// Writes a temporary file next to `path`, then renames it to `path`.
 void save(const std::filesystem::path& path, const std::string& bytes) {
   const std::filesystem::path beside = path.string() + ".part";
   std::ofstream file(beside, std::ios::binary);

@@ -46,7 +46,7 @@ Patch outline_of(const physics::RoundPiece& piece, const Pose& pose, const Camer
     patch.outline_m.push_back(camera.on_picture_m(in_world(pose, furthest)));
   }
   const Vec3 axis = math::rotated(pose.orientation, piece.axis());
-  // A middle tone that changes as the body turns.
+  // Use a middle tone that changes as the body turns.
   patch.brightness = 0.65 + 0.25 * std::fabs(math::dot(axis, camera.towards()));
   return patch;
 }

@@ -10,18 +10,18 @@
 
 namespace sleight::scene_pictures {
 
-/// Looks at a scene along parallel lines from in front and above; z is up.
+/// A parallel projection from in front and above. The z axis points up.
 class Camera {
  public:
   /// Direction towards the camera: `azimuth` from x towards y, `elevation` above the horizon.
   Camera(double azimuth_rad, double elevation_rad);
 
-  /// Returns a place's position in the picture, in metres to the right and up.
+  /// Returns a place's position in the picture: metres to the right, and metres up.
   plot::Point on_picture_m(const physics::Vec3& place_m) const;
-  /// Returns a number that is greater for nearer places.
+  /// Returns the place's coordinate towards the camera, which is greater for nearer places.
   double nearness_m(const physics::Vec3& place_m) const;
   const physics::Vec3& towards() const { return towards_; }
-  /// Returns the world direction that appears as this direction in the picture.
+  /// Returns the world direction that the picture shows as this direction.
   physics::Vec3 seen_as(double right, double up) const { return right * right_ + up * up_; }
 
  private:

@@ -22,7 +22,7 @@ constexpr double k_picture_px = 210;
 constexpr double k_height_px = 190;
 constexpr double k_label_px = 22;
 constexpr double k_margin_px = 8;
-/// The share of the bodies' places on each side that may be out of frame, for bodies that fly away.
+/// Share of places that may be outside the frame on each side, because some bodies fly away.
 constexpr double k_left_out = 0.25;
 constexpr double k_azimuth_rad = -1.2;
 constexpr double k_elevation_rad = 0.35;
@@ -51,7 +51,7 @@ struct Frame {
   }
 };
 
-/// Returns a frame with all of the first moment and most of the later ones.
+/// Returns a frame that shows all bodies of the first moment and most bodies of later moments.
 Frame frame_of(const std::vector<Moment>& moments) {
   Frame frame;
   std::vector<double> across;
@@ -81,7 +81,7 @@ plot::Color shaded(const plot::Color& color, double brightness) {
   return {part(color.red), part(color.green), part(color.blue), color.opacity};
 }
 
-/// Returns patches of static geometry. A nearly level plane is a square about the scene's middle.
+/// Returns patches of static geometry. A nearly level plane becomes a square.
 std::vector<Patch> statics_of(const physics::Scene& scene, const Camera& camera,
                               const Vec3& middle_m, double extent_m) {
   std::vector<Patch> patches;

@@ -62,7 +62,7 @@ Setting hard_sphere_gas(std::uint32_t bodies, double packing, std::uint64_t seed
     scene.bodies.push_back(unit_sphere(site, {x, y, z}));
     drift += Vec3(x, y, z);
   }
-  // Bring the gas as a whole to rest.
+  // Remove the drift of the whole gas.
   for (BodyDescription& body : scene.bodies)
     body.start.twist.velocity_mps -= drift / bodies;
   return setting;

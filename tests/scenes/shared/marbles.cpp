@@ -11,7 +11,7 @@ namespace {
 constexpr double k_marble_m = 0.02;
 constexpr double k_box_half_width_m = 0.1;
 
-/// Returns the convex hull of a square and a smaller square above it.
+/// Returns the convex hull of a square and of a smaller square above it.
 std::shared_ptr<const ConvexPolyhedron> pedestal(const Vec3& centre_m, double half_m,
                                                  double height_m) {
   std::vector<Vec3> corners_m;

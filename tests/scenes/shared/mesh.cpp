@@ -21,14 +21,14 @@ std::shared_ptr<const TriangleMesh> mesh_of(std::span<const Vec3> vertices_m,
       TriangleMesh::make(vertices_m, triangles, closure).value());
 }
 
-/// Adds two triangles, in the anticlockwise order of the four corners.
+/// Adds two triangles that form a square. The four corners are in anticlockwise order.
 void add_square(std::vector<TriangleCorners>& triangles, std::uint32_t a, std::uint32_t b,
                 std::uint32_t c, std::uint32_t d) {
   triangles.push_back({a, b, c});
   triangles.push_back({a, c, d});
 }
 
-/// Returns a sheet of cells^2 squares about the z axis, with random heights.
+/// Returns a sheet of cells^2 squares with random heights, centred on the z axis.
 std::shared_ptr<const TriangleMesh> height_field(std::uint32_t cells, double edge_m, double high_m,
                                                  random::Stream& stream) {
   std::vector<Vec3> vertices_m;
@@ -48,10 +48,10 @@ std::shared_ptr<const TriangleMesh> height_field(std::uint32_t cells, double edg
   return mesh_of(vertices_m, triangles, MeshClosure::may_be_open);
 }
 
-/// Returns a square box, hollow above its bottom.
+/// Returns a square tray with walls and a bottom.
 std::shared_ptr<const TriangleMesh> tray_mesh(double half_m, double wall_m, double bottom_m,
                                               double height_m) {
-  // Four squares of four corners: outer low, outer high, inner high, inner low.
+  // The corners of four squares, in this order: outer low, outer high, inner high, inner low.
   const std::array<double, 4> halves_m{half_m, half_m, half_m - wall_m, half_m - wall_m};
   const std::array<double, 4> heights_m{0, height_m, height_m, bottom_m};
   std::vector<Vec3> vertices_m;
@@ -71,7 +71,7 @@ std::shared_ptr<const TriangleMesh> tray_mesh(double half_m, double wall_m, doub
   return mesh_of(vertices_m, triangles, MeshClosure::closed);
 }
 
-/// Adds spheres and cubes in turn, on a loose lattice of six by six per layer.
+/// Adds spheres and cubes alternately, on a loose lattice with layers of six by six.
 void add_bodies(Scene& scene, std::uint32_t bodies, double lowest_m, double speed_mps,
                 random::Stream& stream) {
   BodyShape body =

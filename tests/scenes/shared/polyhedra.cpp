@@ -51,8 +51,8 @@ StaticConvex static_hull(std::string name, std::span<const Vec3> points_m) {
           .polyhedron = std::make_shared<const ConvexPolyhedron>(convex_hull(points_m).value())};
 }
 
-/// Returns one of the four slabs of the thesis's funnel, k quarter turns about z. A slab's upper
-/// face runs from the hole to the walls.
+/// Returns one of the four slabs of the thesis's funnel, turned by k quarter turns about z. A
+/// slab's upper face runs from the hole to the walls.
 StaticConvex funnel_slab(double half_width_m, int k) {
   constexpr double k_side_m = 0.01;
   const Vec3 hole = k_side_m * Vec3(2.5, 0, 15);
@@ -95,7 +95,7 @@ void add_walls(Scene& scene, double half_m, int axes) {
   }
 }
 
-/// Returns a scene with gravity, a floor at height 0 and the end of slow contacts.
+/// Returns a scene with gravity, a floor at height 0, and `slow` as its rule for slow contacts.
 Scene floor_scene(const SlowContacts& slow, const SurfaceLaw& law) {
   Scene scene;
   scene.gravity_mps2 = {0, 0, -k_gravity_mps2};
@@ -220,7 +220,7 @@ Setting grain_heap(std::uint32_t bodies, std::uint64_t seed) {
       .duration_s = 5};
   const double half_m = 0.06;
   add_walls(setting.scene, half_m, 2);
-  // A loose lattice of five by five per layer.
+  // Place bodies on a loose lattice with layers of five by five.
   for (std::uint32_t i = 0; i < bodies; ++i) {
     const Vec3 place_m(0.022 * (i % 5) - 0.044, 0.022 * (i / 5 % 5) - 0.044,
                        0.015 + 0.022 * (i / 25));

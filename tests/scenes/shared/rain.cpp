@@ -28,7 +28,7 @@ Setting rain(std::uint32_t bodies, std::uint64_t seed) {
   scene.gravity_mps2 = {0, 0, -9.81};
   scene.slow = {.separation_speed_mps = 0.01};
 
-  // Three materials; each pair has its own law.
+  // Each pair of the three materials has its own law.
   scene.contacts = ContactTable(3);
   for (std::uint8_t a = 0; a < 3; ++a) {
     for (std::uint8_t b = a; b < 3; ++b) {
@@ -68,7 +68,7 @@ Setting rain(std::uint32_t bodies, std::uint64_t seed) {
                               return above_the_box(again);
                             }});
   }
-  // Push a body now and then.
+  // Push every third body once.
   for (std::uint32_t i = 0; i < bodies; i += 3) {
     scene.controls.push_back({.tick = Tick{} + ticks_after(between(stream, 0.1, 0.5)),
                               .body = {i},

@@ -1,6 +1,6 @@
 // Random initial states of scenes, and the gravity of most scenes.
 //
-// Thread safety: pure functions of the stream.
+// Thread safety: functions change only the stream.
 #pragma once
 
 #include "common/random/distributions.h"

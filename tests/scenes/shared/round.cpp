@@ -87,7 +87,7 @@ Setting round_solids(std::uint32_t bodies, std::uint64_t seed) {
 }
 
 Setting bowling(std::uint32_t bodies, std::uint64_t seed) {
-  // Sizes and masses follow the sport's rules; restitution and friction are typical.
+  // Sizes and masses follow the rules of bowling. Restitution and friction are typical values.
   constexpr double k_foot_m = 0.0254 * 12;
   constexpr double k_ball_m = 0.1085;
   random::Stream stream = stream_of_scene(seed, 0);
@@ -100,8 +100,8 @@ Setting bowling(std::uint32_t bodies, std::uint64_t seed) {
   const RoundSolid pin = bowling_pin(1.55).value();
   const auto shape =
       std::make_shared<const Compound>(Compound{.parts = {}, .round_parts = pin.parts});
-  // Four rows in a triangle, a foot from pin to pin. The head pin is at the origin, x down the
-  // lane.
+  // The pins form a triangle of four rows, one foot from pin to pin. The head pin is at the origin,
+  // and x points down the lane.
   std::uint32_t number = 0;
   for (int row = 0; row < 4; ++row) {
     for (int place = 0; place <= row && number + 1 < bodies; ++place) {

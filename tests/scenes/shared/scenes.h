@@ -1,4 +1,4 @@
-// The scenes that tests, benchmarks and viewers share: one list.
+// The list of scenes that tests, benchmarks and viewers share.
 //
 // Each scene depends only on its size and a seed. Random places and velocities come from the seed's
 // streams, so a scene is the same on every machine. Thread safety: pure functions.
@@ -35,21 +35,21 @@ const SceneEntry* find(std::string_view name);
 /// normal velocities of standard deviation 1 m/s per axis. REQUIRES: 0 < packing <= 0.6.
 Setting hard_sphere_gas(std::uint32_t bodies, double packing, std::uint64_t seed);
 
-/// Elastic spheres of diameter 1 m in a cube of walls, at the density of 64 in a cube of 10.5 m.
+/// Elastic spheres of diameter 1 m in a cube of walls, as dense as 64 spheres in a cube of 10.5 m.
 /// Each velocity component is uniform in [-1, 1] m/s.
 Setting boxed_spheres(std::uint32_t bodies, std::uint64_t seed);
 
 /// Spheres of random sizes, masses, spins and materials that bounce under gravity in a box with
-/// tilted walls. Some start later, and draw their place again if there is no room.
+/// tilted walls. Some start later, at another random place if there is no room.
 Setting rain(std::uint32_t bodies, std::uint64_t seed);
 
-/// Thesis 3.3.1: polyhedra of 42 vertices that approximate a sphere of diameter 1 m, with random
-/// orientations and no initial spin; otherwise like boxed_spheres.
+/// Polyhedra of 42 vertices that approximate a sphere of diameter 1 m (thesis 3.3.1). They have
+/// random orientations and no initial spin, and otherwise start like boxed_spheres().
 Setting boxed_polyhedra(std::uint32_t bodies, std::uint64_t seed);
 
-/// Thesis 3.3.2: grains, cubes of 10 mm with perturbed corners, fall through a funnel onto a
-/// slightly peaked floor, one every 0.05 s. Values that the thesis omits are from other engines'
-/// versions of the scene: restitution 0.5, friction 0.3, a box 160 mm square, a hole 50 mm square.
+/// Grains (cubes of 10 mm with perturbed corners) that fall through a funnel onto a slightly peaked
+/// floor, one every 0.05 s (thesis 3.3.2). Other engines' versions of the scene supply the values
+/// that the thesis omits: restitution 0.5, friction 0.3, a box 160 mm square, a hole 50 mm square.
 Setting hourglass(std::uint32_t bodies, std::uint64_t seed);
 
 /// Cubes of 20 mm that fall side by side on a floor.
@@ -66,22 +66,23 @@ Setting wall(std::uint32_t bodies, std::uint64_t seed);
 /// Spheres and cubes of some 10 mm that fall between four walls onto a random height field, an open
 /// mesh of 288 triangles.
 Setting bumpy_floor(std::uint32_t bodies, std::uint64_t seed);
-/// The bodies of bumpy_floor, thrown at a tray with a raised rim (a closed mesh). Some miss it.
+/// The bodies of bumpy_floor(), thrown at a tray with a rim (a closed mesh). Some miss the tray.
 Setting tray(std::uint32_t bodies, std::uint64_t seed);
 
-/// Marbles that slide and roll: a tilted floor between four leaning walls, a pedestal, and a sheet
-/// with a ridge and a furrow. Restitution, friction and rolling friction are random.
+/// Marbles that slide and roll on a tilted floor between four leaning walls, on a pedestal, and on
+/// a sheet with a ridge and a furrow. Restitution, friction and rolling friction are random.
 Setting marbles(std::uint32_t bodies, std::uint64_t seed);
 
 /// Cylinders, coins, capsules, cones and rounded boxes of one or two centimetres, with some balls
 /// and cubes. They fall between four leaning walls on a floor with a block in the middle.
 Setting round_solids(std::uint32_t bodies, std::uint64_t seed);
 
-/// Bowling pins standing as in the sport, at most ten. The last body is a ball that rolls at them.
+/// At most ten bowling pins in their usual places. The last body is a ball that rolls towards them.
 Setting bowling(std::uint32_t bodies, std::uint64_t seed);
 
-/// Returns slow contacts in the earth's gravity for bodies of a size. If v is the speed after a
-/// fall by half the size, and t its time: separation at v/100, and rest after t/10 below 8v/100.
+/// Returns the rule for slow contacts of bodies of this size in the earth's gravity. Let v be the
+/// speed after a fall by half the size, and t the fall's duration. Bodies separate at v/100, and
+/// rest after t/10 below 8v/100.
 SlowContacts slow_contacts_of(double size_m);
 
 }  // namespace sleight::physics::scenes
