@@ -8,7 +8,8 @@
 
 namespace sleight::tests {
 
-/// One die at a place, within a tolerance, with a six on top; `turned`: its two along the table.
+/// One die that must rest at a place within a tolerance, with the six on top. `turned`: the
+/// direction of its two along the table is also required.
 inline worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool turned) {
   constexpr double k_degree = std::numbers::pi / 180;
   worlds::dice::Parameters parameters;
@@ -27,7 +28,7 @@ inline worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool tur
   return parameters;
 }
 
-/// requests/six_dice.toml: a row of six dice that are thrown together and show 1 to 6.
+/// The scene of requests/six_dice.toml: six dice, thrown together, that show 1 to 6 in a row.
 inline worlds::dice::Parameters six_dice() {
   constexpr double k_degree = std::numbers::pi / 180;
   worlds::dice::Parameters parameters;

@@ -1,5 +1,6 @@
 // Matchers that compare messages by their facts, so that rewording a sentence breaks no test. Facts
-// are names, places, numbers or short stable words, separated by bars: "f:2:5: |'x'|0 to 2".
+// are names, places, numbers or short stable words, separated by bars,
+// such as "f:2:5: |'x'|0 to 2".
 #pragma once
 
 #include <gmock/gmock.h>
@@ -19,7 +20,7 @@ inline std::vector<std::string> parts_of(const std::string& text, char separator
   return parts;
 }
 
-/// Returns whether text[at - 1] and text[at] belong to one word or number.
+/// Returns whether text[at - 1] and text[at] belong to the same word or number.
 inline bool is_inside_word(const std::string& text, std::size_t at) {
   const auto is = [&](int (*kind)(int), std::size_t i) {
     return i < text.size() && kind(static_cast<unsigned char>(text[i])) != 0;
@@ -44,7 +45,7 @@ inline std::size_t end_of_fact(const std::string& text, const std::string& fact,
   return std::string::npos;
 }
 
-/// Returns the first of `facts` that `text` lacks in this order; empty if there is none.
+/// Returns the first of `facts` that `text` lacks, or an empty string. Facts must be in order.
 inline std::string missing_fact(const std::string& text, const std::string& facts) {
   std::size_t at = 0;
   for (const std::string& fact : parts_of(facts, '|')) {

@@ -21,16 +21,16 @@ const Asked& asked();
 std::optional<std::uint64_t> current_case();
 void set_current_case(std::optional<std::uint64_t> number);
 
-/// Whether a loop has reached the case of SLEIGHT_CASE.
+/// Returns whether a loop has reached the case that SLEIGHT_CASE selects.
 bool only_case_was_met();
-/// Whether the case of SLEIGHT_FAIL_CASE has run.
+/// Returns whether the case that SLEIGHT_FAIL_CASE selects has run.
 bool failing_case_was_met();
 
-/// Returns `SLEIGHT_CASE=17 PROGRAM --gtest_filter=TEST`, with the other settings that it needs.
+/// Returns `SLEIGHT_CASE=17 PROGRAM --gtest_filter=TEST`, with all other necessary settings.
 std::string command_of(std::string_view program, std::string_view test,
                        std::optional<std::uint64_t> number, bool long_run);
 
-/// Returns a program's path from the last folder named build on, or the whole path.
+/// Returns the part of a program's path that starts at its last `build` folder, or the whole path.
 std::string path_in_project(std::string_view path);
 
 }  // namespace sleight::property

@@ -1,4 +1,4 @@
-// NaN and infinity, for all folders' tests.
+// NaN and infinity, for tests in all folders.
 #pragma once
 
 #include <limits>

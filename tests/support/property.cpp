@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t k_none = std::numeric_limits<std::uint64_t>::max();
 
-/// The current case. A test program runs one test at a time; threads of a case only read it.
+/// The current case. A test program runs one test at a time, and a case's threads only read this.
 struct Now {
   std::atomic<std::uint64_t> number = k_none;
   bool met = false;
@@ -31,7 +31,7 @@ Now& now() {
   return now;
 }
 
-/// With sanitizers a case takes some ten times as long.
+/// Returns whether this build runs only some cases. Sanitizers make cases ten times as long.
 constexpr bool runs_a_part() {
 #ifdef SLEIGHT_SANITIZED
   return true;
@@ -87,7 +87,7 @@ bool failing_case_was_met() {
 
 std::string command_of(std::string_view program, std::string_view test,
                        std::optional<std::uint64_t> number, bool long_run) {
-  // Quote the name of a typed or parametrised test for the shell, except '/' and letters.
+  // The shell needs quotes if the test's name has characters other than letters and '/'.
   return fmt::format("{}{}{} --gtest_filter={}",
                      long_run      ? "SLEIGHT_SOAK=1 "
                      : asked().all ? "SLEIGHT_ALL=1 "
@@ -117,7 +117,7 @@ Cases::Cases(std::uint64_t first, std::uint64_t last, Order order)
 }
 
 Cases::~Cases() {
-  // An exception is reported after it has left the loop, so the case stays set until the test ends.
+  // GoogleTest reports exceptions later, outside the loop, so the case stays set meanwhile.
   if (std::uncaught_exceptions() == exceptions_) set_current_case(std::nullopt);
 }
 

@@ -1,4 +1,4 @@
-// Property tests: many random cases of a claim; a failed case prints the command that repeats it.
+// Property tests check a claim in many random cases. A failed case prints a command to repeat it.
 //
 //   for (const std::uint64_t n : property::cases(300)) {
 //     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, n);
@@ -6,13 +6,13 @@
 //     EXPECT_LT(gap_m, 1e-6);
 //   }
 //
-// Each case draws random numbers from a stream of its own, addressed by the case's number, so a
-// case can run without earlier ones. After a failure of case 17 the program prints:
+// Each case draws random numbers from its own stream, which the case's number selects, so a case
+// can run without earlier ones. After a failure of case 17 the program prints:
 //
 //   to see it again: SLEIGHT_CASE=17 build/release/tests/tests_unit_x --gtest_filter=Suite.Name
 //
-// Cases that share one stream, or that continue from one another, are `in_turn`: the command runs
-// all cases up to the failed one. A test without such a loop has a command without a case.
+// Use in_turn() for cases that share a stream or depend on earlier cases. Their command runs all
+// cases up to the failed one. Tests without such loops have commands without a case.
 //
 // Environment variables select what runs:
 //   SLEIGHT_ALL=1        as many cases as deploy/test --all runs (of_tier)
@@ -23,9 +23,9 @@
 //
 // Rules
 //   1. Loops over cases don't nest, and their bodies run in one thread. Threads that a body starts
-//      and joins may fail too.
-//   2. Test expectations about all cases together only if `all_cases()`. With sanitizers a loop has
-//      only the first quarter of its cases, and at least ten.
+//      and joins may report failures too.
+//   2. Check expectations about all cases together only if all_cases() is true. With sanitizers a
+//      loop runs only the first quarter of its cases, but at least ten.
 //   3. tests/support/main.cpp prints the commands, also for a CHECK, a crash or an exception.
 #pragma once
 
@@ -33,10 +33,10 @@
 
 namespace sleight::property {
 
-/// Whether a case needs earlier cases.
+/// Whether cases can run in any order, or each needs all earlier ones.
 enum class Order : std::uint8_t { any, in_turn };
 
-/// The numbers from `first` to `last` - 1, or the one that SLEIGHT_CASE selects.
+/// The case numbers from `first` to `last` - 1, or the one that SLEIGHT_CASE selects.
 class Cases {
  public:
   Cases(std::uint64_t first, std::uint64_t last, Order order);
@@ -72,7 +72,7 @@ inline Cases cases(std::uint64_t count) {
   return {0, count, Order::any};
 }
 
-/// Cases 1 to count, for uses as a seed, which isn't 0.
+/// Cases 1 to count, for use as seeds, which must not be 0.
 inline Cases seeds(std::uint64_t count) {
   return {1, count + 1, Order::any};
 }
@@ -82,10 +82,10 @@ inline Cases in_turn(std::uint64_t count) {
   return {0, count, Order::in_turn};
 }
 
-/// Whether all cases run, so that expectations about many cases together hold.
+/// Returns whether all cases run, so that expectations about many cases together hold.
 bool all_cases();
 
-/// Whether tests run at the length of deploy/soak.
+/// Returns whether tests run as long as in deploy/soak.
 bool long_run();
 
 /// Returns `fast` in deploy/test, and `all` in deploy/test --all and deploy/soak.

@@ -1,4 +1,4 @@
-// Helpers for work that must fail.
+// Helper for tests of calls that must fail.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -12,8 +12,8 @@
 
 namespace sleight::tests {
 
-/// Returns the exit code of work that must fail. Its error must contain `words`, which are a part
-/// of the message or facts (facts.h).
+/// Calls work(), which must throw an error that contains `words` (a part of the message, or facts
+/// as in facts.h). Returns the error's exit code.
 inline base::ExitCode failure_of(const std::function<void()>& work, const std::string& words) {
   try {
     work();
