@@ -1,9 +1,9 @@
-// One chain of balls that spell by Algorithm 2.1, stored iteration by iteration.
+// A chain of Algorithm 2.1 for balls that spell, with a record of each iteration.
 //
 // log p(A) is the formula of A.2.1 without constants:
 //   k log lambda - sum over partition vertices of |x|^2 / (2 sd^2) - (active balls) log a,
 // with a in square metres.
-// Thread safety: pure functions, except for the counter that they increase.
+// Thread safety: pure functions, except that run_chain() increases a counter.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,7 @@
 
 namespace sleight::thesis {
 
-/// The state after an iteration, and the iteration's changes.
+/// The result of an iteration: its state's numbers, and its proposal.
 struct Iteration {
   std::uint32_t filled = 0;  ///< k
   double log_p = 0;          ///< log p(A); -infinity if there is no animation
@@ -30,8 +30,8 @@ struct Chain {
   std::uint32_t vertices = 0;  ///< partition vertices
   std::vector<Iteration> iterations =
       {};  ///< the start, which no proposal made, then all iterations
-  /// States with the largest k reached: the first state of each of the first k_states_max stays
-  /// (statistics.h), and the last state.
+  /// States with the largest k reached: the last one, and the first of each of the first
+  /// k_states_max stays (statistics.h).
   std::vector<worlds::spelling::State> best = {};
 };
 
@@ -42,24 +42,24 @@ struct ChainOptions {
   std::uint64_t seed = 2000;
 };
 
-/// Chain 0 of a request with this seed. Increases `done` by 1 per iteration.
+/// Runs chain 0 of a request with this seed. Increases `done` by 1 per iteration.
 Chain run_chain(const worlds::spelling::Parameters& parameters, const ChainOptions& options,
                 std::atomic<std::uint64_t>& done);
 
-/// Number of the ball in each designated bin, row by row from the lowest y. -1 if none.
+/// The number of the ball in each designated bin, or -1, row by row from the lowest y.
 using Order = std::vector<int>;
 
 /// REQUIRES: each state has an animation.
 std::vector<Order> orders_of(const worlds::spelling::Parameters& parameters,
                              const std::vector<worlds::spelling::State>& states);
 
-/// Number of bins with different balls, or with a ball in only one order.
+/// Returns the number of bins whose contents differ between the orders.
 std::uint32_t different_bins(const Order& a, const Order& b);
 
-/// Number of orders that differ from all orders counted before in at least half of the balls' bins.
+/// Counts orders that differ from all earlier counted orders in at least half of the balls' bins.
 std::uint32_t distinct_count(const std::vector<Order>& orders, std::uint32_t balls);
 
-/// The two orders that differ most. REQUIRES: at least one order.
+/// Returns the two orders that differ most. REQUIRES: at least one order.
 std::pair<Order, Order> most_different(const std::vector<Order>& orders);
 
 }  // namespace sleight::thesis

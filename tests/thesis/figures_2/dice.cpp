@@ -24,7 +24,7 @@ namespace dice = worlds::dice;
 
 constexpr double k_m_per_mm = 0.001;
 
-/// Motion of a state's only die, as that of die number n. Hits are hits on the table.
+/// Returns the motion of a state's only die, numbered `nth`. All its hits are on the table.
 std::vector<motion::Segment> motion_of(const dice::Dice& world, base::BytesView state,
                                        std::uint32_t nth, std::uint32_t table) {
   const auto decoded = world.decode(state);
@@ -69,7 +69,7 @@ scene::Scene composite_scene(const std::vector<ThrownDie>& dice, const DiceOptio
   return scene;
 }
 
-/// First satisfying state at inverse temperature 1, and its cost.
+/// Returns the first satisfying state at inverse temperature 1, and stores its cost in `die`.
 std::optional<base::Bytes> first_satisfying(plan::Plan& plan, const plan::UnitWorker& worker,
                                             ThrownDie& die) {
   std::map<plan::ReplicaKey, base::Bytes> states;

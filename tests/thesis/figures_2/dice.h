@@ -1,4 +1,4 @@
-// Figure 2.13: six dice in one picture, each thrown onto its own table to its own place and face.
+// Figure 2.13: six dice in one picture. Each has its own table, place and face.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +20,14 @@ struct DiceOptions {
   std::uint64_t seed = 2000;  ///< of the first die; each next die uses the next seed
   double tolerance_mm = 5;    ///< of a place, with half of it as sigma
   std::uint32_t rounds = 8;   ///< maximum; round r has 50 2^(r-1) scans
-  /// Number faces after the throw (worker/worlds/dice/numbering.h), not before as in the thesis.
+  /// Whether faces are numbered after the throw (worker/worlds/dice/numbering.h). Thesis: no.
   bool numbering_free = true;
 };
 
 struct ThrownDie {
   DieWish wish;
   std::uint64_t seed = 0;
-  /// Motion of the first satisfying animation, with the die's number. Empty if none.
+  /// Motion of the first satisfying animation, numbered as in the figure. Empty if none.
   std::vector<motion::Segment> motion{};
   std::uint64_t simulations = 0;  ///< at all temperatures, until the first satisfying animation
   std::uint64_t scans = 0;        ///< of the ladder, until the same animation
@@ -37,13 +37,13 @@ struct ThrownDie {
 /// Six places in two rows. The dice show 1 to 6.
 std::vector<DieWish> dice_wishes();
 
-/// Request for one die: defaults of the world "dice", with one ladder of parallel tempering.
+/// Returns a request for one die: defaults of the world "dice", one ladder of parallel tempering.
 std::string die_request(const DieWish& wish, std::uint64_t seed, const DiceOptions& options);
 
 /// Runs the request of die n (from 0) until the first satisfying draw at inverse temperature 1.
 ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& options);
 
-/// Picture of all dice with an animation. REQUIRES: at least one.
+/// Returns a picture of all dice that have an animation. REQUIRES: at least one.
 plot::Figure dice_composite(const std::vector<ThrownDie>& dice, const DiceOptions& options);
 
 }  // namespace sleight::thesis

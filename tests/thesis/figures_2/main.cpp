@@ -1,5 +1,5 @@
-// `sleight-figures-2`: reproduces figures 2.8 to 2.13 of the thesis; 2.8 to 2.12 with the kernel
-// printed in A.2.2 and with the correct one.
+// `sleight-figures-2`: reproduces figures 2.8 to 2.13 of the thesis. It makes figures 2.8 to 2.12
+// with the kernel printed in A.2.2 and with the correct kernel.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -73,7 +73,7 @@ std::vector<Plan> plans_of(const Arguments& arguments) {
     parameters.constraint.log_lambda = log_lambda;
     return parameters;
   };
-  // The thesis's numbers of iterations. For 2.12, which has none, that of requests/acm.toml.
+  // Iterations are the thesis's, and for figure 2.12 (which has none) those of requests/acm.toml.
   const spelling::Pattern hi = spelling::hi();
   const spelling::Pattern acm = spelling::pattern_of_word("ACM", spelling::Font::rows_5).value();
   const std::array wanted{
@@ -105,7 +105,7 @@ std::vector<Plan> plans_of(const Arguments& arguments) {
   return plans;
 }
 
-/// Rate and time left on stderr: one updated line on a terminal, else a line now and then.
+/// Prints rate and remaining time to stderr: one updated line on a terminal, else a rare new line.
 class ProgressLine {
  public:
   explicit ProgressLine(const std::vector<Plan>& plans) : plans_(plans) {}
@@ -115,7 +115,7 @@ class ProgressLine {
     const double now_s = clock_.now_s() - begin_s_;
     if (now_s < next_s_) return;
     next_s_ = now_s + (terminal_ ? 0.5 : 15);
-    // An iteration's cost grows with the number of balls, so weight the remaining time by it.
+    // Weight iterations by the number of balls, which determines their cost.
     std::uint64_t iterations = 0;
     std::uint64_t all_iterations = 0;
     double work = 0;
@@ -271,7 +271,7 @@ void print_orders(const Plan& plan, const Result& result) {
       different_bins(orders.first, orders.second), order_text(plan.parameters.pattern, orders));
 }
 
-/// Directs all dice, at most `threads` at a time.
+/// Runs the requests of all dice, at most `threads` at a time.
 std::vector<ThrownDie> direct_all(const DiceOptions& options, unsigned threads) {
   const std::vector<DieWish> wishes = dice_wishes();
   std::vector<ThrownDie> dice(wishes.size());
@@ -287,7 +287,7 @@ std::vector<ThrownDie> direct_all(const DiceOptions& options, unsigned threads) 
   return dice;
 }
 
-/// Figure 2.13, and each die's cost with faces numbered after the throw and before.
+/// Makes figure 2.13, and prints each die's cost with faces numbered after the throw and before it.
 void throw_dice(const Arguments& arguments) {
   DiceOptions options{.seed = arguments.seed};
   if (arguments.quick) options = {.seed = arguments.seed, .tolerance_mm = 200, .rounds = 2};

@@ -1,4 +1,4 @@
-// Goal: the numbers beside the thesis's text are right. Method: count short chains by hand.
+// Goal: the numbers for the thesis's statements are right. Method: count short chains by hand.
 #include "tests/thesis/figures_2/statistics.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ TEST(Statistics, VisitsEndWhenTheSpellingIsLeft) {
   EXPECT_FALSE(none.first_correct);
   EXPECT_EQ(none.visits, 0U);
   EXPECT_EQ(none.longest_stay, 0U);
-  // One visit in which a ball is elsewhere for two iterations, then one of a single iteration.
+  // One visit in which a ball is elsewhere for two iterations, and one of a single iteration.
   const Statistics two = statistics_of(chain_of({8, 10, 9, 8, 10, 10, 7, 10}));
   EXPECT_EQ(two.first_correct, 1U);
   EXPECT_EQ(two.visits, 2U);
@@ -60,7 +60,7 @@ TEST(Statistics, TheChangeAllEffectFallsInKAndRisesInLogP) {
   EXPECT_EQ(statistics.effect_log_p_offsets, 30);
   EXPECT_EQ(statistics.proposed[0], 5U);
   EXPECT_EQ(statistics.accepted[0], 5U);
-  // Another kind is not a change-all, and a rejected proposal changes nothing.
+  // Neither other kinds of proposals nor rejected proposals count as change-all effects.
   chain.iterations[1].kind = Kind::change_vertices;
   EXPECT_TRUE(statistics_of(chain).change_all_effects.empty());
   chain.iterations[1].kind = Kind::change_all;

@@ -134,7 +134,7 @@ namespace {
 using Where = std::pair<std::uint64_t, std::uint32_t>;  ///< (scan, chain)
 using Satisfying = std::map<Where, plan::ScanRecord>;
 
-/// Finds the scans that a plan of tours counts, and the satisfying draws.
+/// Finds the scans that a plan of tours counts as solutions, and the satisfying draws.
 void count_parts(const plan::Draws& draws, std::vector<Where>& counted, Satisfying& satisfying) {
   for (const plan::DrawPart& part : draws.parts)
     for (std::uint32_t chain = 0; chain < part.counted.size(); ++chain)

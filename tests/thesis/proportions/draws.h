@@ -1,4 +1,4 @@
-// Satisfying draws of a word by any method, and their compared quantities.
+// Satisfying draws of a word, made by any method, and the quantities that are compared.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace sleight::thesis {
 
-/// Compared quantities of a pouring. A sampling method could be wrong in each of them alone.
+/// Compared quantities of a pouring. A faulty sampling method may be wrong in only one of them.
 enum class Quantity : std::uint8_t {
   helped_balls,       ///< number of helped balls
   bin_of_first_ball,  ///< number of the first ball's bin
@@ -31,18 +31,18 @@ using Values = std::array<double, k_quantities.size()>;
 /// Series of draws, one for each chain.
 using Series = std::vector<std::vector<Values>>;
 
-/// Satisfying scans of a word's request from `first_scan` on. Throws base::Error for a bad request.
+/// Returns a word request's satisfying scans from `first_scan` on. Throws base::Error if invalid.
 Series satisfying_draws(const std::string& request_text, std::uint64_t first_scan);
 
-/// All takes of a request for at least one take.
+/// Returns all takes of a request that requires at least one take.
 std::vector<Values> takes_of(const std::string& request_text);
 
-/// Number of helped balls in all satisfying chains, by scan.
+/// Returns, for each scan, the numbers of helped balls in the chains that satisfy at it.
 std::vector<std::vector<double>> helped_by_scan(const std::string& request_text);
 
-/// Results of a run that ends by its own rule: each counted solution, and a random one of all
-/// satisfying draws (by the seed). Counted solutions are those of the plan's draws, or else the
-/// first satisfying scan of each lineage.
+/// Results of a run until its own stop rule ends it: all counted solutions, and one satisfying
+/// draw, chosen at random by the seed. The plan's draws name the counted solutions. Without them,
+/// each lineage's first satisfying scan counts.
 struct Counted {
   bool has_run = false;
   std::vector<Values> solutions;
@@ -50,7 +50,7 @@ struct Counted {
 };
 Counted counted_solutions(const std::string& request_text);
 
-/// Number of throws of all balls, out of `throws`, that satisfy a word's request.
+/// Throws all balls `throws` times, and returns how many throws satisfy a word's request.
 std::uint64_t satisfying_throws(const std::string& request_text, std::uint64_t throws);
 
 std::uint32_t balls_of(const std::string& request_text);

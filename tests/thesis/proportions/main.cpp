@@ -1,7 +1,7 @@
-// Tests whether sampling methods agree on a word. Compares draws of islands, tempering from
-// searches and long plain chains with each other, and with the solutions counted by a request
-// without a sampler, over many seeds. Prints a table, and exits with 1 if a p-value is below
-// --p-min. --tours shows how far chains of islands have moved from their starts, scan by scan.
+// Tests whether sampling methods agree on a word. Compares draws of islands, of tempering from
+// searches and of long plain chains with each other, and with the solutions that requests without a
+// sampler count for many seeds. Prints a table, and exits with 1 if a p-value is below --p-min. The
+// option --tours shows, scan by scan, how far chains of islands have moved from their starts, and
 // --throws counts satisfying throws.
 #include <fmt/format.h>
 
@@ -47,7 +47,7 @@ struct Arguments {
   std::vector<std::string> keys{};
 };
 
-/// Effectively independent draws of one quantity, and the draws before thinning.
+/// Effectively independent draws of one quantity, and the draws from which they were thinned.
 struct Sample {
   std::string way;
   std::vector<double> thinned;
@@ -55,7 +55,7 @@ struct Sample {
   double error = 0;
 };
 
-/// A sample of draws that are already independent.
+/// Returns a sample of draws that are already independent.
 Sample independent(const std::string& way, const std::vector<Values>& draws, std::size_t quantity) {
   Sample sample{.way = way, .thinned = {}};
   for (const Values& values : draws)
@@ -66,7 +66,8 @@ Sample independent(const std::string& way, const std::vector<Values>& draws, std
   return sample;
 }
 
-/// The mean of each seed's counted solutions. Less noisy than one solution per seed, but no sample.
+/// Returns the mean of each seed's counted solutions. Means are less noisy than one solution per
+/// seed, but aren't draws from the distribution.
 Sample mean_of_seeds(const std::vector<Counted>& counted, std::size_t quantity) {
   std::vector<double> means;
   for (const Counted& each : counted) {
@@ -83,7 +84,7 @@ Sample mean_of_seeds(const std::vector<Counted>& counted, std::size_t quantity) 
           .error = mean.standard_error};
 }
 
-/// Takes evenly spaced draws of each chain, as many as its effective sample size of this quantity.
+/// Returns as many evenly spaced draws of each chain as the quantity's effective sample size.
 Sample thinned(const std::string& way, const Series& series, std::size_t quantity) {
   Sample sample{.way = way, .thinned = {}};
   std::vector<std::vector<double>> chains;
@@ -142,8 +143,8 @@ std::string request_of(const Arguments& arguments, const std::string& sampler,
                      sampler, stop);
 }
 
-/// Uses the shares of proposals of a request without a sampler, and its constraint unless another
-/// is given. Lambda changes how many draws satisfy, but not their proportions.
+/// Returns a sampler with the proposal shares of a request without a sampler, and by default with
+/// its constraint. Lambda changes how many draws satisfy, but not their proportions.
 std::string sampler_of(const Arguments& arguments, const std::string& keys,
                        std::optional<double> log_lambda) {
   const auto balls =
@@ -174,7 +175,8 @@ std::vector<Way> all_ways(const Arguments& arguments) {
                }};
   };
   std::vector<Way> ways;
-  // Tempering is slowest, so it begins first. Plain chains are looser, so that balls come and go.
+  // Tempering starts first because it is slowest. Plain chains have a weaker constraint, so that
+  // balls enter and leave the bins.
   ways.push_back(way("tempering",
                      "method = \"parallel_tempering\"\nstart = \"search\"\nchains = 2\n"
                      "iterations_per_scan = 40\nround_scans = 50\n",
@@ -189,7 +191,7 @@ std::vector<Way> all_ways(const Arguments& arguments) {
   return ways;
 }
 
-/// Runs all tasks, several at a time. After the time limit, no further optional task begins.
+/// Runs all tasks, several at a time. After the time limit, no further optional task starts.
 void run_all(const std::vector<std::function<void()>>& tasks, std::size_t can_be_left_out_from,
              const Arguments& arguments) {
   const auto begin = std::chrono::steady_clock::now();
@@ -213,7 +215,7 @@ void run_all(const std::vector<std::function<void()>>& tasks, std::size_t can_be
   }
 }
 
-/// Prints how far chains have moved from their start: helped balls of satisfying states by scan.
+/// Prints how far chains have moved from their starts: helped balls of satisfying states by scan.
 void show_burn_in(const Arguments& arguments) {
   std::string keys = "method = \"sequential\"\nburn_in_rounds = 1\nround_scans = 1\n";
   for (const std::string& key : arguments.keys)
@@ -255,7 +257,7 @@ void show_relaxed(const Arguments& arguments) {
   const auto balls =
       static_cast<double>(sleight::thesis::balls_of(request_of(arguments, "", "scans = 100")));
   const auto scans = static_cast<std::uint64_t>(1500 * arguments.effort);
-  // Proposals that move drops far produce helped balls soonest.
+  // Proposals that move drops far produce helped balls fastest.
   const std::string chains = request_of(
       arguments,
       fmt::format("[constraint]\nlog_lambda = {}\n[sampler]\nmethod = \"metropolis_hastings\"\n"
@@ -363,7 +365,7 @@ int main(int argc, char** argv) {
   }
   run_all(tasks, ways.size(), arguments);
 
-  // One solution per seed, because a seed's solutions are dependent.
+  // Use one solution per seed, because a seed's solutions depend on each other.
   std::vector<Values> first_of_seed;
   std::vector<Values> any_of_seed;
   std::vector<Values> last_of_seed;

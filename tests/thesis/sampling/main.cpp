@@ -1,8 +1,8 @@
-// `sleight-sampling-table`: independent satisfying solutions by each method, for docs/MEASUREMENTS.
+// `sleight-sampling-table` counts each method's independent solutions, for docs/MEASUREMENTS.
 //
-// Rows "search, in no proportions", "islands" and "chains from a search, judged" are for staged
-// worlds: balls that spell, and dice, which have no judged chains here. Rows of balls use the
-// lambda and the shares of proposals that a request without a sampler has, not the scene's lambda.
+// The rows "search, in no proportions", "islands" and "chains from a search, judged" exist for the
+// staged worlds, which are balls that spell and dice (here without judged chains). For balls, these
+// rows use the lambda and proposal shares of requests without a sampler, not the scene's lambda.
 // Lambda changes how often a method's draws satisfy, but not their proportions.
 #include <fmt/format.h>
 
@@ -52,8 +52,8 @@ struct Row {
   Score score{};
 };
 
-/// Sets of proposals: A.2.2's; the same with drops that aim; aimed ones judged first by balls that
-/// fall alone; and those of requests without a sampler (serve_best in
+/// Sets of proposals: those of A.2.2; the same with aimed drops; the same with aimed drops that a
+/// ball falling alone tests first; and those of requests without a sampler (serve_best() in
 /// worker/worlds/spelling/request.cpp).
 enum class Kernel { a_2_2, aimed, solo, served };
 struct NamedKernel {
@@ -94,7 +94,7 @@ worlds::spelling::Parameters spelling(const worlds::spelling::Pattern& pattern, 
   return parameters;
 }
 
-/// Drops all balls at random places into an undirected box.
+/// Draws random drops of all balls into an undirected box.
 worlds::spelling::State natural_throw(const Spelling& world, random::Stream& stream) {
   worlds::spelling::State state = world.draw_prior(stream);
   const auto& half_m = world.prior().drop_half_m;
@@ -133,7 +133,7 @@ void add_plans(const Arguments& arguments, const std::string& scene, const std::
   }
 }
 
-/// The islands' scan has `iterations_per_scan` proposals and three free islands.
+/// Measures islands. Each scan has `iterations_per_scan` proposals and three free islands.
 template <run::StagedWorld World, class Parameters>
 Row islands_row(const Arguments& arguments, const std::string& scene, const Parameters& parameters,
                 std::uint32_t iterations_per_scan) {
@@ -154,8 +154,8 @@ Row search_row(const Arguments& arguments, const std::string& scene, const Param
           }};
 }
 
-/// Staged methods with the options of requests without a sampler (serve_best), except that islands
-/// and judged chains run for any number of balls.
+/// Adds rows of staged methods with the options of requests without a sampler (serve_best()),
+/// except that islands and judged chains run for any number of balls.
 void add_spelling_in_stages(const Arguments& arguments, const std::string& scene,
                             const worlds::spelling::Pattern& pattern, std::vector<Row>& rows) {
   const std::uint32_t balls = pattern.count();
@@ -187,7 +187,7 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
   for (const NamedKernel& each : k_kernels) {
     const auto parameters = spelling(pattern, log_lambda, each.kernel);
     const std::string kernel = each.name;
-    // With solo steps, an iteration already has one or two simulations.
+    // With solo steps, one iteration already makes one or two simulations.
     const std::uint32_t iterations_per_scan = each.kernel == Kernel::solo ? 1 : 2;
     rows.push_back({scene, "Algorithm 2.1, restarted" + kernel, [=] {
                       return thesis::restarted_chains<Spelling>(parameters, arguments.seed,
@@ -205,7 +205,7 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
   add_spelling_in_stages(arguments, scene, pattern, rows);
 }
 
-/// Undirected throws use dice that are numbered before the throw.
+/// Adds the rows of dice. Undirected throws number the faces before the throw.
 void add_dice(const Arguments& arguments, const std::string& scene,
               const worlds::dice::Parameters& parameters, std::uint32_t iterations_per_scan,
               std::vector<Row>& rows) {

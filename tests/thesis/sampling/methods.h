@@ -1,4 +1,4 @@
-// Measures a method's independent satisfying solutions per simulation, for docs/MEASUREMENTS.
+// Measures a method's independent solutions per simulation, for docs/MEASUREMENTS.
 #pragma once
 
 #include <ctime>
@@ -55,8 +55,8 @@ struct Counted : World {
   std::uint64_t* count_;
 };
 
-/// Algorithm 2.1, restarted from the prior after each first hit. Solutions over simulations
-/// estimates the inverse mean simulations to the first hit, including the last chain without a hit.
+/// Runs Algorithm 2.1, and restarts it from the prior after each first hit. Solutions divided by
+/// all simulations estimates the inverse mean simulations to a hit.
 template <class World, class Parameters>
 Score restarted_chains(const Parameters& parameters, std::uint64_t seed,
                        std::uint64_t simulations) {
@@ -76,7 +76,7 @@ Score restarted_chains(const Parameters& parameters, std::uint64_t seed,
   return score;
 }
 
-/// Simulates natural throws and counts solutions.
+/// Simulates undirected throws and counts solutions.
 template <class World, class Parameters, class Throw>
 Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t simulations,
              const Throw& natural) {
@@ -92,11 +92,11 @@ Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t sim
 }
 
 /// Whether simulations of single balls or dice count. In the table they count for dice, including
-/// pools of islands, but not for balls, where they are only part of the core-seconds.
+/// pools of islands. For balls they count only in the core-seconds.
 enum class LoneSimulations { counted, left_out };
 
-/// Starts of a search, one after another. Finds are solutions, but not in the proportions of p_w
-/// p_c. Ends early if the method `search` would give up. Learning the guide adds to the
+/// Runs the starts of a search one after another. Finds are solutions, but not in the proportions
+/// of p_w p_c. Returns early if the method `search` would give up. Learning the guide adds to the
 /// core-seconds, not to the simulations.
 template <run::StagedWorld World, class Parameters>
 Score searched(const Parameters& parameters, std::uint64_t seed, std::uint64_t simulations,
@@ -120,7 +120,7 @@ Score searched(const Parameters& parameters, std::uint64_t seed, std::uint64_t s
   return score;
 }
 
-/// Runs a plan until the simulations, as reported by the worker, reach a number.
+/// Runs a plan until the worker has reported `simulations` simulations.
 template <class World, class Parameters>
 Score carried_out(plan::Plan& plan, const Parameters& parameters,
                   const run::ChainWorkerOptions& options, std::uint64_t simulations) {
@@ -164,12 +164,12 @@ enum class Method {
   annealed_importance
 };
 
-/// The number of simulations ends the run.
+/// A stop rule that never holds, because the number of simulations ends the run.
 inline constexpr sampling::StopRule k_no_stop{
     .scans = std::uint64_t{1} << 40U, .rounds = {}, .independent_solutions = {}};
 
-/// Parallel tempering by many parallel ladders, each ended soon after its first states have reached
-/// the coolest level. Temperatures are evenly spaced and stay those of the first round.
+/// Returns a plan of parallel tempering with many ladders. Each ladder ends soon after its first
+/// states have reached the coolest level. Temperatures are evenly spaced and don't adapt.
 inline std::unique_ptr<plan::Plan> short_ladders(sampling::LadderOptions ladder,
                                                  std::uint64_t simulations) {
   constexpr std::uint32_t k_levels = 8;
@@ -198,11 +198,11 @@ inline std::unique_ptr<plan::Plan> plan_of(Method method, const sampling::Ladder
       .chains = 1, .ladder = ladder, .burn_in_rounds = 3, .stop = k_no_stop, .go_on = go_on});
 }
 
-/// Particles per island, as in requests without a sampler.
+/// Number of particles per island, as in requests without a sampler.
 inline constexpr std::uint32_t k_particles = 32;
 
-/// `sequential` with the options for short words: one chain of tours, with draws only at their last
-/// scans. An unfinished tour has no solution.
+/// Returns a plan of the method `sequential` with the options for short words: one chain of tours,
+/// each with a draw only at its last scan. An unfinished tour has no solution.
 inline std::unique_ptr<plan::Plan> islands(std::uint64_t seed) {
   constexpr std::uint64_t k_tour_scans = 16;
   return std::make_unique<sampling::RestartedChains>(
@@ -213,7 +213,7 @@ inline std::unique_ptr<plan::Plan> islands(std::uint64_t seed) {
                                        .independent_solutions = {}});
 }
 
-/// Chains that start from a search, with a judged burn-in. Unfinished tours have no solutions.
+/// Returns a plan of chains that start from a search, with a judged burn-in.
 inline std::unique_ptr<plan::Plan> judged_chains(std::uint64_t seed,
                                                  std::vector<sampling::BurnInValue> judged) {
   return std::make_unique<sampling::JudgedChains>(

@@ -1,4 +1,4 @@
-// `sleight-reuse-table`: what reuse of similar states saves, by proposal, for docs/MEASUREMENTS.
+// `sleight-reuse-table` measures what reuse of similar states saves, for docs/MEASUREMENTS.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -30,7 +30,7 @@ struct Events {
   std::uint64_t simulated = 0;
 };
 
-/// Spelling balls whose candidates are also simulated from scratch. Not thread-safe.
+/// Balls that spell. Their candidates are also simulated from scratch. Not thread-safe.
 struct Observed : Spelling {
   Observed(const worlds::spelling::Parameters& parameters, Events& last)
       : Spelling(parameters), last_(&last) {}
@@ -68,7 +68,7 @@ struct Tally {
 };
 using Tallies = std::array<Tally, k_kinds>;
 
-/// Alternates one chain of Algorithm 2.1 with and without reuse, as the machine's speed may vary.
+/// Runs a chain of Algorithm 2.1 with and without reuse in turn, as the machine's speed varies.
 Tallies timed_chain(const worlds::spelling::Parameters& parameters, std::uint64_t seed,
                     std::uint64_t iterations) {
   constexpr std::uint64_t k_turn = 200;
@@ -97,7 +97,7 @@ Tallies timed_chain(const worlds::spelling::Parameters& parameters, std::uint64_
   return tallies;
 }
 
-/// Runs the same chain and counts the events of its simulations.
+/// Runs the chain of timed_chain() and counts the events of its simulations.
 void count_events(const worlds::spelling::Parameters& parameters, std::uint64_t seed,
                   std::uint64_t iterations, Tallies& tallies) {
   const sampling::ChainStreams streams{.seed = seed, .chain = {}, .replica = {}};

@@ -23,10 +23,11 @@ using physics::Tick;
 namespace scenes = physics::scenes;
 
 constexpr double k_thesis_box_half_m = 5.25;
-/// Least distance from the walls at which the list's scene starts its bodies.
+/// Minimum distance from the walls at which the scene list's boxed_polyhedra() starts bodies.
 constexpr double k_from_wall_m = 0.52;
 
-/// The list's scene has the density of 64 bodies in the thesis's box. The thesis used one box size.
+/// Returns the scene list's boxed_polyhedra() in the thesis's box. The thesis used one box size,
+/// but the list's scene keeps the density of 64 bodies.
 scenes::Setting in_the_thesis_box(std::uint32_t bodies, std::uint64_t seed) {
   scenes::Setting setting = scenes::boxed_polyhedra(bodies, seed);
   const double half_m = -setting.scene.planes.front().outside.offset_m;

@@ -1,7 +1,7 @@
-// Measures the thesis's two experiments (3.3): events and time of both algorithms.
+// Measures events and time of both algorithms in the thesis's two experiments (3.3).
 //
-// Each number of bodies runs with several seeds, and results are means, as in the thesis. CPU time
-// is the thread's, including the start, without recording. Thread safety: pure functions, except
+// Each number of bodies runs with several seeds, and results are means, as in the thesis. CPU times
+// are the thread's, include the start, and exclude recording. Thread safety: pure functions, except
 // for the clock.
 #pragma once
 
@@ -20,7 +20,7 @@ struct Experiment {
   std::uint64_t seeds = 1;  ///< 1, 2, ... up to this
 };
 
-/// Polyhedra in a box of 10.5 m, for any number of bodies, for `duration_s`.
+/// Any number of polyhedra in a box of 10.5 m, for `duration_s`.
 Experiment boxed_polyhedra(double duration_s);
 /// Grains fall through the funnel until 5 s after the last start, for at most `duration_s_max`.
 Experiment hourglass(double duration_s_max);

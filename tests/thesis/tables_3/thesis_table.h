@@ -1,4 +1,4 @@
-// The thesis's numbers, printed beside ours: table_3_1.csv and table_3_2.csv.
+// The thesis's numbers (table_3_1.csv and table_3_2.csv), which are printed next to ours.
 //
 // A file has `#` lines that name its source, the heading k_heading, and a row of seven numbers for
 // each number of bodies, in ascending order. A missing or invalid table is an error, so no column
@@ -12,7 +12,7 @@
 
 namespace sleight::thesis {
 
-/// Means over runs of one algorithm for one number of bodies: three columns of a table.
+/// Means over the runs of one algorithm for one number of bodies: three columns of a table.
 struct Cost {
   double events = 0;
   double total_s = 0;
@@ -35,7 +35,7 @@ inline constexpr std::string_view k_heading =
 /// rows, or if events times the time per event differ from the total time by more than k_rounding.
 std::vector<Row> read_thesis_table(const std::string& path);
 
-/// The row of n bodies. Throws base::Error with the file's `path` if there is none.
+/// Returns the row of n bodies. Throws base::Error with `path` if it is missing.
 const Row& row_of(const std::vector<Row>& table, std::uint32_t n, const std::string& path);
 
 /// Relative rounding error of the thesis's printed numbers.
