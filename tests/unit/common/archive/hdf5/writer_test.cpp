@@ -15,6 +15,7 @@
 
 #include "common/archive/digest/digest.h"
 #include "common/archive/digest/verify.h"
+#include "common/archive/hdf5/output_file.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/base/error.h"
 #include "tests/archive/memory_archive.h"
@@ -147,14 +148,12 @@ TEST_F(Writer, AFullDiskLeavesTheOldFileAlone) {
 TEST_F(Writer, FailuresOfTheFileSystemLeaveAWholeFile) {
   write_file(path("a.h5"), files_, filler({.chains = 1}));
   const std::string old = bytes_of(path("a.h5"));
-  // HDF5 resizes a file only if it wrote less than it allocated, as for this run.
-  const FakeRunOptions run{.scans = 700};
-  for (const FileCall call : {FileCall::create, FileCall::write, FileCall::resize, FileCall::close,
+  for (const FileCall call : {FileCall::create, FileCall::write, FileCall::close,
                               FileCall::sync_file, FileCall::rename, FileCall::sync_directory}) {
     FaultyFileSystem failing;
     failing.fail({.call = call, .reason = std::errc::io_error});
     try {
-      write_file(path("a.h5"), failing, filler(run));
+      write_file(path("a.h5"), failing, filler({}));
       ADD_FAILURE() << name_of(call);
     } catch (const base::Error& error) {
       EXPECT_EQ(error.exit_code(), base::ExitCode::environment);
@@ -166,6 +165,36 @@ TEST_F(Writer, FailuresOfTheFileSystemLeaveAWholeFile) {
     EXPECT_EQ(bytes_of(path("a.h5")) == old, call != FileCall::sync_directory);
     EXPECT_THAT(verify(*open_file(path("a.h5"))), ::testing::IsEmpty());
   }
+}
+
+TEST_F(Writer, AFileHasItsAllocatedLength) {
+  // Goal: a file contains space that HDF5 allocates at its end and doesn't write, and a failure to
+  // extend the file is reported. Method: allocate a dataset early and never fill it.
+  const hsize_t bytes = 100000;
+  const auto write = [&](base::FileSystem& files) {
+    OutputFile output(path("a.h5"), files);
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    EXPECT_GE(output.use_in(access), 0);
+    const hid_t file = H5Fcreate("unused", H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
+    H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
+    const hid_t space = H5Screate_simple(1, &bytes, nullptr);
+    const hid_t values =
+        H5Dcreate2(file, "x", H5T_NATIVE_INT8, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    EXPECT_GE(H5Dclose(values), 0);
+    H5Sclose(space);
+    H5Pclose(creation);
+    EXPECT_GE(H5Fclose(file), 0);
+    H5Pclose(access);
+    output.close();
+  };
+  write(files_);
+  EXPECT_GE(bytes_of(path("a.h5")).size(), bytes);
+  FaultyFileSystem failing;
+  failing.fail({.call = FileCall::resize, .reason = std::errc::io_error});
+  EXPECT_THROW(write(failing), base::Error);
+  EXPECT_EQ(failing.failures(), 1U);
 }
 
 TEST_F(Writer, EachCallMayFailOnce) {
