@@ -19,7 +19,7 @@
 // A killed process leaves a folder ".sleight-saving-...". The program never removes such a folder,
 // because it may contain the old gallery.
 //
-// Not thread-safe. Two processes that save into one folder refuse each other.
+// Not thread-safe. If two processes save into one folder at once, at least one of them is refused.
 #pragma once
 
 #include <cstdint>

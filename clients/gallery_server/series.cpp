@@ -230,7 +230,7 @@ std::string rounds_table(const archive::Source& source, const archive::Summary& 
   add("restarts", "restarts", false);
   add("barrier", "barrier", false);
   return packed.finish({{"kind", "rounds"},
-                        {"title", "round trips from the prior and back, by round"},
+                        {"title", "round trips from prior to target and back, in each round"},
                         {"chain", chain},
                         {"chains", summary.chains},
                         {"rounds", all.size()}});
@@ -351,7 +351,7 @@ Json titles_in(const archive::Source& source, const archive::Summary& summary) {
       "along the chain");
   if (!rounds(source, summary).empty()) {
     add("ladder", "the ladder and its swap rates", "levels", "ladder");
-    add("rounds", "round trips from the prior and back, by round", "rounds", "ladder");
+    add("rounds", "round trips from prior to target and back, in each round", "rounds", "ladder");
     if (spec_of(source, archive::k_tempering, "index_level") != nullptr)
       add("index", k_index_title, "index", "ladder");
   }

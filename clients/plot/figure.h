@@ -163,7 +163,7 @@ struct Text {
   Color color = palette::k_ink;
   double size_px = 12;
   /// For a label in a disc or box: the point is the middle of the text's height, and the text has
-  /// no white rim. The rim separates other text from lines below it.
+  /// no white rim. Any other text has a rim, which separates the text from lines that it covers.
   bool inside = false;
 };
 

@@ -28,8 +28,8 @@ struct Variable {
   std::string unit;             ///< "rad", "m", "1" for a pure number
   std::string meaning;          ///< one sentence, for `long_name`
   /// For a state's variable: mean and standard deviation of each element under the normal prior. An
-  /// element that is not normal has NaN, and a fixed element has standard deviation 0. Empty: no
-  /// normal elements.
+  /// element that is not normally distributed has NaN, and a fixed element has a standard deviation
+  /// of 0. Empty: no element is normally distributed.
   std::vector<double> prior_mean = {};
   std::vector<double> prior_sd = {};
   std::size_t size() const {

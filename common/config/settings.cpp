@@ -410,8 +410,8 @@ void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) 
   if (settings.state.value.empty()) {
     wrong.push_back(
         {"HOME", request::k_no_place,
-         "expected an absolute path, which the default state folder needs; or set SLEIGHT_STATE "
-         "to a folder on this machine"});
+         "expected an absolute path, because the default state folder is below it; or set "
+         "SLEIGHT_STATE to a folder on this machine"});
     return;
   }
   const bool is_own = settings.socket.origin != Origin::fallback;

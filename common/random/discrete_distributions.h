@@ -19,7 +19,8 @@ struct Bernoulli {
 
 /// Uniform on 0, 1, ..., count - 1, exactly, by D. Lemire, "Fast random integer generation in an
 /// interval", ACM Transactions on Modeling and Computer Simulation 29 (2019), algorithm 5. A draw
-/// uses one word, and each further word with probability below count 2^-64. REQUIRES: count > 0.
+/// uses one word, and then needs each further word only with a probability below count / 2^64.
+/// REQUIRES: count > 0.
 struct UniformInteger {
   std::uint64_t count = 1;
 

@@ -5,7 +5,7 @@
 //   void bind_world(Binder& world, WorldParameters& p) {
 //     world.number("restitution", p.restitution,
 //                  {.minimum = 0, .above_minimum = true, .maximum = 1,
-//                   .help = "normal speed after a collision, relative to before"});
+//                   .help = "coefficient of restitution, along the normal"});
 //   }
 //
 // If the binder has a section of a file, declaring a key reads it: given values are stored in the

@@ -205,7 +205,8 @@ void Scheduler::heard(WorkerId id) {
   threads_ += found->second.threads;
   silent_.erase(id);
   place(id);
-  // Renew ended leases, so that the scheduler asks about assignments that the worker may have lost.
+  // The worker may have lost assignments. Renew their ended leases, so that the scheduler asks
+  // about them when the leases end again.
   for (const AssignmentId assignment : found->second.before_it) {
     const Given& given = assignments_.at(assignment);
     if (leases_.contains({given.lease_end_s, assignment})) continue;

@@ -156,8 +156,8 @@ TEST(SpellingInvarianceOfAHastyRatio, IsRefuted) {
 }
 
 TEST_P(SpellingInvariance, SoloStepsKeepExactDrawsExact) {
-  // Goal: walks and anchored steps, which simulations of lone balls judge first, are right. Method:
-  // as in the first test.
+  // Goal: walks and anchored steps, which are first judged by simulating balls alone, are right.
+  // Method: as in the first test.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_solo_steps()), beta, steps);
   std::printf("solo, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);

@@ -55,7 +55,7 @@ class LadderRun {
   /// Number of scans that every level has.
   std::uint64_t scans() const;
   std::uint64_t records_consumed() const { return records_; }
-  /// Number of records of the scans that every level has.
+  /// Number of records of all levels, in the scans that every level has completed.
   std::uint64_t records_counted() const;
   std::uint64_t round_trips() const;
   const Solutions& solutions() const { return solutions_.front().since; }

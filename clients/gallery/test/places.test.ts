@@ -28,7 +28,7 @@ test("wanted features on the ground are places, seen from above", () => {
   assert.deepEqual(boxOfPlace(places[0]!).z, { low: null, high: null });
 });
 
-test("labels are the names' numbers if these are distinct", () => {
+test("labels are the numbers in the names if no two names have the same number", () => {
   assert.deepEqual(numbersOf(["ball 1", "ball 12"]), ["1", "12"]);
   assert.equal(numbersOf(["ball 1", "die 1"]), null);
   assert.equal(numbersOf(["ball", "die 1"]), null);

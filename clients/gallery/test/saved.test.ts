@@ -304,8 +304,8 @@ test("the source reports once that it is reachable", () => {
 });
 
 test("the least recently used value is dropped first", async () => {
-  // Goal: the limit holds, and a value above the limit is kept while it is the newest. Method: use numbers
-  // that are also their sizes, and count loads.
+  // Goal: the limit holds, and a value above the limit is kept while it is the newest. Method: use
+  // numbers as values, each with itself as its size, and count loads.
   const once = new Once<number>({ bytesMax: 10, bytesOf: (value) => value });
   const made: string[] = [];
   const get = (key: string, size: number): Promise<number> => once.get(key, () => {

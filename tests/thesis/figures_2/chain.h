@@ -30,8 +30,8 @@ struct Chain {
   std::uint32_t vertices = 0;  ///< partition vertices
   std::vector<Iteration> iterations =
       {};  ///< the start, which no proposal made, then all iterations
-  /// States with the largest k reached: the last one, and the first of each of the first
-  /// k_states_max stays (statistics.h).
+  /// States with the largest k reached: the first state of each stay at this k (for the first
+  /// k_states_max stays), and then the last state.
   std::vector<worlds::spelling::State> best = {};
 };
 

@@ -39,8 +39,8 @@ class NearPlaces {
     bool stays = false;            ///< the body doesn't move at all
   };
 
-  /// Clears all places. Bodies get no place that lasts less than `least`. With 0 bodies, places are
-  /// off.
+  /// Clears all places. A place that would last for fewer than `least` ticks is not given. With 0
+  /// bodies, places are off.
   void reset(std::size_t bodies, TickCount least) {
     of_body_.assign(bodies, {});
     least_ = least;

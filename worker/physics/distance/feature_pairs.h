@@ -50,10 +50,10 @@ bool certified(const PiecePair& pair, const LocalClosest& result);
 ///
 /// Proof: let e = rounding_m and g the gap. If another pair's gap is within a few e of g, its line
 /// of closest points is within sqrt(2 e / g) of the normal. The other pair's points are therefore
-/// within g / 16 of the given points, which are further inside their features. If GJK weighs a
-/// vertex not on these features, whose plane falls away by an angle f, the origin's foot is outside
-/// by g f, some hundred e, so GJK drops the vertex. If GJK mistakes the pieces for overlapping,
-/// face normals and products of edges decide, and they include this normal.
+/// within g / 16 of the given points, and the given points are inside their features by more than
+/// that. If GJK weighs a vertex not on these features, whose plane falls away by an angle f, the
+/// origin's foot is outside by g f, some hundred e, so GJK drops the vertex. If GJK mistakes the
+/// pieces for overlapping, face normals and products of edges decide, and they include this normal.
 bool only_one(const PiecePair& pair, const LocalClosest& result);
 
 /// Computes `out` for an edge or a face and another face, parallel up to rounding: the gap along a

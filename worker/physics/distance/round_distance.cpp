@@ -168,8 +168,9 @@ class Descent {
     Vec3 on_a;
     Vec3 on_b;
   };
-  /// Computes both pieces' furthest points towards each other along an axis, and their bound of the
-  /// gap. Stores the bound if it is the greatest so far, and returns it.
+  /// Computes each piece's furthest point along an axis towards the other piece, and the bound of
+  /// the gap that these two points give. Stores the bound if it is the greatest so far, and returns
+  /// it.
   double ask(const Vec3& n, Supports& points) {
     points.on_a = core_support(*a_, n, margin_a_m_);
     points.on_b =

@@ -84,8 +84,8 @@ inline constexpr std::uint32_t k_elastic_at_a_tick = 64;
 /// larger value, balls roll less far.
 inline constexpr double k_hop_share = 0.25;
 
-/// A sphere that has met another body stays on nothing for the duration of this many slowest
-/// bounces. At 0, nothing separates the sphere from the other body.
+/// A sphere that has met another body doesn't stay on anything for the duration of this many
+/// slowest bounces. At 0, nothing separates the sphere from the other body.
 inline constexpr double k_bounces_alone = 4;
 
 /// Relative gain of energy that rounding of twists may cause in an impact of rigid bodies. With a

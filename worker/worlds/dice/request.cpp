@@ -173,7 +173,7 @@ void bind_range(Binder& world, const std::string& name, Range& range, double max
   world.number(high, range.high,
                {.minimum = 0,
                 .maximum = maximum,
-                .help = "maximum at the table's control points; equal to the minimum: constant"});
+                .help = "maximum at the table's control points; constant if equal to the minimum"});
   if (world.valid(low) && world.valid(high) && range.low > range.high) {
     world.error(high, fmt::format("must be at least {}", low));
     range = {range.high, range.high};

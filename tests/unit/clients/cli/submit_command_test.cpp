@@ -97,8 +97,8 @@ TEST(Submit, ARangeMakesAGroup) {
 }
 
 TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
-  // Goal: a bad request gives the errors of `sleight check`, which name -n, before anything is
-  // sent.
+  // Goal: before anything is sent, a bad request gives the same errors as `sleight check`. Their
+  // places include the option -n.
   const auto bad = submission_of(
       {.request_path = "hi.toml", .asked = request::Asked{.number = 7}, .asked_by = "-n 7"},
       {"hi.toml", "bad"}, texts());

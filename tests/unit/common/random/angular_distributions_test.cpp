@@ -105,7 +105,6 @@ TEST(Directions, densities_are_one_over_the_size_of_the_sphere) {
 }
 
 TEST(AngularDistributionsDeathTest, refuse_what_is_no_distribution) {
-  Stream stream = test_stream();
   EXPECT_DEATH((UniformDirection3{}.log_density({k_nan, 0, 0})), "check failed");
 }
 

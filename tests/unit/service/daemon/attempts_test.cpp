@@ -33,7 +33,8 @@ class AttemptsTest : public keeper::testing::JobTest {
     program_is("[ \"$1\" = --version ] && { echo results 1; exit 0; }; exec sleep 1000");
   }
 
-  /// Returns the first input after a launch whose keeper dies at this moment, if any is given.
+  /// Launches an attempt and returns the first input after that. If a moment is given, the
+  /// attempt's keeper dies at that moment.
   jobs::Input first_heard(std::optional<keeper::Moment> dies_at) {
     const keeper::LocalBackend backend = this->backend(dies_at.has_value());
     rpc::Loop loop;

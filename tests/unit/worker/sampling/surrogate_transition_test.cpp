@@ -282,7 +282,8 @@ TEST(SurrogateTransition, SparesSimulationsExactly) {
 }
 
 TEST(Iteration, ReportsEachStepAndTransition) {
-  // Goal: counts contain the surrogate's proposals, and successful transitions by their own kinds.
+  // Goal: reports contain each of the surrogate's proposals, and each successful transition as a
+  // report of its own kind.
   Ring ring;
   ring.steps = {.walk = 4, .single = 3, .walk_kind = 1, .single_kind = 2};
   const ChainStreams streams{.seed = random::k_test_seed, .chain = {}, .replica = {}};

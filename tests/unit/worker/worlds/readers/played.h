@@ -1,4 +1,4 @@
-// Checks motions from state readers like a reader of archives does.
+// Checks the motions that state readers return, in the way that a reader of archives checks them.
 #pragma once
 
 #include <gtest/gtest.h>
