@@ -187,7 +187,7 @@ void append_variables(std::string& text, const Diagnosis& diagnosis) {
 void append_counts(std::string& text, const Diagnosis& diagnosis) {
   const std::uint64_t judged = diagnosis.chains * diagnosis.judged.scans;
   text += "\n";
-  text += fmt::format("  satisfied  {} of the judged scans, {} of all{}\n",
+  text += fmt::format("  satisfied  {} of the judged scans, {} of all scans{}\n",
                       percent(share_of(diagnosis.satisfied_judged, judged)),
                       percent(share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)),
                       diagnosis.weights ? ", regardless of weights" : "");

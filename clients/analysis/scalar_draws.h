@@ -35,7 +35,7 @@ inline constexpr std::uint64_t k_chain_draws_min = 256;
 /// Maximum chains used. With k_chain_draws_min draws each, the chains reach k_scalar_draws_max.
 inline constexpr std::uint64_t k_chains_max = 4096;
 
-/// Draws first, first + stride, ... of the chains 0 .. chains-1.
+/// The draws with the numbers first, first + stride, ... of each chain from 0 to chains - 1.
 struct DrawRange {
   std::uint64_t chains = 1;
   std::uint64_t first = 0;

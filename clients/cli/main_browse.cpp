@@ -118,10 +118,10 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
   command->add_flag("--json", options.json, "Print JSON");
   command->footer(
       "Compares the requests, the numbers of the animations (such as log_prior), and how many\n"
-      "animations of each archive are in each group. A test of nearest neighbours compares the\n"
-      "looks: a small p means that the two sets look different. Archives keep distinct\n"
-      "animations, not in the model's proportions; for means of the model, use the group\n"
-      "/posterior.\n\n"
+      "animations of each archive are in each group. A test of nearest neighbours shows whether\n"
+      "the two sets of animations look alike: a small p means that they look different. Archives\n"
+      "keep distinct animations, not in the model's proportions; for means of the model, use the\n"
+      "group /posterior.\n\n"
       "Examples:\n  sleight compare die.h5 die_more_sigma.h5\n"
       "  sleight compare hi.h5 hi_tempered.h5 -k 12 --json");
   command->callback([&] { action = [&] { return cli::compare_archives(options); }; });
@@ -130,9 +130,9 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
 /// Adds the options that choose animations; add_export() adds the format's options.
 void add_choice(CLI::App& command, cli::ExportChoice& choice) {
   command
-      .add_option(
-          "--ids", choice.ids,
-          "Animation ids: cCHAIN.DRAW, or find.NUMBER for a search's finds; RUN: may precede them")
+      .add_option("--ids", choice.ids,
+                  "Animation ids, such as c0.250 (chain 0, draw 250) or find.3 (of a search); RUN: "
+                  "may precede an id")
       ->type_name("ID...");
   command
       .add_option("--select", choice.select,

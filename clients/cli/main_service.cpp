@@ -295,8 +295,8 @@ void add_extend(CLI::App& app, Action& action) {
       ->type_name("X");
   rule->require_option(1);
   command->footer(
-      "Numbers are totals of the whole run, not additions. The archive is the same as if the\n"
-      "request had contained the new number from the start.\n\n"
+      "A number is the new total of the whole run, not the amount to add. The archive is the\n"
+      "same as if the request had contained the new number from the start.\n\n"
       "Examples:\n  sleight extend 17 --solutions 100\n  sleight extend g5 --scans 40000");
 }
 

@@ -1,4 +1,5 @@
-// The worlds of a program that have their own plots, as one function that tests replace.
+// The worlds that have plots of their own. A program for tests links another definition of this
+// function.
 #pragma once
 
 #include "clients/pictures/world_plots.h"

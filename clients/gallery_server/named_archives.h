@@ -23,7 +23,7 @@ class NamedArchives {
   };
 
   /// A text that is a number, but not an existing file, names a job, which the service must have.
-  /// `service_called` is called only for jobs, so that files need no service. Throws base::Error:
+  /// Calls `service_called` only if a job is named, so files need no service. Throws base::Error:
   /// environment if a name is neither file nor job, usage for several jobs, no_server and others
   /// from the service. Unreadable archives are reported by the page. REQUIRES: no other thread is
   /// running.

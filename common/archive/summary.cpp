@@ -61,13 +61,15 @@ FindsSummary finds_of(const Source& source) {
   if (find_group(source, k_finds) == nullptr) return {};
   const auto found = attribute_of<std::int64_t>(source, k_finds, k_found);
   if (found < 1)
-    refuse_archive(source, fmt::format("/finds: expected found of at least 1, found {}", found));
+    refuse_archive(source,
+                   fmt::format("/finds: the attribute found is {}, but must be at least 1", found));
   std::int64_t relax_scans = 0;
   if (find_attribute(group_of(source, k_finds).attributes, k_relax_scans) != nullptr)
     relax_scans = attribute_of<std::int64_t>(source, k_finds, k_relax_scans);
   if (relax_scans < 0)
-    refuse_archive(
-        source, fmt::format("/finds: expected relax_scans of at least 0, found {}", relax_scans));
+    refuse_archive(source,
+                   fmt::format("/finds: the attribute relax_scans is {}, but must be at least 0",
+                               relax_scans));
   return {.found = static_cast<std::uint64_t>(found),
           .relax_scans = static_cast<std::uint64_t>(relax_scans),
           .animations = size_of(source, k_finds, "animation"),

@@ -38,7 +38,7 @@ std::int64_t checksum_of_event(std::uint64_t salt, std::uint64_t number, std::st
 /// Covers the progress of event numbering.
 std::int64_t checksum_of(std::uint64_t salt, const ToldFrontier& told);
 
-/// Covers a cached motion; the salt is its owner's.
+/// Covers a cached motion. `salt`: of the request and program version to which the motion belongs.
 std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::int64_t ends,
                                 std::uint64_t columns, base::BytesView numbers);
 

@@ -31,7 +31,8 @@
 //   4. When an attempt is launched, open attempts exceed neither the cores and memory of the newest
 //      Room, nor their user's limit of cores.
 //   5. Effects are a function of the options, the restored records and the order of inputs.
-//   6. No job starts before the next job (turns.h), so even a large job gets its room eventually.
+//   6. While the job that is next (turns.h) waits for room, no other job starts. So even a large
+//      job gets its room eventually.
 //
 // A batch system may queue an attempt first. The job then stays `starting`, its cores stay
 // reserved, and nothing is charged. The batch system decides how long the attempt waits.

@@ -27,7 +27,7 @@ capnp::Text::Reader text_of(const std::string& text) {
   return {text.c_str(), text.size()};
 }
 
-/// Begins a call on the service that question 1 promises.
+/// Begins a call on the service. The call's target is the promised result of question 1.
 protocol::Call::Builder begin_call(capnp::MessageBuilder& message, std::uint32_t question,
                                    std::uint16_t method) {
   auto call = message.initRoot<protocol::Message>().initCall();

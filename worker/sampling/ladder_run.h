@@ -65,7 +65,8 @@ class LadderRun {
   /// The first scan at which no level's state descends from a search's find, so all levels'
   /// lineages began with a prior draw. Equals scans() while some state descends from a find.
   std::uint64_t searched_until() const { return searched_until_; }
-  /// Rounds that end with after < scans <= until. REQUIRES: every level has `until` scans.
+  /// Rounds that end after more than `after` and at most `until` scans. REQUIRES: every level has
+  /// `until` scans.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
   /// All rounds; the last is the current one.
   const std::vector<RoundReport>& rounds() const { return rounds_; }

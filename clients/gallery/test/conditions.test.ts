@@ -16,7 +16,7 @@ import { joined, placeOfColumn, quotedName, shortNumber } from "../src/state/que
 const die: Who = { kind: "body", name: "die 1" };
 const box = { ...openBox, x: { low: 0, high: 0.02 }, y: { low: -0.005, high: null } };
 
-test("boxes, times and hits in their order", () => {
+test("steps with boxes, times and hits become one query, in order", () => {
   const condition: Condition = {
     kind: "steps",
     steps: [

@@ -85,7 +85,7 @@ void for_each_batch(std::uint64_t total, Visit&& visit) {
 
 void check_progression(const Reader& reader, std::string_view group, std::string_view dim,
                        std::uint64_t step, Findings& findings) {
-  Rule rule(fmt::format("{} counts 0, {}, ...", path_of(group, dim), step));
+  Rule rule(fmt::format("{} must count 0, {}, ...", path_of(group, dim), step));
   for_each_batch(reader.size(group, dim), [&](std::uint64_t first, std::uint64_t count) {
     const auto values = reader.read<std::int64_t>(group, dim, first, count);
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -126,7 +126,7 @@ void check_coordinates(const Reader& reader, Findings& findings) {
 
   if (reader.size(k_replicas, "replica") > 1) {
     // Scans are numbered from the start of the run. Draws need not be.
-    Rule place("/replicas/scan is a multiple of thin, or -1");
+    Rule place("/replicas/scan must be a multiple of thin, or -1");
     for_each_batch(
         reader.elements(k_replicas, "scan"), [&](std::uint64_t first, std::uint64_t count) {
           for (const auto scan : reader.read<std::int64_t>(k_replicas, "scan", first, count))
@@ -136,7 +136,7 @@ void check_coordinates(const Reader& reader, Findings& findings) {
     place.report(findings);
     return;
   }
-  Rule newest("/replicas/scan is the last multiple of thin");
+  Rule newest("/replicas/scan must be the last multiple of thin in the run");
   for_each_batch(
       reader.elements(k_replicas, "scan"), [&](std::uint64_t first, std::uint64_t count) {
         for (const auto scan : reader.read<std::int64_t>(k_replicas, "scan", first, count)) {
@@ -149,8 +149,8 @@ void check_coordinates(const Reader& reader, Findings& findings) {
 
 void check_scalars(const Reader& reader, Findings& findings) {
   Rule sum("lp = log_prior + log_constraint");
-  Rule truth("satisfied is 0 or 1");
-  Rule lineage("lineage is not negative");
+  Rule truth("satisfied must be 0 or 1");
+  Rule lineage("lineage must not be negative");
   const auto place = [&](std::uint64_t element) {
     const std::uint64_t scans = reader.size(k_sample_stats, "draw");
     return [element, scans] {
@@ -295,12 +295,12 @@ class AnimationCheck {
   std::pair<std::int64_t, std::int64_t> before_{};
   std::int64_t next_segment_ = 0;
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> kept_of_lineage_;
-  Rule order_{"animations are in logical order, by (draw, chain)"};
-  Rule place_{"an animation's chain and draw are within the run"};
-  Rule satisfied_{"a kept animation satisfies the constraint"};
-  Rule equal_{"the scalars of an animation equal those of its scan in /sample_stats"};
-  Rule lineage_{"a lineage has at most keep_per_lineage animations"};
-  Rule segments_{"segments are contiguous"};
+  Rule order_{"animations must be ordered by draw, then by chain"};
+  Rule place_{"an animation's chain and draw must be within the run"};
+  Rule satisfied_{"a kept animation must satisfy the constraint"};
+  Rule equal_{"an animation's scalars must equal those of its scan in /sample_stats"};
+  Rule lineage_{"a lineage must have at most keep_per_lineage animations"};
+  Rule segments_{"segments must be contiguous"};
 };
 
 /// Checks the finds: the number of kept finds, the order of their starts, and their segments.
@@ -315,8 +315,8 @@ void check_finds(const Reader& reader, Findings& findings) {
     findings.push_back(fmt::format("/finds has {} animations, but found is {} and keep_max is {}",
                                    total, found, keep_max));
   }
-  Rule order{"finds are ordered by start"};
-  Rule segments{"segments of finds are contiguous"};
+  Rule order{"finds must be ordered by start"};
+  Rule segments{"segments of finds must be contiguous"};
   std::int64_t start_before = -1;
   std::int64_t next_segment = 0;
   for_each_batch(total, [&](std::uint64_t first, std::uint64_t count) {
@@ -343,7 +343,7 @@ void check_finds(const Reader& reader, Findings& findings) {
 void check_rows(const Reader& reader, std::string_view group, const std::string& dim,
                 Findings& findings) {
   check_progression(reader, group, dim, 1, findings);
-  Rule rule(fmt::format("{}: rows along {} are contiguous", group, dim));
+  Rule rule(fmt::format("{}: rows along {} must be contiguous", group, dim));
   std::uint64_t next = 0;
   for_each_batch(reader.size(group, "animation"), [&](std::uint64_t first, std::uint64_t count) {
     const auto start = reader.read<std::int64_t>(group, dim + "_start", first, count);
@@ -362,9 +362,9 @@ void check_rows(const Reader& reader, std::string_view group, const std::string&
 void check_motions(const Source& source, const Reader& reader, std::string_view group,
                    const scene::Scene& scene, Findings& findings) {
   const bool is_draws = group == k_animations;
-  Rule proportion(is_draws ? "in_proportion is 0 or 1" : "in_proportion of a find is 0");
-  Rule motion(fmt::format("motions of {} are valid", group));
-  Rule own(fmt::format("parts and points of {} are valid", group));
+  Rule proportion(is_draws ? "in_proportion must be 0 or 1" : "in_proportion of a find must be 0");
+  Rule motion(fmt::format("motions of {} must be valid", group));
+  Rule own(fmt::format("parts and points of {} must be valid", group));
   const std::uint64_t total = reader.size(group, "animation");
   for_each_batch(total, [&](std::uint64_t first, std::uint64_t count) {
     const auto values = reader.read<std::int8_t>(group, "in_proportion", first, count);
@@ -416,7 +416,7 @@ void check_prior(const Reader& reader, Findings& findings) {
     return;
   }
   Rule sum("/sample_stats_prior/lp = log_prior + log_constraint");
-  Rule truth("/sample_stats_prior/satisfied is 0 or 1");
+  Rule truth("/sample_stats_prior/satisfied must be 0 or 1");
   for_each_batch(
       reader.elements(k_sample_stats_prior, "lp"), [&](std::uint64_t first, std::uint64_t count) {
         const auto lp = reader.read<double>(k_sample_stats_prior, "lp", first, count);

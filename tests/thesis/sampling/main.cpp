@@ -52,9 +52,9 @@ struct Row {
   Score score{};
 };
 
-/// Sets of proposals: those of A.2.2; the same with aimed drops; the same with aimed drops that a
-/// ball falling alone tests first; and those of requests without a sampler (serve_best() in
-/// worker/worlds/spelling/request.cpp).
+/// Sets of proposals: those of A.2.2; the same with aimed drops; the same with aimed drops that are
+/// first tested by letting the ball fall alone; and those of requests without a sampler
+/// (serve_best() in worker/worlds/spelling/request.cpp).
 enum class Kernel { a_2_2, aimed, solo, served };
 struct NamedKernel {
   Kernel kernel;

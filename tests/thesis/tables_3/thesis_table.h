@@ -31,8 +31,9 @@ struct Row {
 inline constexpr std::string_view k_heading =
     "n,sync_events,sync_ms_per_event,sync_s,async_events,async_ms_per_event,async_s";
 
-/// Throws base::Error with file and line if the file, its heading or a row is invalid, if it has no
-/// rows, or if events times the time per event differ from the total time by more than k_rounding.
+/// Throws base::Error with file and line if the file, its heading or a row is invalid, or if it has
+/// no rows. In a valid row, the product of the number of events and the time per event differs from
+/// the total time by at most k_rounding.
 std::vector<Row> read_thesis_table(const std::string& path);
 
 /// Returns the row of n bodies. Throws base::Error with `path` if it is missing.

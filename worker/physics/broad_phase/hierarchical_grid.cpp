@@ -77,8 +77,8 @@ void HierarchicalGrid::divide(Level& level, double edge_m, std::uint32_t number)
     const double fit = std::clamp(boxes_.periods().length_m(axis) / cell_m, 1.0, k_cells_max);
     divided.cells = static_cast<std::uint32_t>(fit);
     cells *= divided.cells;
-    // Cells have at least 2^k_unit_bits units, and the period 2^8, so sketches' rings divide it
-    // evenly.
+    // A cell has at least 2^k_unit_bits units. The period's number of units is a power of two and
+    // at least 2^k_sketch_bits, so the ring of a sketch divides the period evenly.
     const int more = static_cast<int>(std::bit_width(divided.cells)) + k_unit_bits - k_sketch_bits;
     divided.shift = 32 - k_sketch_bits - std::max(more, 0);
   }

@@ -273,8 +273,9 @@ class Look {
     return higher_m > loss_mps * until_s;
   }
 
-  /// Returns whether all lattice points between `points` stay out of touch up to `until_s`, unless
-  /// the lowest of `points` collides. `steps`: lattice steps between the ends.
+  /// `points`: the ends or corners of a part of the lattice. Returns whether all lattice points of
+  /// this part stay clear of the surface up to `until_s`, unless the lowest of `points` collides.
+  /// `steps`: lattice steps between the ends.
   bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double hollow_per_m,
                              double until_s) const {
     std::size_t lowest = 0;

@@ -207,8 +207,8 @@ inline constexpr double k_edge_piece_before_turn = 0.4;
 
 // ---- bodies that lie on a plane -----------------------------------------------------------------
 
-/// Minimum and maximum duration of a piece in which slips turn. With a larger value, slips turn by
-/// more in a piece. With a smaller value, there are more events.
+/// Minimum and maximum duration of a piece in which slips turn. With larger values, a slip turns by
+/// a larger angle within one piece. With smaller values, there are more events.
 inline constexpr double k_slide_piece_s_min = 0x1p-11;
 inline constexpr double k_slide_piece_s_max = 0x1p-7;
 /// Maximum duration of a piece in which one support hardly slips while others do, so that its
@@ -275,7 +275,7 @@ inline constexpr double k_same_place = 0.05;
 /// out of balance most of the time. With a larger value, corners in the air count as carrying.
 inline constexpr double k_near_corner = 0.003;
 /// Minimum cosine between normals for two corners to count as on the same face. With a smaller
-/// value, the next face of a blunt body counts too.
+/// value, corners on neighbouring faces of a blunt body count as on the same face.
 inline constexpr double k_same_face_cosine = 0.98;
 /// Maximum points that carry a box on a spline surface: the outermost ones in this many directions.
 inline constexpr std::size_t k_surface_points_max = 8;

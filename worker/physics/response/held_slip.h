@@ -18,10 +18,10 @@ struct HeldSlip {
   double lasts_s = k_forever_s;
 };
 
-/// Returns the direction in which friction acts on a slip that a pull changes: the slip's direction
-/// half way, if friction acts along this same direction. (Friction doesn't turn a slip. A held
-/// direction that depended on the initial one would oscillate.) `error_mps`: permitted error of the
-/// slip.
+/// A pull changes a slip while friction acts on it in one held direction. Returns that direction:
+/// it is the slip's direction half way through, under this very friction. (Friction doesn't turn a
+/// slip. A held direction that depended on the initial one would oscillate.) `error_mps`: permitted
+/// error of the slip.
 inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, double error_mps) {
   const double speed = math::norm(slip);
   const Vec3 direction = slip / speed;

@@ -86,14 +86,16 @@ void bind_orientation(Binder& die, DieKeys& keys) {
   die.angle_deg("yaw_deg", keys.yaw_rad,
                 {.minimum = -360,
                  .maximum = 360,
-                 .help = "rotation about the vertical, applied after up, if fixed"});
+                 .help = "rotation about the vertical once face `up` is on top, if the "
+                         "orientation is fixed"});
   constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
   bool gives_quaternion = false;
   double square = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    die.number(
-        k_parts[i], keys.quaternion[i],
-        {.minimum = -1, .maximum = 1, .help = "quaternion instead of up and yaw_deg, if fixed"});
+    die.number(k_parts[i], keys.quaternion[i],
+               {.minimum = -1,
+                .maximum = 1,
+                .help = "if the orientation is fixed: quaternion, instead of up and yaw_deg"});
     // Compare values, because a normalised request has every key.
     gives_quaternion = gives_quaternion || keys.quaternion[i] != (i == 0 ? 1 : 0);
     square += keys.quaternion[i] * keys.quaternion[i];

@@ -49,7 +49,7 @@ TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
     std::uint32_t scans;
     std::vector<double> scales;
   };
-  // 3 scans at the first size, 4 at the second (of levels 0.4 and 1).
+  // In each ascent, 3 scans have the size of level 0.1, and then 4 have that of levels 0.4 and 1.
   const std::vector<Expected> expected{{0, 0, 3, {2}},  {1, 0, 3, {2}}, {0, 3, 4, {3}},
                                        {1, 3, 4, {3}},  {0, 7, 3, {2}}, {1, 7, 3, {2}},
                                        {0, 10, 2, {3}}, {1, 10, 2, {3}}};

@@ -66,9 +66,9 @@ TEST_F(Verify, FindsHaveRules) {
     return values<std::int64_t>(k_finds, name);
   };
   broken([&] { std::swap(integers("start")[1], integers("start")[2]); }, "ordered by start");
-  broken([&] { ++integers("segment_start")[3]; }, "segments of finds are contiguous");
-  broken([&] { ++integers("segment_count")[4]; }, "segments of finds are contiguous");
-  broken([&] { ++integers("animation")[0]; }, "/finds/animation counts");
+  broken([&] { ++integers("segment_start")[3]; }, "segments of finds must be contiguous");
+  broken([&] { ++integers("segment_count")[4]; }, "segments of finds must be contiguous");
+  broken([&] { ++integers("animation")[0]; }, "/finds/animation must count");
   broken(
       [&] {
         for (Attribute& attribute : archive_.group(k_finds).attributes)
@@ -86,23 +86,23 @@ TEST_F(Verify, NamesEachBrokenRule) {
   };
   broken([&] { values<double>(k_sample_stats, "lp")[7] = 1; }, "lp = log_prior");
   broken([&] { values<std::int8_t>(k_sample_stats, "satisfied")[7] = 2; }, "0 or 1");
-  broken([&] { values<std::int64_t>(k_sample_stats, "lineage")[7] = -1; }, "not negative");
+  broken([&] { values<std::int64_t>(k_sample_stats, "lineage")[7] = -1; }, "not be negative");
   broken([&] { values<std::int32_t>(k_sample_stats, "accepted")[9] = 99; }, "accepted <=");
   broken([&] { values<double>(k_sample_stats, "acceptance_rate")[9] = 7; }, "acceptance_rate =");
-  broken([&] { values<std::int64_t>(k_sample_stats, "draw")[9] = 8; }, "counts 0, 1");
-  broken([&] { values<std::int64_t>(k_posterior, "draw")[3] = 31; }, "counts 0, 10");
+  broken([&] { values<std::int64_t>(k_sample_stats, "draw")[9] = 8; }, "count 0, 1");
+  broken([&] { values<std::int64_t>(k_posterior, "draw")[3] = 31; }, "count 0, 10");
   broken([&] { values<std::int64_t>(k_replicas, "scan")[0] = 90; }, "last multiple of thin");
   broken([&] { archive_.group(k_posterior).attributes[0].value = std::int64_t{0}; }, "thin is 0");
   broken([&] { archive_.group(k_posterior).attributes[0].value = std::int64_t{5}; }, "11 draws");
   auto place = [&](const char* name) -> auto& {
     return values<std::int64_t>(k_animations, name);
   };
-  broken([&] { std::swap(place("draw")[3], place("draw")[15]); }, "logical order");
+  broken([&] { std::swap(place("draw")[3], place("draw")[15]); }, "ordered by draw");
   broken([&] { place("chain")[3] = 3; }, "within the run");
   broken([&] { place("lineage")[3] += 100; }, "equal those of its scan");
   broken([&] { values<double>(k_animations, "landing_m")[3] = 7; }, "equal those of its scan");
-  broken([&] { place("segment_start")[3] += 1; }, "segments are contiguous");
-  broken([&] { place("segment_count")[19] -= 1; }, "segments are contiguous");
+  broken([&] { place("segment_start")[3] += 1; }, "segments must be contiguous");
+  broken([&] { place("segment_count")[19] -= 1; }, "segments must be contiguous");
   broken(
       [&] {
         const std::int64_t row = place("chain")[2] * 101 + place("draw")[2];

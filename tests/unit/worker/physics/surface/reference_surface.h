@@ -143,9 +143,9 @@ inline ReferencePlace reference_at(const StaticSurface& surface, Long x_m, Long 
   return sum;
 }
 
-/// Bound on the error of a height, for heights within +-height_m. Includes rounding in the sums and
-/// of the place in the grid. The latter grows with the index and is multiplied by the slope, which
-/// is up to 2 height_m per cell and axis.
+/// Bound on the error of a height, for heights within +-height_m. Includes the rounding of the sums
+/// and that of the place in the grid. The latter grows with the index and is multiplied by the
+/// slope, which is up to 2 height_m per cell and axis.
 inline double height_error_m(const StaticSurface& surface, double height_m, double x_m,
                              double y_m) {
   const double cells = (std::fabs(x_m) + std::fabs(y_m)) / surface.spacing_m;
