@@ -35,7 +35,8 @@ class Rule {
   }
   void report(Findings& findings) const {
     if (faults_ != 0) {
-      findings.push_back(fmt::format("{}: violated {} times, first at {}", text_, faults_, first_));
+      findings.push_back(fmt::format("{}: {} violation{}, first at {}", text_, faults_,
+                                     faults_ == 1 ? "" : "s", first_));
     }
   }
 

@@ -108,7 +108,7 @@ TEST_F(Verify, NamesEachBrokenRule) {
         const std::int64_t row = place("chain")[2] * 101 + place("draw")[2];
         values<std::int8_t>(k_sample_stats, "satisfied")[static_cast<std::size_t>(row)] = 0;
       },
-      "a kept animation satisfies");
+      "a kept animation must satisfy");
   broken([&] { archive_.group(k_animations).attributes[0].value = std::int64_t{19}; },
          "keep_max is 19");
   const auto with_attribute = [&](const char* name, auto value) {
