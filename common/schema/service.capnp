@@ -312,7 +312,7 @@ struct Extension {
   }
 }
 
-# What a watcher already has of a job.
+# The events of a job that a watcher already has.
 struct WatchPoint {
   job @0 :UInt64;
   event @1 :UInt64;   # number of the last numbered event

@@ -41,7 +41,7 @@ struct Message {
   }
 }
 
-# What must be equal for ranks to work on one run, and the rank's threads.
+# Versions and texts that must be equal on all ranks of a run, and this rank's threads.
 struct Hello {
   resultsVersion @0 :Text;   # of the program; see deploy/version
   identity @1 :Text;   # the request's identity text as read by this rank

@@ -252,7 +252,7 @@ TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
     const auto before = files_in(path("saved"));
     const auto [code, words] = refusal_of([&] { save(options("saved")); });
     EXPECT_EQ(code, base::ExitCode::conflict) << other;
-    EXPECT_THAT(words, ::testing::HasSubstr(" " + named));
+    EXPECT_THAT(words, ::testing::HasSubstr("contains " + named));
     EXPECT_EQ(files_in(path("saved")), before);
     fs::remove_all(fs::path(path("saved")) / named);
   }
