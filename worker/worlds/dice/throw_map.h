@@ -1,14 +1,17 @@
 // A map of throws that bring a die to its goals, learnt from throws of that die alone.
 //
-// The die's final orientation is chaotic, but its final place depends mostly on the throw's speed
-// and position: nearly linearly, with noise. So the map treats a throw's random components (as
-// standard scores) and its signed misses as jointly normal. The map draws throws from the density
+// The result of a throw depends chaotically on its start orientation, but the final place depends
+// mostly on the throw's speed and position: nearly linearly, with noise. So the map treats a
+// throw's random components (as standard scores) and its signed misses as jointly normal. The map
+// draws throws from the density
 //
 //   q = prior_share p + (1 - prior_share) g,
 //
 // where p is the prior's density and g the conditional density of the scores given that all misses
-// are 0. The orientation keeps its prior. A throw drawn from q has the weight v = p / q, which is
-// at most 1 / prior_share. So a bad map gives correct results and costs no more than this factor.
+// are 0. The start orientation keeps its prior. A throw drawn from q has the weight v = p / q,
+// which is at most 1 / prior_share. So a bad map gives correct results and costs no more than this
+// factor.
+//
 // Thread safety: values and pure functions.
 #pragma once
 

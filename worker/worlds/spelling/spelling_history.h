@@ -18,7 +18,7 @@
 
 namespace sleight::worlds::spelling {
 
-/// A ball's state at a look. If the simulation has left the ball alone, the ball's state at that
+/// A ball's state at a look. If the simulation has suspended the ball (Marbles), the state at that
 /// moment.
 struct Seen {
   Traps::Ball ball;
