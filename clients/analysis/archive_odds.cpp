@@ -55,10 +55,11 @@ ArchiveOdds weighted_of(const archive::Source& source, std::uint64_t chains) {
                           .doubts = doubts_of_weights(log_p, size, k_effective_size_min)}};
   if (!odds.log_p_satisfied.known()) {
     const Remedy remedy = remedy_of(odds.log_p_satisfied.doubts);
-    odds.how_to_know = {
-        .longer = remedy.longer,
-        .at_least = remedy.at_least,
-        .besides = "more steps_per_level under [sampler] also helps: weights become more equal"};
+    odds.how_to_know = {.longer = remedy.longer,
+                        .at_least = remedy.at_least,
+                        .besides =
+                            "a higher steps_per_level under [sampler] also helps, because weights "
+                            "become more equal"};
   }
   return odds;
 }
@@ -141,7 +142,9 @@ HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> 
   }
   for (const Doubt& doubt : doubts) {
     if (doubt.kind == DoubtOf::heavy_tail || doubt.kind == DoubtOf::few_particles)
-      how.besides = "more particles under [sampler] also help: islands become more equal";
+      how.besides =
+          "more particles under [sampler] also help, because the estimates of islands become more "
+          "equal";
   }
   return how;
 }
@@ -211,12 +214,15 @@ std::string besides_rounds(const Ladders& ladders, const RequestNumbers& request
                          static_cast<double>(ladders.rounds[ladders.judged].scans);
   if (allowed < k_trips_each && request.find("sampler", "replicas")) {
     return fmt::format(
-        "more replicas under [sampler] also help: swaps limit this round to {:.1f} round trips",
+        "more replicas under [sampler] also help, because swap rates limit this round to {:.1f} "
+        "round trips",
         allowed);
   }
   if (allowed >= k_trips_each && allowed >= 2 * made) {
-    return fmt::format("more iterations_per_scan also helps: swaps would allow {:.0f} round trips",
-                       allowed);
+    return fmt::format(
+        "a higher iterations_per_scan also helps, because swap rates would allow {:.0f} round "
+        "trips",
+        allowed);
   }
   return "";
 }
@@ -312,7 +318,8 @@ void add_remedy(const HowToKnow& how, const ArchiveOdds& odds, report::Report& r
   std::string what;
   if (how.odds) {
     what = fmt::format(
-        "odds = {:.2g} under [stop] and no other rule, method = \"sequential\" under [sampler]",
+        "set odds = {:.2g} as the only rule under [stop], and method = \"sequential\" under "
+        "[sampler]",
         *how.odds);
   } else if (!how.rounds) {
     what = fmt::format("{:.1f} times as many scans", how.longer);

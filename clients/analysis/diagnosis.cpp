@@ -83,10 +83,11 @@ bool is_worse(const ScalarReport& a, const ScalarReport& b) {
 void complain_of_zero_density(ScalarReport& report, std::uint64_t draws) {
   const std::uint64_t count = report.not_finite.minus_infinite;
   if (count == 0) return;
-  report.verdict.complaints.insert(report.verdict.complaints.begin(),
-                                   fmt::format("{}: {} of {} draws are -inf (probability 0), so a "
-                                               "chain has not yet found what the request specifies",
-                                               report.name, count, draws));
+  report.verdict.complaints.insert(
+      report.verdict.complaints.begin(),
+      fmt::format("{}: {} of {} draws are -inf (probability 0), so a chain has not yet reached a "
+                  "state that the request allows",
+                  report.name, count, draws));
 }
 
 void note_thinning(Judged& judged, const DrawRange& range, std::string_view what) {
@@ -154,7 +155,7 @@ void complain_of_variable(Judged& judged, const VariableReport& report) {
   const ScalarReport& worst = *std::ranges::min_element(report.listed, is_worse);
   std::string reason = worst.verdict.complaints.front();
   if (report.failing > 1) {
-    reason += fmt::format(" (and {} more of its {} entries)", report.failing - 1, report.judged);
+    reason += fmt::format(" (and {} more of {} entries)", report.failing - 1, report.judged);
   }
   judged.diagnosis.reasons.push_back(std::move(reason));
 }
@@ -164,7 +165,8 @@ void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
   if (variables.empty()) return;
   // If every scan's state is archived, the lack of scans was already reported.
   if (judged.diagnosis.states < judged.diagnosis.judged.scans) {
-    complain_of_few(judged, range, "archived states (see thin) among the judged scans");
+    complain_of_few(judged, range,
+                    "archived states (see the request's key `thin`) in the judged scans");
   }
   note_thinning(judged, range, "state variables");
   std::uint64_t left = scalars_max(range);
@@ -173,7 +175,7 @@ void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
     left -= entries;
     if (entries < variable.entries()) {
       judged.diagnosis.notes.push_back(
-          fmt::format("{}: skipped {} of its {} entries, because there are too many", variable.name,
+          fmt::format("{}: skipped {} of {} entries, because there are too many", variable.name,
                       variable.entries() - entries, variable.entries()));
     }
     judged.diagnosis.variables.push_back(variable_report(judged, variable, entries, range));
@@ -253,9 +255,9 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
   report.log_p_satisfied = together(log_p);
   if (!(report.effective_size >= k_effective_size_min)) {
     judged.diagnosis.reasons.push_back(fmt::format(
-        "the effective size of the weighted draws of all chains is {}, but at least {:.0f} is "
-        "needed; more steps_per_level or iterations_per_scan make weights more equal, and more "
-        "scans add draws",
+        "the weighted draws of all chains have effective size {}, but at least {:.0f} is needed; "
+        "run more scans, or set a higher steps_per_level or iterations_per_scan for more equal "
+        "weights",
         std::isnan(report.effective_size) ? "unknown"
                                           : fmt::format("{:.1f}", report.effective_size),
         k_effective_size_min));
@@ -304,7 +306,7 @@ std::uint64_t first_state_from(const archive::Source& source, std::uint64_t stat
     const auto* draws = std::get_if<std::vector<std::int64_t>>(&value);
     if (draws == nullptr || draws->at(0) < 0) {
       throw base::Error(base::ExitCode::bad_archive,
-                        source.name() + ": /posterior/draw: expected numbers of scans");
+                        source.name() + ": /posterior/draw: expected scan numbers");
     }
     if (static_cast<std::uint64_t>(draws->at(0)) < scan) {
       low = middle + 1;
@@ -355,13 +357,14 @@ void judge_draws(Judged& judged, const archive::Summary& summary) {
 
 std::string why_not_diagnosed(const archive::Source& source, const archive::Summary& summary) {
   if (summary.finds.found > 0 && summary.scans == 0) {
-    return fmt::format("its {} animations come from a search and are not draws",
+    return fmt::format("the {} animations come from a search and are not draws",
                        summary.finds.found);
   }
   const archive::Group* learnt = archive::find_group(source, archive::k_tempering);
   const bool has_weights = learnt != nullptr && find_dataset(*learnt, "log_weight") != nullptr;
   if (has_weights && method_of(summary.request_text) == request::Method::sequential)
-    return "its draws come from islands, so they are independent and weighted; for the odds, run "
+    return "the draws come from islands and are therefore independent and weighted; for the odds, "
+           "run "
            "`sleight archive info`";
   return {};
 }

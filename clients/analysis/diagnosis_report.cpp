@@ -191,7 +191,7 @@ void append_counts(std::string& text, const Diagnosis& diagnosis) {
                       percent(share_of(diagnosis.satisfied_judged, judged)),
                       percent(share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)),
                       diagnosis.weights ? ", regardless of weights" : "");
-  text += fmt::format("  solutions  {}{} independent (lineages with a satisfied scan)\n",
+  text += fmt::format("  solutions  {}{} independent, counted as lineages with a satisfied scan\n",
                       count(diagnosis.solutions), diagnosis.solutions_more ? " or more" : "");
   if (std::isnan(diagnosis.simulations)) return;
   text +=
@@ -328,11 +328,11 @@ const char* in_words(JudgedDraws which) {
     case JudgedDraws::second_half:
       return "the second half";
     case JudgedDraws::round:
-      return "one round, with constant ladder and proposal sizes";
+      return "one round, in which the ladder and proposal sizes are constant";
     case JudgedDraws::all:
       return "all scans after the burn-in";
     case JudgedDraws::tours:
-      return "all, each the last scan of a tour";
+      return "all scans; each is the last scan of a tour";
     case JudgedDraws::weighted:
       return "all, with their weights";
   }
@@ -346,7 +346,7 @@ void append_verdict(std::string& text, const Diagnosis& diagnosis) {
   if (diagnosis.mixed()) {
     text += weighted ? "\n"
                        "The effective size of the weighted draws is large enough.\n"
-                     : "\nNo check failed: there is no sign that the chains have not mixed.\n";
+                     : "\nAll checks passed: they found no sign of poor mixing.\n";
     return;
   }
   const bool of_tours = diagnosis.which == JudgedDraws::tours;

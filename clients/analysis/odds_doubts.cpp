@@ -71,8 +71,8 @@ void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
                  const CombinedEstimate& judged) {
   if (facts.before.empty()) {
     doubts.push_back({.kind = DoubtOf::first_round,
-                      .reason = fmt::format("{} is the first, so no earlier round shows whether "
-                                            "the chains have forgotten their starts",
+                      .reason = fmt::format("no round precedes {}, so it is unknown whether the "
+                                            "chains still depend on their starts",
                                             facts.round)});
     return;
   }
@@ -115,8 +115,9 @@ void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const
   if (all.between_error > k_disagreement_max * all.own_error) {
     doubts.push_back(
         {.kind = DoubtOf::ladders_disagree,
-         .reason = fmt::format("{} differ {:.1f} times as much as their own errors explain",
-                               whose.many, all.between_error / all.own_error),
+         .reason = fmt::format(
+             "the spread between {} is {:.1f} times as large as their own errors explain",
+             whose.many, all.between_error / all.own_error),
          .at_least = true});
   }
 }
@@ -128,11 +129,10 @@ const char* reason_not_sized(IslandNumber number) {
     case IslandNumber::sized:
       return "";
     case IslandNumber::unfinished:
-      return "the batch of islands that determines the odds has no size yet, or is not complete";
+      return "the run has not yet sized or completed the batch of islands that determines the odds";
     case IslandNumber::by_solutions:
-      return "the run stops at a number of solutions, which biases the odds until its first batch "
-             "of "
-             "islands is complete";
+      return "the rule that stops the run at a number of solutions biases the odds until the first "
+             "batch of islands is complete";
     case IslandNumber::unknown:
       return "the request does not show how the number of islands was chosen";
   }
@@ -205,17 +205,18 @@ std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumb
                       .at_least = true});
   }
   if (particles && *particles < k_particles_min) {
-    doubts.push_back({.kind = DoubtOf::few_particles,
-                      .reason = fmt::format("islands have {:.0f} particles, but at least {:.0f} "
-                                            "are needed; fewer usually miss the rare large weights",
-                                            *particles, k_particles_min),
-                      .at_least = true});
+    doubts.push_back(
+        {.kind = DoubtOf::few_particles,
+         .reason = fmt::format("islands have {:.0f} particles, but at least {:.0f} "
+                               "are needed; fewer particles usually miss the rare large weights",
+                               *particles, k_particles_min),
+         .at_least = true});
   }
   if (islands.largest_share > math::k_largest_share_max) {
     doubts.push_back(
         {.kind = DoubtOf::heavy_tail,
          .reason = fmt::format(
-             "one of {} islands has {:.1f}% of the sum; at most {:.0f}% is allowed",
+             "one of {} islands has {:.1f}% of the sum of all islands; at most {:.0f}% is allowed",
              islands.islands, 100 * islands.largest_share, 100 * math::k_largest_share_max),
          .longer = std::max(islands.largest_share / math::k_largest_share_max, 2.0),
          .at_least = true});

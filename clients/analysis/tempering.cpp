@@ -39,11 +39,13 @@ const archive::DatasetSpec* find_table(const archive::Source& source, std::strin
   if (spec == nullptr) return nullptr;
   if (spec->type != archive::ElementType::f64 ||
       !std::ranges::equal(spec->dims, dims, {}, &archive::Dimension::name)) {
-    refuse(source, name, fmt::format("expected numbers over ({})", fmt::join(dims, ", ")));
+    refuse(source, name,
+           fmt::format("expected numbers with the dimensions ({})", fmt::join(dims, ", ")));
   }
   for (const archive::Dimension& dim : spec->dims) {
     if (dim.size > most_along(dim.name))
-      refuse(source, name, fmt::format("more than {} along {}", most_along(dim.name), dim.name));
+      refuse(source, name,
+             fmt::format("more than {} entries along {}", most_along(dim.name), dim.name));
   }
   return spec;
 }
@@ -180,7 +182,7 @@ IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain
   const std::uint64_t moments = spec->dims[1].size;
   const std::uint64_t replicas = spec->dims[2].size;
   if (chain >= spec->dims[0].size || moments != process.scan.size())
-    refuse(source, k_name, "its number of chains or moments differs from that of index_scan");
+    refuse(source, k_name, "expected as many chains and moments as in index_scan");
   // Tables have room for the chain with the most moments; unused moments are NaN.
   const auto end = std::ranges::find_if(process.scan, [](double scan) { return std::isnan(scan); });
   process.scan.erase(end, process.scan.end());
@@ -260,7 +262,7 @@ void for_each_of_islands(const archive::Source& source, std::string_view name, I
           source.read(archive::k_tempering, name, chain * all + begin, count));
       for (const double value : values) {
         if (!(value < std::numeric_limits<double>::infinity()))
-          refuse(source, name, fmt::format("{} is not the log of an estimate", value));
+          refuse(source, name, fmt::format("expected the log of an estimate, found {}", value));
         visit(value);
       }
     }
