@@ -51,7 +51,7 @@ void refuse_lost_zeros(const archive::Source& source, const std::string& text,
   }
   if (meant.empty() || (meant.size() == 1 && meant.front() == exact)) return;
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("{}: the id '{}' may have lost zeros at its end; give {}",
+                    fmt::format("{}: the id '{}' may have lost zeros at its end; use {}",
                                 source.name(), text, fmt::join(meant, " or ")));
 }
 

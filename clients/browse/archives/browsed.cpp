@@ -174,10 +174,10 @@ void say_what_is_missing(const Browsed& browsed) {
     fmt::print(stderr, "left out: {}: {}\n", left.path, left.reason);
   for (const BrowsedArchive& archive : browsed.archives) {
     if (archive.twice > 0)
-      fmt::print(
-          stderr,
-          "{}: {} animations are also in an earlier archive of the command and count only there\n",
-          archive.path, archive.twice);
+      fmt::print(stderr,
+                 "{}: skipped {} animations, because an earlier archive on the command line "
+                 "contains them too\n",
+                 archive.path, archive.twice);
   }
 }
 
