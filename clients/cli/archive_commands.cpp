@@ -119,7 +119,7 @@ Facts facts_of(const archive::Source& source) {
   return facts;
 }
 
-/// Returns, for example, "9 kept (at most 3 of each of 4 chains)", with the rule that limits the
+/// Returns, for example, "9 kept (at most 3 from each of 4 chains)", with the rule that limits the
 /// number.
 std::string kept_animations(const Facts& facts) {
   const archive::Summary& summary = facts.summary;
@@ -168,7 +168,7 @@ void add_finds(const Facts& facts, report::Report& report) {
   report.add("relax_scans", finds.relax_scans, "",
              finds.found == 0 || finds.relax_scans == 0
                  ? ""
-                 : fmt::format("each relaxed by {} scans of a chain", finds.relax_scans));
+                 : fmt::format("each take was relaxed by {} scans of a chain", finds.relax_scans));
   report.for_programs("finds_kept", finds.animations);
   if (!facts.finds) return;
   const Plausibility& log_p = *facts.finds;
@@ -184,13 +184,12 @@ void add_failures(const archive::Summary& summary, report::Report& report) {
              failed == 0 ? ""
                          : fmt::format("{} simulations, all rejected: {}", failed,
                                        plan::to_string(summary.failures)));
-  report.add(
-      "failed_animations", summary.failed_animations, "",
-      summary.failed_animations == 0
-          ? ""
-          : fmt::format(
-                "{} satisfying animations not stored, because simulating them until rest failed",
-                summary.failed_animations));
+  report.add("failed_animations", summary.failed_animations, "",
+             summary.failed_animations == 0
+                 ? ""
+                 : fmt::format("{} satisfying animations were not stored, because simulating them "
+                               "until rest failed",
+                               summary.failed_animations));
 }
 
 report::Report report_of(const std::string& path, const Facts& facts) {

@@ -140,8 +140,8 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
   }
   if (const std::size_t twice = browsed.archives[1].twice; twice > 0)
     fmt::print(
-        "{} animations are in both archives; groups and test below count them in the first archive "
-        "only.\n",
+        "{} animations are in both archives; the groups and the test below count them only in the "
+        "first archive.\n",
         twice);
   fmt::print("\n");
   print_requests(comparison.request);
@@ -166,7 +166,7 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
   }
   fmt::print("\n{}", to_text(table, terminal::width_of(stdout)));
   if (!comparison.why_no_groups.empty()) {
-    fmt::print("\nLooks not compared: {}.\n", comparison.why_no_groups);
+    fmt::print("\nLooks were not compared: {}.\n", comparison.why_no_groups);
     return;
   }
   report::TextTable groups{.columns = {{.head = "like"},
@@ -177,10 +177,8 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
                            fmt::format("{}", group.members[1])});
   fmt::print("\n{}", to_text(groups, terminal::width_of(stdout)));
   fmt::print(
-      "\nTest of the {} nearest neighbours of each of {} + {} animations: {:.1f}% are from the "
-      "same "
-      "archive;\n"
-      "by chance, {:.1f}% would be (p = {:.3f}).\n",
+      "\nTest of the {} nearest neighbours of each of {} + {} animations:\n{:.1f}% of the "
+      "neighbours are from the same archive; {:.1f}% are expected by chance (p = {:.3f}).\n",
       browse::k_neighbours, comparison.looks.tested[0], comparison.looks.tested[1],
       100 * comparison.looks.test.share, 100 * comparison.looks.test.expected,
       comparison.looks.test.p_value);

@@ -98,10 +98,11 @@ void check(const ExportAnimationsOptions& options) {
   if (format != "csv" && options.output.empty()) {
     terminal::refuse_usage(
         format == "png"
-            ? std::string("-o is required: name a folder, for one folder of frames per animation")
-            : fmt::format(
-                  "-o is required: name a file OUT.{}, or a folder for one file per animation",
-                  format));
+            ? std::string(
+                  "-o is required: name a folder that gets one folder of frames per animation")
+            : fmt::format("-o is required: name a file OUT.{}, or a folder that gets one file per "
+                          "animation",
+                          format));
   }
   if (format != "glb" && options.together)
     terminal::refuse_usage("--together requires --format glb");
@@ -214,7 +215,8 @@ void require_one(std::span<const browse::AnimationId> ids, const ExportAnimation
   if (ids.size() == 1 || options.together) return;
   terminal::refuse_usage(fmt::format(
       "{}: one file can't contain {} separate animations; {}name a folder", options.output,
-      ids.size(), options.format == "glb" ? "add --together to write clips of one file, or " : ""));
+      ids.size(),
+      options.format == "glb" ? "add --together to write all as clips of one file, or " : ""));
 }
 
 /// Step two: write a single file.

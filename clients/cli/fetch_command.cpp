@@ -320,11 +320,10 @@ rpc::FetchAsk fetch_ask_of(const FetchOptions& options) {
     ask.kind = rpc::FetchKind::recordings;
     auto ids = recording_ids_of(options.recordings);
     if (!ids) {
-      throw base::Error(
-          base::ExitCode::usage,
-          fmt::format(
-              "--recordings: '{}' is not a list of ids such as 3,7,10..20, of at most {} ids",
-              terminal::shown(options.recordings), rpc::k_fetch_ids_max));
+      throw base::Error(base::ExitCode::usage,
+                        fmt::format("--recordings: '{}' is not a list of ids, such as 3,7,10..20, "
+                                    "or has more than {} ids",
+                                    terminal::shown(options.recordings), rpc::k_fetch_ids_max));
     }
     ask.ids = *std::move(ids);
   }

@@ -127,10 +127,11 @@ void say_how_to_open(const web::Server& server, const CommandOptions& options,
   } else {
     fmt::print("{}{}\n", is_opened ? "opened in the browser: " : "open ", link);
     if (!is_opened) {
-      fmt::print("from another machine: ssh -L {0}:127.0.0.1:{0} {1}, then open the link there\n",
-                 server.port(), host_name());
+      fmt::print(
+          "from another machine, run `ssh -L {0}:127.0.0.1:{0} {1}` and open the same link\n",
+          server.port(), host_name());
     }
-    fmt::print("The link works in one browser{}. Ctrl-C ends the gallery.\n",
+    fmt::print("The link works in one browser only{}. Ctrl-C ends the gallery.\n",
                terminal::is_typed() ? "; Enter prints another link" : "");
   }
   std::fflush(stdout);

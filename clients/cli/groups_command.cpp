@@ -46,9 +46,10 @@ void print_groups(const browse::Browsed& browsed, const std::vector<browse::Pick
     table.rows.push_back(std::move(row));
   }
   fmt::print("{}", to_text(table, terminal::width_of(stdout)));
-  fmt::print("{} animation{} in {} group{}; mm: difference from the representative\n",
-             picked.size(), picked.size() == 1 ? "" : "s", groups.groups.size(),
-             groups.groups.size() == 1 ? "" : "s");
+  fmt::print(
+      "{} animation{} in {} group{}; the columns in mm are differences from the representative\n",
+      picked.size(), picked.size() == 1 ? "" : "s", groups.groups.size(),
+      groups.groups.size() == 1 ? "" : "s");
   if (groups.is_approximate) {
     fmt::print(
         "The groups come from a sample; each remaining animation joined the nearest group.\n");

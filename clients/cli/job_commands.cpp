@@ -131,7 +131,7 @@ std::string question(std::span<const rpc::JobView> jobs) {
   std::string text = fmt::format("Delete {}", fmt::join(texts, ", "));
   if (jobs.size() > k_asked_about_max)
     text += fmt::format(" and {} more", jobs.size() - k_asked_about_max);
-  return text + ", with their archives and logs?";
+  return text + ", with archives and logs?";
 }
 
 }  // namespace

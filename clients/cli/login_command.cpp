@@ -122,18 +122,18 @@ void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   if (digits_of_fingerprint(seen) != wanted) {
     throw base::Error(
         base::ExitCode::not_allowed,
-        fmt::format("{} presented the certificate {}, which is not the given one: either the "
-                    "server has a new certificate, or someone intercepts the connection. To see "
-                    "the right fingerprint, run `sleight server status` on the server's machine",
-                    access::text_of(service.address), seen));
+        fmt::format(
+            "{} presented the certificate {}, which does not match --fingerprint: either the "
+            "server has a new certificate, or someone intercepts the connection. To see "
+            "the right fingerprint, run `sleight server status` on the server's machine",
+            access::text_of(service.address), seen));
   }
   const auto own_name = access::self_signed_name(pem);
   if (!own_name) {
-    terminal::refuse_usage(
-        fmt::format("the certificate of {} is signed by an authority, so --fingerprint can't be "
-                    "used: give the authority's certificate with --ca FILE, or neither option if "
-                    "the system trusts the authority",
-                    access::text_of(service.address)));
+    terminal::refuse_usage(fmt::format(
+        "the certificate of {} is signed by an authority: replace --fingerprint by --ca FILE with "
+        "the authority's certificate, or omit both options if the system trusts the authority",
+        access::text_of(service.address)));
   }
   service.certificate = pem;
   service.own_name = *own_name;
@@ -160,8 +160,8 @@ int login(const LoginOptions& options) {
                       fmt::format("{0}\n"
                                   "The server's certificate is\n"
                                   "  {2}\n"
-                                  "Compare it with the output of `sleight server status` on the "
-                                  "server's machine. If both are the same, run\n"
+                                  "Compare this fingerprint with the output of `sleight server "
+                                  "status` on the server's machine. If both are the same, run\n"
                                   "  sleight login {1} --fingerprint {2}",
                                   error.what(), name, access::fingerprint_of(pem)));
   } catch (const rpc::NoServer& error) {
@@ -190,8 +190,9 @@ int logout(const std::string& text, bool json) {
     fmt::print("{}\n", indented({{"server", access::text_of(address)}, {"was_known", was_known}}));
   } else {
     fmt::print("{}\n",
-               was_known ? "deleted the stored token; the token itself is valid until it is revoked"
-                         : "there was no stored login for this server");
+               was_known
+                   ? "deleted the stored token; the token itself remains valid until it is revoked"
+                   : "there was no stored login for this server");
   }
   return static_cast<int>(base::ExitCode::ok);
 }

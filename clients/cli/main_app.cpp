@@ -167,9 +167,9 @@ CLI::App* add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action
       ->capture_default_str()
       ->type_name("TABLE");
   exported
-      ->add_option(
-          "--animation", arguments.export_options.animations,
-          "Export only rows of this animation (tables animations, segments and points). Repeatable")
+      ->add_option("--animation", arguments.export_options.animations,
+                   "Export only rows of this animation, from the tables animations, segments and "
+                   "points. Repeatable")
       ->allow_extra_args(false)
       ->type_name("N");
   exported
@@ -195,11 +195,12 @@ void add_diagnose(CLI::App& app, DiagnoseArguments& arguments, Action& action) {
       ->type_name("ARCHIVE.h5");
   command->add_flag("--json", arguments.json, "Print JSON");
   command->footer(
-      "Checks R-hat (at most 1.01) and effective sample size (at least 400, and 100 per chain)\n"
-      "of log p, the outcomes and the state. Judges the longest round of a tempered run, or\n"
-      "the second half of plain chains. A tempered ladder must also have made a round trip. If\n"
-      "the chains have not mixed, prints the reasons and exits with 7. Success is no proof that\n"
-      "the chains have mixed: chains that all miss the same mode agree with each other.\n\n"
+      "Checks R-hat and the effective sample size of log p, the outcomes and the state. R-hat\n"
+      "must be at most 1.01, the effective sample size at least 400, and at least 100 per chain.\n"
+      "Judges the longest round of a tempered run, or the second half of plain chains. A tempered\n"
+      "ladder must also have made a round trip. If the chains have not mixed, prints the reasons\n"
+      "and exits with 7. Success is no proof that the chains have mixed: chains that all miss the\n"
+      "same mode agree with each other.\n\n"
       "Examples:\n  sleight diagnose ball.h5\n  sleight diagnose ball.h5 --json | jq .reasons");
   command->callback([&] {
     action = [&] {

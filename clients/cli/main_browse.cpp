@@ -15,9 +15,9 @@ constexpr const char* k_query_words =
     "  die 1 touches table during ..0.2s\n"
     "  die 1 touches table then die 1 touches die 2\n"
     "  log_prior -30..-20    rest_s < 2s    offsets[2] > 0\n"
-    "  Precedence, highest first: then, not, and, or; parentheses group. Default units are\n"
-    "  metres and seconds. Motion is solved exactly, not sampled at frames. To list the names\n"
-    "  that queries can use, run `sleight find ARCHIVE.h5 --names`.\n\n";
+    "  Precedence, highest first: then, not, and, or; use parentheses to group. Default units\n"
+    "  are metres and seconds. Motion is solved exactly, not sampled at frames. To list the\n"
+    "  names that queries can use, run `sleight find ARCHIVE.h5 --names`.\n\n";
 
 void add_asked(CLI::App& command, browse::QueryOptions& asked) {
   command.add_option("--where", asked.where, "Keep animations that match this query. Repeatable")
@@ -55,7 +55,7 @@ void add_find(CLI::App& app, cli::FindOptions& options, Action& action) {
   command->add_flag("--names", options.names,
                     "List the names that queries can use: bodies, fixed things and numbers");
   command->add_flag("--ids", options.ids,
-                    "Print only ids, one per line, as `sleight export --ids` takes them");
+                    "Print only ids, one per line, as input for `sleight export --ids`");
   command->add_flag("--json", options.json, "Print JSON, with all numbers");
   command->footer(
       std::string(k_query_words) +
@@ -82,7 +82,8 @@ void add_groups(CLI::App& app, cli::GroupsOptions& options, Action& action) {
       ->type_name("K");
   command
       ->add_option("--by", options.by,
-                   "medoids: best groups for this K; hierarchy: groups that nest for all K")
+                   "medoids: best groups for this K; hierarchy: nested groups, where a smaller K "
+                   "merges groups")
       ->check(CLI::IsMember({"medoids", "hierarchy"}))
       ->capture_default_str()
       ->type_name("WAY");
@@ -95,8 +96,8 @@ void add_groups(CLI::App& app, cli::GroupsOptions& options, Action& action) {
   command->footer(
       "Animations look alike if their bodies are at the same places at the same times and\n"
       "collide in the same order; docs/BROWSING.md has the formula. Above 500 animations, the\n"
-      "groups come from a sample of 200 (500 for more than 100 groups), and each remaining\n"
-      "animation joins the group with the nearest representative.\n\n"
+      "groups come from a sample of 200 animations, or of 500 for more than 100 groups. Each\n"
+      "remaining animation joins the group with the nearest representative.\n\n"
       "Examples:\n  sleight groups hi.h5 -k 12\n"
       "  sleight groups die.h5 -k 6 -o die_groups.png\n"
       "  sleight groups a.h5 b.h5 --where 'log_prior -20..' --by hierarchy --json");
@@ -117,11 +118,12 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
       ->type_name("K");
   command->add_flag("--json", options.json, "Print JSON");
   command->footer(
-      "Compares the requests, the numbers of the animations (such as log_prior), and how many\n"
-      "animations of each archive are in each group. A test of nearest neighbours shows whether\n"
-      "the two sets of animations look alike: a small p means that they look different. Archives\n"
-      "keep distinct animations, not in the model's proportions; for means of the model, use the\n"
-      "group /posterior.\n\n"
+      "Compares the requests and the animations' numbers, such as log_prior. Counts the "
+      "animations\n"
+      "of each archive in each group. A test of nearest neighbours shows whether the two sets of\n"
+      "animations look alike: a small p means that they look different.\n"
+      "Archives keep distinct animations, which don't occur in the model's proportions; for means\n"
+      "under the model, use the archive's group /posterior.\n\n"
       "Examples:\n  sleight compare die.h5 die_more_sigma.h5\n"
       "  sleight compare hi.h5 hi_tempered.h5 -k 12 --json");
   command->callback([&] { action = [&] { return cli::compare_archives(options); }; });
@@ -131,8 +133,8 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
 void add_choice(CLI::App& command, cli::ExportChoice& choice) {
   command
       .add_option("--ids", choice.ids,
-                  "Animation ids, such as c0.250 (chain 0, draw 250) or find.3 (of a search); RUN: "
-                  "may precede an id")
+                  "Animation ids, such as c0.250 (chain 0, draw 250) or find.3 (find 3 of a "
+                  "search). An id can begin with the run's id, as in RUN:c0.250")
       ->type_name("ID...");
   command
       .add_option("--select", choice.select,
@@ -142,11 +144,12 @@ void add_choice(CLI::App& command, cli::ExportChoice& choice) {
   command
       .add_option("--representatives", choice.representatives,
                   "One representative for each of N groups of similar animations. The groups "
-                  "divide the animations of --select, or all animations")
+                  "contain the animations that match --select, or all animations")
       ->check(CLI::Range(1, 1'000'000).description(""))
       ->type_name("N");
-  command.add_flag("--all", choice.all,
-                   fmt::format("Export all animations, even more than {}", cli::k_export_max));
+  command.add_flag(
+      "--all", choice.all,
+      fmt::format("Export all animations, even if there are more than {}", cli::k_export_max));
 }
 
 void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& action) {
@@ -159,14 +162,14 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
       ->add_option("--format", options.format,
                    "glb: 3D model with motion (glTF 2.0, for Blender and others); csv: table; png: "
                    "folder of frames; svg: image of the whole motion; mp4: video (needs ffmpeg). "
-                   "Default: from the ending of OUT, otherwise glb")
+                   "Default: the format in which OUT ends, otherwise glb")
       ->check(CLI::IsMember(cli::export_formats()))
       ->type_name("FORMAT");
   add_choice(*command, options.choice);
   command
       ->add_option("-o,--output", options.output,
-                   "Output file with the ending of the format, or folder that gets a file per "
-                   "animation. Default for csv: standard output")
+                   "Output file that ends in the format, such as ball.glb, or folder that gets one "
+                   "file per animation. Default for csv: standard output")
       ->type_name("OUT");
   command->add_flag("--together", options.together,
                     "Write all animations as clips of one .glb file");

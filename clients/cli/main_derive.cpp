@@ -69,7 +69,7 @@ int derive(const DeriveArguments& given) {
     throw base::Error(
         base::ExitCode::conflict,
         fmt::format("{}: the run has results version {} (sleight {}), but this program has {}; use "
-                    "the version of the run",
+                    "the sleight version of the run",
                     folder, stored.results_version, stored.program_version, results_version()));
   }
   const run::Catalogue catalogue = worlds_of_program();

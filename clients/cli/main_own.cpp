@@ -88,8 +88,8 @@ void add_config(CLI::App& app, OwnArguments& arguments, Action& action) {
       "SLEIGHT_SOCKET, SLEIGHT_SERVER, SLEIGHT_ALLOW_ROOT); the file\n"
       "$XDG_CONFIG_HOME/sleight/config.toml (without XDG_CONFIG_HOME:\n"
       "~/.config/sleight/config.toml); defaults.\n\n"
-      "The file is TOML with the listed keys. For example, limits.jobs is the key jobs in section\n"
-      "[limits].\n\n"
+      "The file is TOML with the listed keys. For example, `limits.jobs` is the key `jobs` in\n"
+      "section [limits].\n\n"
       "Examples:\n  sleight config\n  sleight config --json | jq .settings.state.value");
   command->callback([&] { action = [&] { return cli::print_config(arguments.json); }; });
 }

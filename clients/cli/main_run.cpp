@@ -108,8 +108,8 @@ std::string why_it_gave_up(const plan::Finds& finds) {
         "None of the last {} starts satisfied the constraint when all bodies moved together.",
         sampling::k_starts_in_vain_max);
   return fmt::format(
-      "None of the last {} starts got past {}: every attempt there violated the constraint. To "
-      "print the full constraint, with time limits, run `sleight check`.",
+      "None of the last {} starts got past {}: every attempt at this stage violated the "
+      "constraint. To print the full constraint, with time limits, run `sleight check`.",
       sampling::k_starts_in_vain_max, finds.stuck_at);
 }
 
@@ -273,7 +273,7 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
   app.add_flag("-q,--quiet", arguments.quiet, "Don't show progress");
   app.add_option(
          "--end-report", arguments.end_report,
-         "Named pipe (mkfifo) that gets one line of JSON when the session ends, for supervisors")
+         "Named pipe (mkfifo) for a supervisor; gets one line of JSON when the session ends")
       ->type_name("PIPE");
 }
 
@@ -399,9 +399,8 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   if (is_of_chains && request.stop.independent_solutions && !request.stop.scans &&
       !request.stop.rounds) {
     logging::warn(
-        "the run stops only after enough independent solutions, so a chain that never reaches one "
-        "keeps the run going; set scans under [stop] to limit the run, or --time-limit to limit "
-        "this session");
+        "the run stops only after enough independent solutions, and may never stop; to limit it, "
+        "set scans under [stop], or use --time-limit for this session");
   }
   const run::WorldEntry& world = catalogue.world_of(request);
   const bool in_proportion = request.stop.independent_solutions.has_value();

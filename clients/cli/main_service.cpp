@@ -104,8 +104,9 @@ void add_submit(CLI::App& app, Action& action) {
                    "not results. Default: the service's cache_mb per process")
       ->type_name("SIZE");
   command
-      ->add_option("--priority", options->priority,
-                   "Priority among your own jobs; higher ones run first. Default: 0")
+      ->add_option(
+          "--priority", options->priority,
+          "Priority among your own jobs; jobs with a higher priority run first. Default: 0")
       ->check(CLI::Range(-k_priority_max, k_priority_max))
       ->type_name("N");
   command
@@ -127,8 +128,8 @@ void add_submit(CLI::App& app, Action& action) {
   command->add_flag("--json", options->json, k_json_help);
   command->footer(
       "Prints the job's id. With --watch or --wait, Ctrl-C leaves the job running, and the\n"
-      "exit codes are those of `sleight wait`. To start the service, run `sleight server "
-      "start`.\n\n"
+      "exit codes are the same as for `sleight wait`. To start the service, run\n"
+      "`sleight server start`.\n\n"
       "Examples:\n  sleight submit --word SLEIGHT\n"
       "  sleight submit requests/hi.toml --watch\n"
       "  sleight submit requests/ball_2d.toml --cores 4 --name throws --json | jq .id\n"
@@ -236,7 +237,8 @@ void add_stops(CLI::App& app, Action& action) {
       "A running job stops after its current scan and writes an archive of its results so far.\n\n"
       "Examples:\n  sleight cancel 17\n  sleight cancel g5\n  sleight cancel 17 19 23..30");
   add("hold", "Stop jobs until `sleight resume`", rpc::ChangeKind::hold,
-      "No work is lost. After `sleight resume`, the archive is the same as without the stop.\n\n"
+      "No work is lost. After `sleight resume`, jobs produce the same archives as without the "
+      "stop.\n\n"
       "Example:\n  sleight hold 17");
   add("resume", "Resume held, failed or cancelled jobs", rpc::ChangeKind::resume,
       "Example:\n  sleight resume 17");
@@ -257,14 +259,14 @@ void add_priority(CLI::App& app, Action& action) {
   add_jobs(*command, *options);
   command
       ->add_option("--to", options->priority,
-                   "New priority; jobs with a higher one run first. Jobs start with 0")
+                   "New priority; jobs with a higher priority run first. Jobs start with 0")
       ->required()
       ->check(CLI::Range(-k_priority_max, k_priority_max))
       ->type_name("N");
   command->footer(
       "Priorities order the jobs of one user. Between users, fair shares of the machine decide.\n"
-      "A job with a higher priority replaces a running job of the same user once that job has had\n"
-      "its slice (10 s by default).\n\n"
+      "A job with a higher priority replaces a running job of the same user after the running job\n"
+      "has used its time slice (10 s by default).\n\n"
       "Examples:\n  sleight priority 17 --to 5\n  sleight priority g5 --to -1");
 }
 
@@ -279,8 +281,8 @@ void add_extend(CLI::App& app, Action& action) {
       },
       options);
   add_jobs(*command, *options);
-  CLI::App* rule =
-      command->add_option_group("[stop]", "Exactly one rule; replaces [stop] of the request");
+  CLI::App* rule = command->add_option_group(
+      "[stop]", "Exactly one stopping rule, which replaces [stop] of the request");
   rule->add_option("--scans", options->scans, "Number of scans of each chain")
       ->check(CLI::Range(std::uint64_t{1}, request::k_scans_max).description(""))
       ->type_name("N");
@@ -390,7 +392,7 @@ void add_server(CLI::App& app, Action& action) {
   add("stop", "Stop the service; jobs keep running", cli::stop_server,
       "The next `sleight server start` takes over the jobs.\n\n"
       "Example:\n  sleight server stop");
-  add("drain", "Stop all running jobs cleanly and start no more", cli::drain_server,
+  add("drain", "Stop all running jobs cleanly and start no more jobs", cli::drain_server,
       "Drain the service before the machine shuts down. The next start of the service resumes the "
       "jobs.\n\n"
       "Example:\n  sleight server drain");

@@ -27,7 +27,8 @@ constexpr SettingOption k_options[] = {
     {"socket", "--socket", "PATH",
      "Path of the service's Unix socket. Default: socket in the state folder"},
     {"group", "--group", "NAME",
-     "Group whose members may use the service, besides its own user. Default: none"},
+     "Unix group whose members may use the service, in addition to the service's own user. "
+     "Default: none"},
     {"listen", "--listen", "ADDRESS",
      "Address for access from other machines, over TLS, for example 0.0.0.0:7423. "
      "Default: none"},
@@ -42,8 +43,8 @@ constexpr SettingOption k_options[] = {
      "Number of cores for all running jobs together. Default: all; 1024 on a batch "
      "system"},
     {"memory", "--memory", "SIZE",
-     "Memory for all running jobs together, for example 24GB. Default: 3/4 of the "
-     "machine's; 4TB on a batch system"},
+     "Memory for all running jobs together, for example 24GB. Default: 3/4 of the machine's "
+     "memory; 4TB on a batch system"},
     {"disk_reserve", "--disk-reserve", "SIZE",
      "Free disk space below which no job starts and running jobs are held. Default: 1GB"},
     {"slice", "--slice", "TIME",

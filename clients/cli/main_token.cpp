@@ -18,7 +18,7 @@ const char* const k_token_json_help = "Print JSON";
 void add_create(CLI::App& token, Action& action) {
   const auto options = std::make_shared<cli::TokenCreateOptions>();
   CLI::App* command = token.add_subcommand("create", "Create an access token and print it once");
-  command->add_option("--name", options->name, "Name of the token, for people")
+  command->add_option("--name", options->name, "Descriptive name of the token")
       ->required()
       ->type_name("TEXT");
   command
@@ -43,7 +43,7 @@ void add_create(CLI::App& token, Action& action) {
       ->type_name("N");
   command
       ->add_option("--cores", options->cores_max,
-                   "Maximum number of cores for each of its jobs. Default: the user's limit")
+                   "Maximum number of cores for each job of this token. Default: the user's limit")
       ->check(CLI::Range(1U, k_limit_max))
       ->type_name("N");
   command
@@ -55,7 +55,7 @@ void add_create(CLI::App& token, Action& action) {
     action = [options] { return cli::create_token(service_called(), *options); };
   });
   command->footer(
-      "A token permits its user's actions within its scopes: read (list, status, watch, logs,\n"
+      "A token permits its user the actions of its scopes: read (list, status, watch, logs,\n"
       "fetch), submit, manage (cancel, hold, resume, extend, delete, pin, priority) and operate\n"
       "(drain and stop the service). The service stores only a hash of the token.\n\n"
       "Examples:\n  sleight token create --name laptop -o laptop.token\n"
@@ -104,12 +104,11 @@ void add_logins(CLI::App& app, Action& action) {
       ->add_option("--token-file", options->token_file,
                    "File with the token. Default: standard input")
       ->type_name("FILE");
-  CLI::Option* fingerprint =
-      command
-          ->add_option(
-              "--fingerprint", options->fingerprint,
-              "Fingerprint of the service's certificate, from `sleight server status` there")
-          ->type_name("SHA256:HEX");
+  CLI::Option* fingerprint = command
+                                 ->add_option("--fingerprint", options->fingerprint,
+                                              "Fingerprint of the service's certificate, from "
+                                              "`sleight server status` on the service's machine")
+                                 ->type_name("SHA256:HEX");
   command
       ->add_option("--ca", options->ca_file,
                    "Certificate (PEM) of the authority that signed the service's certificate")
@@ -119,8 +118,8 @@ void add_logins(CLI::App& app, Action& action) {
   command->callback([&action, options] { action = [options] { return cli::login(*options); }; });
   command->footer(
       "To create a token, run `sleight token create` on the service's machine. `sleight login`\n"
-      "stores it in ~/.config/sleight/servers, readable only by you. To send commands to that\n"
-      "service, set SLEIGHT_SERVER, or `server` in config.toml.\n\n"
+      "stores the token in ~/.config/sleight/servers, readable only by you. To send commands to\n"
+      "that service, set SLEIGHT_SERVER, or `server` in config.toml.\n\n"
       "Examples:\n"
       "  sleight login render.example.org --fingerprint SHA256:4f0c... --token-file laptop.token\n"
       "  ssh render.example.org sleight token create --name laptop | sleight login "

@@ -87,11 +87,10 @@ std::vector<OwnWhat> own_whats_of(const pictures::PlotsOfWorlds& worlds) {
   for (const OwnWhat& own : own_whats_of(worlds)) {
     if (own.kind.what == what) whose = own.worlds;
   }
-  throw base::Error(
-      base::ExitCode::usage,
-      fmt::format(
-          "--what {} works only for archives of {}, but {} is of world {}; try --what animations",
-          what, fmt::join(whose, " and "), source.name(), world));
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("--what {} works only for archives of world {}, but {} is of world "
+                                "{}; try --what animations",
+                                what, fmt::join(whose, " and "), source.name(), world));
 }
 
 void draw_on_terminal(const plot::Figure& figure) {

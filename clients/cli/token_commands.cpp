@@ -152,7 +152,7 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
         return terminal::k_ok;
       }
       terminal::complain(
-          fmt::format("token {} of {}, {}; scopes: {}. The token {} and can't be shown again.",
+          fmt::format("token {} of {}, {}; scopes: {}. The token can't be shown again. It {}.",
                       token.id, terminal::name_of_user(token.user),
                       token.expires_s > 0 ? fmt::format("valid until {}", day_of(token.expires_s))
                                           : std::string("valid until it is revoked"),
