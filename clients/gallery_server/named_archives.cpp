@@ -35,8 +35,9 @@ rpc::JobId job_of(const std::string& text, std::string& service,
   }
   const auto* job = std::get_if<rpc::JobId>(&names.value().front());
   if (job == nullptr) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: several jobs; give each job's number separately", text));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("{}: names several jobs; give each job's number separately", text));
   }
   // Checked here, so that a missing job or service is reported at once.
   if (service.empty()) service = service_called();

@@ -54,7 +54,8 @@ Json checked(const Json& note) {
             {"changed", 0}};
   if (const auto* tags = note.find("tags"); tags) {
     if (!tags->is_array() || tags->size() > k_tags_max)
-      terminal::refuse_usage(fmt::format("tags are not a list, or more than {}", k_tags_max));
+      terminal::refuse_usage(
+          fmt::format("tags are not a list, or the list has more than {} tags", k_tags_max));
     for (const Json& tag : tags->elements())
       kept["tags"].push_back(checked_text(tag, "a tag", k_tag_bytes_max));
   }

@@ -22,10 +22,10 @@ std::string nothing_to_show(const json::Value& state, const std::vector<std::str
             ? std::string()
             : fmt::format(" (skipped: {}: {})", left_out[0]["name"].template get<std::string>(),
                           left_out[0]["reason"].template get<std::string>());
-    return terminal::shown_on_one_line(fmt::format(
-        "{}: no archive (*.h5) to show{}; subfolders are not searched: name an archive or "
-        "its folder, or wait until an archive appears",
-        fmt::join(paths, ", "), besides));
+    return terminal::shown_on_one_line(
+        fmt::format("{}: no archive (*.h5) to show{}; name an archive or its folder (subfolders "
+                    "are not searched), or wait until an archive appears",
+                    fmt::join(paths, ", "), besides));
   }
   // The page shows what was read of a damaged archive, and a job's archive may still appear.
   if (!std::ranges::all_of(archives.elements(), is_of("damaged"))) return {};
@@ -37,7 +37,7 @@ std::string nothing_to_show(const json::Value& state, const std::vector<std::str
       archives.size() == 1 ? std::string() : fmt::format(" (and {} more)", archives.size() - 1);
   return terminal::shown_on_one_line(fmt::format(
       "nothing to show: {}: {}{}; name an archive that "
-      "`sleight direct` wrote, or wait until it is replaced",
+      "`sleight direct` wrote, or wait until the file is replaced",
       first["name"].template get<std::string>(), first["words"].template get<std::string>(), more));
 }
 

@@ -99,7 +99,8 @@ std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
       std::ranges::any_of(others, [](const auto& name) { return name.starts_with(k_work); });
   throw base::Error(
       base::ExitCode::conflict,
-      fmt::format("{}: contains {}{}, not from a saved gallery, so nothing is replaced; {}choose "
+      fmt::format("{}: nothing was replaced, because the folder contains {}{}, which no saved "
+                  "gallery wrote; {}choose "
                   "a new folder, or move the other files away",
                   place.string(), others.front(), more,
                   has_work
@@ -231,8 +232,8 @@ void SavedFolder::remove_old() {
   fs::remove(work_ / "old", failure);
   if (!fs::exists(work_ / "old")) return;
   throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: the gallery was saved, but files were added to the old one "
-                                "meanwhile; they are in {}",
+                    fmt::format("{}: the gallery was saved, but meanwhile files were added to the "
+                                "old gallery; the added files are in {}",
                                 place_.string(), (work_ / "old").string()));
 }
 

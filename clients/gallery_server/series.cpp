@@ -63,7 +63,7 @@ std::vector<std::string> traced(const archive::Source& source) {
 std::string title_of(std::string_view name) {
   if (name == "log_constraint") return "score: log of the constraint's density";
   if (name == "log_prior") return "log p: log density under the model";
-  if (name == "lp") return "lp: log p and score together";
+  if (name == "lp") return "lp: sum of log p and score";
   if (name == "acceptance_rate") return "acceptance of proposals";
   return std::string(name);
 }
@@ -347,7 +347,7 @@ Json titles_in(const archive::Source& source, const archive::Summary& summary) {
   if (draws == 0 || draws > k_counted_draws_max) return titles;
   for (const std::string& name : traced(source))
     add(std::string(k_trace_prefix) + name, title_of(name), "trace", "along the chain");
-  add("trace.lineage", "lineage: the visit to the prior that a draw descends from", "trace",
+  add("trace.lineage", "lineage: the visit to the prior from which a draw descends", "trace",
       "along the chain");
   if (!rounds(source, summary).empty()) {
     add("ladder", "the ladder and its swap rates", "levels", "ladder");

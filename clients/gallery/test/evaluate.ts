@@ -18,7 +18,7 @@ function evaluate(from: string, to: string): void {
   const segments = segmentsOf(columns, "");
   const times = columns.get("t_s");
   if (!(times instanceof Float64Array) || times.length !== segments.count)
-    throw new Error("column 't_s' is missing or has another length");
+    throw new Error("column 't_s' is missing or has a wrong length");
   const position = new Float64Array(3 * segments.count);
   const velocity = new Float64Array(3 * segments.count);
   const orientation = new Float64Array(4 * segments.count);

@@ -30,7 +30,7 @@ test("a thrown body follows its parabola and rests at its last segment", () => {
   assert.equal(recording.endS, 2);
 });
 
-test("at a border the later segment is in force, the last of several with the same start", () => {
+test("at a border the later segment applies; if several start there, the last one applies", () => {
   // Goal: segments follow the rule of common/motion/path.h. Method: use three segments, two of which start at
   // the same time.
   const recording = recordingFrom([
@@ -53,7 +53,7 @@ test("a body that never enters has no pose, and bodies use their own segments", 
   assert.equal(recording.startS, 0);
 });
 
-test("segments out of order, of no body, or without a time throw", () => {
+test("invalid segments throw: out of order, without a body, or without a time", () => {
   // Goal: an invalid recording throws. Method: try each fault alone.
   assert.throws(() => recordingFrom([{ start: 1 }, { start: 0 }]));
   assert.throws(() => recordingFrom([{ body: 1 }, { body: 0 }], 2));
@@ -73,7 +73,7 @@ test("around a fixed axis the rotation equals the closed form", () => {
   }
 });
 
-test("about an axis that turns, the turn is the differential equation's", () => {
+test("the rotation about a turning axis solves the differential equation", () => {
   // Goal: the error is below 1e-6 rad. Method: solve q' = w q / 2 by an explicit fourth-order method in
   // 20,000 steps.
   const w = [9, -14, 6] as const;

@@ -27,7 +27,7 @@ test("a click selects one card, and Shift with a click selects a range", () => {
   assert.deepEqual(kept(selection, (name) => name !== "c" && name !== "a").anchor, null);
 });
 
-test("undo and redo restore states; a new step drops undone ones", () => {
+test("undo and redo restore states; a new step drops undone steps", () => {
   const empty: History<number> = { done: [], undone: [] };
   let history = empty;
   for (let i = 0; i < undoStepsMax + 5; i++)
@@ -58,7 +58,7 @@ test("the notes filter selects by notes", () => {
   assert.equal(allToggled(notes, ["a"], "star")["a"]?.star, false);
 });
 
-test("plausibility in words; all and none are exact", () => {
+test("plausibility in words is exact for all and for none", () => {
   const throws = Array.from({ length: 1000 }, (_, i) => i);
   assert.equal(throwsBelow(-1, throws), 0);
   assert.equal(throwsBelow(0.5, throws), 1);
@@ -70,7 +70,7 @@ test("plausibility in words; all and none are exact", () => {
   assert.match(plausibilityWords(719.5, throws), /more likely.* 72 of 100 /);
 });
 
-test("entries without a number are last in either direction", () => {
+test("entries without a number are sorted last in either direction", () => {
   const column = [3, NaN, 1, 3, 2];
   assert.deepEqual([...sortedByNumber(allEntries(5), column, false)], [2, 4, 0, 3, 1]);
   assert.deepEqual([...sortedByNumber(allEntries(5), column, true)], [0, 3, 4, 2, 1]);
@@ -78,7 +78,7 @@ test("entries without a number are last in either direction", () => {
     assert.equal(sortToText(sortFromText(text)), text);
 });
 
-test("sets of entries equal those of a slow way", () => {
+test("sets of entries equal the results of a slow method", () => {
   for (let seed = 1; seed < 200; seed++) {
     const some = (factor: number): Uint32Array =>
       allEntries(40).filter((entry) => (entry * factor * seed) % 7 < 3);

@@ -190,7 +190,7 @@ function meshesOf(value: unknown, columns: ReadonlyMap<string, Column>): Mesh[] 
     const vertices = places.length / 3;
     for (const corner of corners) if (corner >= vertices) throw torn("a mesh refers to a missing vertex");
     const colour = textOf(mesh["colour"], "a mesh's colour");
-    if (!/^#[0-9a-f]{6}$/i.test(colour)) throw torn("a mesh's colour is not #rrggbb");
+    if (!/^#[0-9a-f]{6}$/i.test(colour)) throw torn("a mesh's colour does not have the form #rrggbb");
     return {
       feature: indexOf(mesh["feature"], "a mesh's feature"),
       colour,

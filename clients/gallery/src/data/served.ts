@@ -314,6 +314,6 @@ function kindOf(status: number): FailureKind {
 /** Checks that the answer's named fields are lists. */
 function withLists<T>(answer: unknown, ...lists: readonly (keyof T & string)[]): T {
   if (!isObject(answer)) throw torn("the answer is not an object");
-  for (const list of lists) if (!Array.isArray(answer[list])) throw torn(`it has no list '${list}'`);
+  for (const list of lists) if (!Array.isArray(answer[list])) throw torn(`the answer has no list '${list}'`);
   return answer as unknown as T;
 }

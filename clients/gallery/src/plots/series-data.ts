@@ -87,7 +87,7 @@ function traceOf(title: string, all: readonly Series[]): PlotData {
   });
   const isThinned = heads.some((head) => head["is_thinned"] === true);
   const notices = isThinned
-    ? ["This trace is thinned: draws between the points are not shown, but extremes are."]
+    ? ["This trace is thinned: it shows extremes, but omits other draws between the points."]
     : [];
   const unit = textOf(heads[0]?.["unit"]);
   return {

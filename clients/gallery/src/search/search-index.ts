@@ -118,8 +118,8 @@ async function check(columns: Columns, bodies: number, features: number, turns: 
   for (let track = 0; track < trackFirst.length; ++track)
     if (trackFirst[track]! + trackCount[track]! > pieces) throw torn("a track refers to missing pieces");
   for (let entry = 1; entry < contactFirst.length; ++entry)
-    if (contactFirst[entry]! < contactFirst[entry - 1]!) throw torn("contacts are no animation's");
-  if (contactFirst[contactFirst.length - 1] !== contacts) throw torn("contacts are no animation's");
+    if (contactFirst[entry]! < contactFirst[entry - 1]!) throw torn("a contact belongs to no animation");
+  if (contactFirst[contactFirst.length - 1] !== contacts) throw torn("a contact belongs to no animation");
   await checkRows(columns.acceleration, columns.accelerationsMps2.length / 3, turns);
   await checkRows(columns.contactBody, bodies, turns);
   await checkRows(columns.contactPartner, features, turns);

@@ -133,7 +133,7 @@ export class PageActions {
     if (names.length > comparedMax)
       say(
         this.store,
-        `Comparing only the first ${comparedMax} of ${names.length} animations, the maximum.`,
+        `Comparing only the first ${comparedMax} of ${names.length} animations, which is the maximum.`,
       );
     this.change({ playing: names.slice(0, comparedMax), timeS: null });
   }

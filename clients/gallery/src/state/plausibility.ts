@@ -26,7 +26,7 @@ export function plausibilityWords(logPrior: number, blindThrows: readonly number
 }
 
 export const plausibilityHelp =
-  "Plausibility compares log_prior with that of blind throws, which are made without a goal. " +
+  "Plausibility compares an animation's log_prior with the log_prior of blind throws, which have no goal. " +
   "An animation that is more likely than many blind throws looks as if it happened by chance.";
 
 export const scoreHelp =
@@ -34,9 +34,9 @@ export const scoreHelp =
   "If the constraint is a distance to the goal, 0 is a perfect match.";
 
 export const proportionHelp =
-  "Not in proportion: these animations were found by search, or kept because they differ. " +
-  "The number of animations in a group doesn't show how probable they are.";
+  "Not in proportion: these animations were found by search, or kept because they differ from each other. " +
+  "The number of animations in a group doesn't show how probable the group is.";
 
 export const shareHelp =
-  "Share: fraction of all satisfied draws that look like this group, with its standard error. " +
+  "Share: fraction of all satisfied draws that look like this group, with standard error. " +
   "Kept animations don't show shares, because only distinct animations are kept.";
