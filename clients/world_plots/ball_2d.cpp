@@ -53,7 +53,7 @@ Asked asked_of(const archive::Source& source) {
     throw base::Error(
         base::ExitCode::bad_archive,
         source.name() +
-            ": its request has an invalid diameter_m, target_diameters or tolerance_diameters");
+            ": the request has an invalid diameter_m, target_diameters or tolerance_diameters");
   }
   return asked;
 }

@@ -229,7 +229,7 @@ std::string verdict(const PlausibilityCost& cost) {
   if (std::isnan(cost.error))
     return "A single lineage can't show how much of the difference is chance.";
   if (std::fabs(cost.mean) <= k_errors * cost.error)
-    return "The total difference is within chance for this number of lineages.";
+    return "For this number of lineages, the total difference could be due to chance.";
   const double size = std::fabs(cost.mean);
   const std::string times =
       size > k_exponent_max ? fmt::format("e^{:.0f}", size) : fmt::format("{:.2g}", std::exp(size));
@@ -326,9 +326,9 @@ DicePlausibility dice_plausibility(const archive::Source& source, const DicePrio
 
 plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior& prior) {
   plot::Figure figure{
-      .title = fmt::format("{} satisfying animations (bars; outermost: all beyond) and blind "
-                           "throws (curve)",
-                           found.animations),
+      .title = fmt::format(
+          "{} satisfying animations (bars; end bars include outliers) and blind throws (curve)",
+          found.animations),
       .height_px = 0,
       .panels = {}};
   if (prior.is_table_random) figure.panels.push_back(panel_of("table heights", found.offsets));
@@ -342,7 +342,7 @@ plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior&
 
 std::string plausibility_words(const DicePlausibility& found) {
   return fmt::format(
-      "Bars: {} kept animations of {} lineages{}; the outermost bars include everything beyond. "
+      "Bars: {} kept animations of {} lineages{}; the outermost bars include all values beyond. "
       "Curve: blind throws.\n"
       "starts: {}\n"
       "table:  {}\n"
