@@ -24,10 +24,10 @@ ShownAnimation read_picked(const archive::Source& source, const browse::Picked& 
   const scene::Scene& scene = picked.archive->index.scene;
   const std::string name = browse::short_text(picked.entry->name);
   if (archive::find_group(source, group) == nullptr)
-    browse::refuse_animation(source, name, "is there no more");
+    browse::refuse_animation(source, name, "no longer exists");
   const archive::KeptMotions motions(source, group);
   if (picked.entry->row >= motions.count())
-    browse::refuse_animation(source, name, "is there no more");
+    browse::refuse_animation(source, name, "no longer exists");
   browse::KeptAnimation kept =
       browse::kept_animation(source, motions, picked.entry->row, scene, name);
   return {.title = std::move(title),

@@ -27,8 +27,8 @@ std::string words(rpc::JobId, const events::Solution& solution) {
     return fmt::format("found {}: start {}, log p {:.4g}", grouped(solution.nth),
                        grouped(solution.scan), solution.log_p);
   }
-  return fmt::format("in proportion {}: chain {}, scan {}, log p {:.4g}", grouped(solution.nth),
-                     solution.chain, grouped(solution.scan), solution.log_p);
+  return fmt::format("solution {} in proportion: chain {}, scan {}, log p {:.4g}",
+                     grouped(solution.nth), solution.chain, grouped(solution.scan), solution.log_p);
 }
 
 std::string words(rpc::JobId job, const events::Failure& failure) {

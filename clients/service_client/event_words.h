@@ -8,8 +8,8 @@
 
 namespace sleight::service_client {
 
-/// Returns, for example, "in proportion 3: chain 2, scan 400, log p -12.3" for the third solution
-/// in the model's proportions. A line of progress has no job name.
+/// Returns, for example, "solution 3 in proportion: chain 2, scan 400, log p -12.3" for the third
+/// solution in the model's proportions. A line of progress has no job name.
 std::string words_of_event(rpc::JobId job, const events::RunEvent& event);
 
 /// Returns the state, the start if it is not the first, and the reason.

@@ -42,7 +42,8 @@ rpc::RemoteService read_known(const access::ServerAddress& address) {
   }
   if ((seen.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
     throw base::Error(fmt::format(
-        "{}: other users can read this token; revoke the token, and log in with a new one", path));
+        "{}: other users can read this token; revoke the token, and log in with a new token",
+        path));
   }
   try {
     const auto json = json::Value::parse(base::read_text_file(path, k_known_file_bytes_max));

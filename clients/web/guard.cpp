@@ -207,14 +207,15 @@ base::Result<Passed, Refusal> Guard::judge(const Head& head) const {
     const bool is_stream = passed.ask.path == events_path_;
     if (passed.ask.method == Method::post) {
       if (!origins.has_origin)
-        return Refusal{403, "A POST must have an Origin header.", "Send Origin, as browsers do."};
+        return Refusal{403, "A POST must have an Origin header.",
+                       "Add an Origin header, as browsers do."};
       if (!is_json_type(said(head, "content-type").value))
         return Refusal{415, "Content must be application/json.",
                        "Send Content-Type: application/json."};
       if (is_stream) return Refusal{405, "Events can only be read.", "Use GET."};
     } else if (is_stream) {
       if (!origins.has_origin && !origins.says_same_origin)
-        return Refusal{403, "Reading events requires an Origin header.", "Send Origin."};
+        return Refusal{403, "Reading events requires an Origin header.", "Add an Origin header."};
       passed.way = Way::stream;
     }
     return passed;

@@ -60,7 +60,7 @@ std::string read_all(const base::Descriptor& file, const std::string& path, std:
     filled += static_cast<std::size_t>(count);
   }
   if (filled != size)
-    fail(path, "the file changed while it was read; start again once the page is built");
+    fail(path, "the file changed while it was read; start again after the page is built");
   text.resize(size);
   return text;
 }
@@ -88,8 +88,7 @@ struct StaticFiles::Reading {
 
 void StaticFiles::Reading::read_folder(const base::Descriptor& folder, const std::string& inside,
                                        int depth) {
-  if (depth > k_static_depth_max)
-    fail(root + inside, "too deep; a page has fewer levels of folders");
+  if (depth > k_static_depth_max) fail(root + inside, "is nested too deeply for a page's folder");
   // Uses the descriptor, so that a renamed or replaced folder makes no difference.
   const base::PosixFileSystem system;
   for (const std::string& name : system.names_in(fmt::format("/proc/self/fd/{}", folder.get())))
@@ -101,7 +100,8 @@ void StaticFiles::Reading::read_entry(const base::Descriptor& folder, const std:
   if (name.starts_with('.')) return;
   const std::string path = inside + "/" + name;
   if (++entries > k_static_files_max)
-    fail(root, fmt::format("contains more than {} files; a page has fewer", k_static_files_max));
+    fail(root,
+         fmt::format("contains more than {} files, the maximum for a page", k_static_files_max));
   // Doesn't follow links, and doesn't wait for the other end of a pipe.
   const base::Descriptor file(
       ::openat(folder.get(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK));
@@ -115,7 +115,8 @@ void StaticFiles::Reading::read_entry(const base::Descriptor& folder, const std:
   } else if (S_ISREG(status.st_mode)) {
     bytes += static_cast<std::size_t>(status.st_size);
     if (bytes > k_static_bytes_max)
-      fail(root, fmt::format("contains more than {} bytes; a page has fewer", k_static_bytes_max));
+      fail(root,
+           fmt::format("contains more than {} bytes, the maximum for a page", k_static_bytes_max));
     if (type_entry(name) != nullptr) {
       File& read = files[path];
       const std::string text =
@@ -129,7 +130,8 @@ void StaticFiles::Reading::read_entry(const base::Descriptor& folder, const std:
         if (auto packed = compress(text)) read.compressed = Content(std::move(*packed));
     }
   } else {
-    fail(root + path, "is neither file nor folder; a page's folder may only contain these");
+    fail(root + path,
+         "is neither file nor folder; a page's folder may only contain files and folders");
   }
 }
 
