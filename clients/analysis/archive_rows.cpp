@@ -105,8 +105,8 @@ std::vector<double> read_rows(const archive::Source& source, std::string_view gr
   const std::uint64_t held = spec.dims[0].size;
   if (rows.first > held || rows.count > held - rows.first) {
     refuse(source, group, dataset,
-           fmt::format("has only {} rows; expected {} rows from row {}", held, rows.count,
-                       rows.first));
+           fmt::format("the dataset has only {} rows; expected {} rows from row {}", held,
+                       rows.count, rows.first));
   }
   return as_doubles(source.read(group, dataset, rows.first * columns, rows.count * columns));
 }

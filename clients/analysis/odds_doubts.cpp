@@ -213,13 +213,13 @@ std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumb
          .at_least = true});
   }
   if (islands.largest_share > math::k_largest_share_max) {
-    doubts.push_back(
-        {.kind = DoubtOf::heavy_tail,
-         .reason = fmt::format(
-             "one of {} islands has {:.1f}% of the sum of all islands; at most {:.0f}% is allowed",
-             islands.islands, 100 * islands.largest_share, 100 * math::k_largest_share_max),
-         .longer = std::max(islands.largest_share / math::k_largest_share_max, 2.0),
-         .at_least = true});
+    doubts.push_back({.kind = DoubtOf::heavy_tail,
+                      .reason = fmt::format("one of {} islands has {:.1f}% of the sum over all "
+                                            "islands; at most {:.0f}% is allowed",
+                                            islands.islands, 100 * islands.largest_share,
+                                            100 * math::k_largest_share_max),
+                      .longer = std::max(islands.largest_share / math::k_largest_share_max, 2.0),
+                      .at_least = true});
   }
   return doubts;
 }

@@ -158,8 +158,8 @@ int login(const LoginOptions& options) {
     }
     throw base::Error(base::ExitCode::not_allowed,
                       fmt::format("{0}\n"
-                                  "The server's certificate is\n"
-                                  "  {2}\n"
+                                  "The server's certificate has the fingerprint\n"
+                                  "  {2}.\n"
                                   "Compare this fingerprint with the output of `sleight server "
                                   "status` on the server's machine. If both are the same, run\n"
                                   "  sleight login {1} --fingerprint {2}",

@@ -167,7 +167,7 @@ void add_list(CLI::App& app, Action& action) {
   command->add_flag("--json", options->json, k_json_help);
   command->footer(
       "The column FOUND counts solutions of a search. The column IN PROPORTION counts solutions\n"
-      "in the model's proportions.\n\n"
+      "drawn in the model's proportions.\n\n"
       "Examples:\n  sleight list\n  sleight list --state running --state queued\n"
       "  sleight list --group g5 --json | jq '.jobs[].digest'");
 }
@@ -273,7 +273,7 @@ void add_priority(CLI::App& app, Action& action) {
 void add_extend(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::ExtendOptions>();
   CLI::App* command = add_command(
-      app, "extend", "Ask jobs for more scans, rounds or solutions", action,
+      app, "extend", "Extend jobs to more scans, rounds or solutions", action,
       [](const std::string& socket, const cli::ExtendOptions& given) {
         return cli::change(
             socket, given,
@@ -297,7 +297,7 @@ void add_extend(CLI::App& app, Action& action) {
       ->type_name("X");
   rule->require_option(1);
   command->footer(
-      "A number is the new total of the whole run, not the amount to add. The archive is the\n"
+      "The number is the new total of the whole run, not an amount to add. The archive is the\n"
       "same as if the request had contained the new number from the start.\n\n"
       "Examples:\n  sleight extend 17 --solutions 100\n  sleight extend g5 --scans 40000");
 }

@@ -21,10 +21,10 @@ std::string folder_of_page(const char* name) {
   }
   const fs::path folder = program.parent_path().parent_path() / "share" / "sleight" / name;
   if (!fs::exists(folder / "index.html", failure)) {
-    throw base::Error(
-        fmt::format("{}: the gallery's page is missing. Building it requires npm packages: run "
-                    "deploy/install-deps and build again (cmake without -DSLEIGHT_GALLERY=OFF)",
-                    folder.string()));
+    throw base::Error(fmt::format(
+        "{}: the gallery's page is missing. Building the page requires npm packages: run "
+        "deploy/install-deps and build again (cmake without -DSLEIGHT_GALLERY=OFF)",
+        folder.string()));
   }
   return folder.string();
 }

@@ -117,7 +117,7 @@ fs::path resolved(const std::string& folder) {
 fs::path folder_of_our_own(const fs::path& parent) {
   std::string form = (parent / fmt::format("{}XXXXXX", k_work)).string();
   if (::mkdtemp(form.data()) == nullptr) {
-    throw base::Error(fmt::format("{}: cannot create a folder there: {}", parent.string(),
+    throw base::Error(fmt::format("{}: cannot create a folder in this folder: {}", parent.string(),
                                   std::generic_category().message(errno)));
   }
   return form;

@@ -54,7 +54,7 @@ async function pageOf(server: Server, run = "a", source = server.asSource()) {
   return { store, keeping, show, window };
 }
 
-test("undo changes the archive of the undone change, even if another one is shown", async () => {
+test("undo changes the archive of the undone change, even if another archive is shown", async () => {
   const server = new Server();
   server.runs["b"]!["c0.1"] = { star: false, hidden: false, tags: [], note: "precious", changed: 1 };
   const { store, keeping, show } = await pageOf(server);
@@ -69,7 +69,7 @@ test("undo changes the archive of the undone change, even if another one is show
   assert.equal(noteOf(store.state.notes, "c0.1").note, "precious");
 });
 
-test("a note is stored for the archive in which it was begun, even if another one is shown", async () => {
+test("a note is stored for the archive in which the note was begun, even if another archive is shown", async () => {
   const server = new Server();
   const { store, keeping, show } = await pageOf(server);
   const before = noteOf(store.state.notes, "c0.1");

@@ -50,7 +50,7 @@ test("an answer truncated anywhere throws", () => {
     assert.throws(() => unpack(whole.slice(0, length)), isTorn, `${length} bytes`);
 });
 
-test("an answer with an invalid head throws", () => {
+test("an answer with an invalid header throws", () => {
   // Goal: no column exceeds the answer or has a wrong type. Method: write heads by hand.
   const column = (text: string): string => `{"head":{},"columns":[${text}]}`;
   const heads = [

@@ -42,7 +42,7 @@ test("undo and redo restore states; a new step drops undone steps", () => {
   assert.equal(undo(empty), null);
 });
 
-test("the notes filter selects by notes", () => {
+test("the notes filter selects animations by their notes", () => {
   const notes = {
     a: { star: true, hidden: false, tags: ["x", "y"], note: "" },
     b: { star: false, hidden: true, tags: ["x"], note: "" },

@@ -51,7 +51,7 @@ test("groups don't depend on a set's order, and known distances are reused", asy
   await assert.rejects(search.groups(null, 0, "medoids"), SourceError);
 });
 
-test("long work lets the page run, and can be aborted", async () => {
+test("long work lets the page respond, and can be aborted", async () => {
   // Goal: the page can run, and a request can be aborted. Method: count timers while 400 animations are
   // grouped.
   const search = await searchOf(made(400));

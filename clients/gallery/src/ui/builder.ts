@@ -138,7 +138,9 @@ export function makeBuilder(ui: Ui): Part {
     const column = state.loaded.table.numbers.get(number.name);
     const spread = column === undefined ? null : spreadOf(column, within(state));
     number.picture.replaceChildren(
-      spread === null ? "No animation shown has this number." : histogram(spread, number.range.range, number.name),
+      spread === null
+        ? "No animation shown has a value of this number."
+        : histogram(spread, number.range.range, number.name),
     );
   };
 
