@@ -101,7 +101,8 @@ std::optional<Cause> cause_of(std::string_view name) {
 
 void check_order(const Order& order) {
   if (!is_daemon_name(order.name.daemon) || order.name.job == 0 || order.name.epoch == 0)
-    refuse("the attempt needs a daemon (8 to 32 characters of a-z and 0-9), a job and an epoch");
+    refuse(
+        "the attempt needs a daemon name (8 to 32 characters of a-z and 0-9), a job and an epoch");
   if (!order.folder.starts_with('/') || has_control(order.folder))
     refuse(fmt::format("the folder must be an absolute path without control characters, found '{}'",
                        order.folder));

@@ -104,8 +104,8 @@ void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
   }
   if (stored.value_or(0) <= scans) return;
   logging::info(
-      fmt::format("{}: contains the first {} scans of each chain, as requested; the run store "
-                  "has {} of each",
+      fmt::format("{}: contains the first {} scans of each chain, as requested; the run store has "
+                  "{} scans of each chain",
                   output, scans, *stored));
 }
 

@@ -31,7 +31,7 @@ std::string counted(const archive::WritingProgress& now, const char* things, dou
 std::string words_of(const archive::WritingProgress& now, double per_s) {
   switch (now.part) {
     case Part::learning:
-      return fmt::format("learning from stored scans: {} so far", grouped(now.done));
+      return fmt::format("processing stored scans: {} so far", grouped(now.done));
     case Part::draws:
       return counted(now, "draws", per_s, "draws");
     case Part::animations:

@@ -120,8 +120,8 @@ rpc::Refusal Calls::stalled() const {
   return {.kind = rpc::RefusalKind::environment,
           .sentence = "The service can't save changes because its disk is full or failing.",
           .what_to_do =
-              "Free some space on the disk of the service's state folder. Changes accepted before "
-              "are not lost."};
+              "Free some space on the disk of the service's state folder. Changes that were "
+              "accepted before are not lost."};
 }
 
 void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,

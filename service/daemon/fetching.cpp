@@ -85,7 +85,7 @@ void Fetching::fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string s
         refusal(rpc::RefusalKind::busy,
                 fmt::format("You already have {} fetches in progress, which is the maximum.",
                             k_fetches_of_user_max),
-                "Try again when one of them has finished."));
+                "Try again when a fetch has finished."));
     return;
   }
   make(user, ask, std::move(segments),

@@ -41,7 +41,7 @@ rpc::Refusal too_dear(const std::string& sum, std::uint64_t most, const char* wh
                       const char* setting, const char* key) {
   return {
       .kind = rpc::RefusalKind::limit,
-      .sentence = fmt::format("The request needs {}, and this service's limit per job is {} {}.",
+      .sentence = fmt::format("The request needs {}, but this service's limit per job is {} {}.",
                               sum, grouped(most), what),
       .what_to_do = fmt::format("Reduce `{}`, or ask the service's administrator to raise {}.", key,
                                 setting)};

@@ -19,8 +19,8 @@ std::unique_ptr<store::RunLock> lock_state_folder(const std::string& state) {
     std::string process;
     std::ifstream(state + "/lock") >> process;
     throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: in use by another server{}; `sleight server status` shows "
-                                  "that server, `sleight server stop` stops it",
+                      fmt::format("{}: in use by another server{}; run `sleight server stop` to "
+                                  "stop that server, or `sleight server status` to show its state",
                                   state, process.empty() ? "" : " (process " + process + ")"));
   }
 }

@@ -274,7 +274,7 @@ jobs::Outside SystemAttempts::outside_of(const Run& run) const {
 std::string SystemAttempts::words_of(const Run& run) const {
   const std::string title = parts_.backend->title();
   if (!run.seen || run.seen->state == backend::State::absent)
-    return fmt::format("{} no longer lists the job, and its keeper recorded no end", title);
+    return fmt::format("{} no longer lists the job, and the job's keeper recorded no end", title);
   return fmt::format("{} job {}: {}", title, run.seen->id, run.seen->words);
 }
 
@@ -391,7 +391,8 @@ void SystemAttempts::judge_there(jobs::JobId job, Run& run) {
   if (run.seen->state == backend::State::waiting) {
     tell_pending(job, run, fmt::format("{} is waiting: {}", job_words, run.seen->words));
   } else if (run.seen->state == backend::State::running) {
-    tell_pending(job, run, fmt::format("{} has started, but its keeper has not", job_words));
+    tell_pending(job, run,
+                 fmt::format("{} has started, but the job's keeper has not started", job_words));
   } else if (run.is_looked_for) {
     tell_seen(job, run, jobs::Unknown{.words = fmt::format("{}: {}", job_words, run.seen->words)});
   }

@@ -61,7 +61,7 @@ Verdict ends_outside(const Job& job, Outside outside, const std::string& how) {
     return goes_on(job, {.to = State::held,
                          .reason = Reason::cancelled_outside,
                          .words = fmt::format("The job was cancelled in the batch system. {}{}To "
-                                              "continue it, run `sleight resume {}`.",
+                                              "continue the job, run `sleight resume {}`.",
                                               how, how.empty() ? "" : ". ", job.id)});
   return goes_on(
       job, {.to = State::queued,
@@ -109,7 +109,7 @@ const std::string k_disk_full =
     "The disk is full. Free some space (`sleight delete` deletes finished jobs). The job then "
     "resumes automatically.";
 const std::string k_other_results =
-    "The run's results version differs from that of the installed programs. The job resumes "
+    "The run and the installed programs have different results versions. The job resumes "
     "automatically when programs with the run's version are installed. Otherwise, submit the "
     "request again.";
 
@@ -141,13 +141,13 @@ Verdict judge_bug(const Job& job, const Ended& ended, const Options& options) {
   const std::string how = fmt::format("A check failed at {}: {}", ended.place, ended.words);
   const bool is_again =
       !ended.place.empty() && ended.place == job.bug_place && job.counts.scans <= job.scans_at_bug;
-  Verdict verdict = is_again
-                        ? fails(job, Reason::bug,
-                                with_log(fmt::format("{} The check failed twice without progress "
-                                                     "in between. This is a bug in Sleight.",
-                                                     sentence(how)),
-                                         ended.log_end, ended.repeat))
-                        : dies(job, how, ended.log_end, ended.repeat, options);
+  Verdict verdict =
+      is_again ? fails(job, Reason::bug,
+                       with_log(fmt::format("{} The same check failed twice without progress in "
+                                            "between. This is a bug in Sleight.",
+                                            sentence(how)),
+                                ended.log_end, ended.repeat))
+               : dies(job, how, ended.log_end, ended.repeat, options);
   verdict.is_death = true;
   verdict.is_bug = true;
   return verdict;

@@ -294,7 +294,8 @@ void Jobs::release_limited() {
     }
     next = end;
     for (const JobId id : gone)
-      enter(jobs_.at(id), State::queued, Reason::went_on, "The user is below the limit again.");
+      enter(jobs_.at(id), State::queued, Reason::went_on,
+            "The user's jobs are below the limit again.");
   }
 }
 

@@ -109,7 +109,7 @@ void Jobs::take(const Ask& input) {
   } else if (found->second.user != input.user && !input.is_operator) {
     refusal = {.kind = RefusalKind::not_allowed,
                .sentence = fmt::format("Job {} belongs to another user.", input.job),
-               .what_to_do = "Ask that user or the server's administrator."};
+               .what_to_do = "Ask that user or the server's administrator to make the change."};
   } else {
     refusal = carry_out(found->second, input);
   }
@@ -143,7 +143,7 @@ std::optional<Refusal> Jobs::carry_out(Job& job, const Ask& input) {
 std::optional<Refusal> Jobs::cancel(Job& job) {
   if (job.state == State::cancelled) return std::nullopt;
   if (is_over(job.state))
-    return wrong_state(job, fmt::format("has already ended: its state is '{}'", name_of(job.state)),
+    return wrong_state(job, fmt::format("has ended with state '{}'", name_of(job.state)),
                        "To delete the job, use `sleight delete`.");
   if (is_active(job.state)) {
     ask_to_stop(job, Reason::cancel_asked, "The job is being cancelled.");
@@ -156,7 +156,7 @@ std::optional<Refusal> Jobs::cancel(Job& job) {
 std::optional<Refusal> Jobs::hold(Job& job) {
   const std::string words = fmt::format("To continue the job, run `sleight resume {}`.", job.id);
   if (is_over(job.state))
-    return wrong_state(job, fmt::format("has already ended: its state is '{}'", name_of(job.state)),
+    return wrong_state(job, fmt::format("has ended with state '{}'", name_of(job.state)),
                        "Only an unfinished job can be held.");
   if (job.state == State::yielding && job.reason == Reason::cancel_asked)
     return wrong_state(job, "is being cancelled",
@@ -204,7 +204,7 @@ std::optional<Refusal> Jobs::extend(Job& job) {
 
 std::optional<Refusal> Jobs::remove(Job& job) {
   if (!is_over(job.state))
-    return wrong_state(job, fmt::format("has not ended: its state is '{}'", name_of(job.state)),
+    return wrong_state(job, fmt::format("is unfinished (state '{}')", name_of(job.state)),
                        fmt::format("Run `sleight cancel {}` first.", job.id));
   if (job.pinned)
     return wrong_state(job, "is pinned", fmt::format("Run `sleight pin {} --off` first.", job.id));

@@ -121,9 +121,9 @@ void Jobs::hand_out() {
     Job& job = jobs_.at(next->id);
     if (has_other_results(job)) {
       enter(job, State::held, Reason::other_results,
-            "The run's results version differs from that of the installed programs. The job "
-            "resumes automatically when programs with the run's version are installed. Otherwise, "
-            "submit the request again.");
+            "The run and the installed programs have different results versions. The job resumes "
+            "automatically when programs with the run's version are installed. Otherwise, submit "
+            "the request again.");
       continue;
     }
     const Shares now = shares();

@@ -156,8 +156,8 @@ std::optional<AttemptRecord> record_in(const std::string& folder, const std::str
   auto record = record_of(text);
   if (!record) {
     throw base::Error(
-        fmt::format("{}/{}: not an attempt record of this Sleight version, so it is unknown what "
-                    "ran in this folder; move the file away if nothing runs there",
+        fmt::format("{}/{}: the file is not an attempt record of this Sleight version; move it "
+                    "away if no program runs in the folder",
                     folder, k_record_name));
   }
   return record;

@@ -39,14 +39,14 @@ void add_options(CLI::App& app, keeper::KeeperOptions& options) {
       ->check(CLI::PositiveNumber)
       ->type_name("N");
   app.add_flag("--ranks", options.with_ranks,
-               "The program is mpirun: also kill it if it hangs without ranks");
+               "The program is mpirun, which is also killed if it hangs without ranks");
   app.add_flag("--batch", options.in_batch,
-               "Run inside a batch system's job: SIGTERM also stops the program cleanly");
+               "Run inside a batch system's job, where SIGTERM also stops the program cleanly");
   app.add_option("--grace", options.grace_s,
                  "Time until a program that reported its end is killed. Default: 30")
       ->check(CLI::NonNegativeNumber)
       ->type_name("SECONDS");
-  app.add_option("program", options.command, "The program and its arguments, after --")
+  app.add_option("program", options.command, "Program to run and its arguments, after --")
       ->required()
       ->type_name("PROGRAM ARGUMENTS...");
   app.footer(

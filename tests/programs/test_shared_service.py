@@ -121,7 +121,7 @@ class Shared(ServiceTest):
         refused(2, "--group: no group no-such-group", *of_its_user, "--group", "no-such-group")
         refused(5, "can't listen", *become(DAEMON), daemon, "--group", GROUP)
         inside = self.state / "socket"
-        refused(2, "a socket outside the state folder", *of_its_user, "--group", GROUP, "--socket", inside)
+        refused(2, "the socket must be outside", *of_its_user, "--group", GROUP, "--socket", inside)
         self.assertEqual(list(self.state.glob("jobs/*")), [])
 
 

@@ -60,8 +60,8 @@ std::optional<Received> poll() {
            MPI_COMM_WORLD, MPI_STATUS_IGNORE);
   base::Result<schema::Message, std::string> message = schema::wire::decode(bytes);
   if (!message) {
-    throw base::Error(base::ExitCode::bug,
-                      fmt::format("rank {} sent {}", status.MPI_SOURCE, message.error()));
+    throw base::Error(base::ExitCode::bug, fmt::format("invalid message from rank {}: {}",
+                                                       status.MPI_SOURCE, message.error()));
   }
   return Received{.rank = static_cast<std::size_t>(status.MPI_SOURCE),
                   .bytes = bytes.size(),
@@ -104,7 +104,7 @@ bool MpiCrew::dismiss() {
         sleep_s(schema::wire::k_poll_interval_s_max);
       }
     } catch (const base::Error& failure) {
-      logging::warn(fmt::format("after the end of the run: {}", failure.what()));
+      logging::warn(fmt::format("error after the end of the run: {}", failure.what()));
     }
     if (left_ == others) finish_sends();
   }
