@@ -35,7 +35,7 @@ namespace {
 /// Number of temperatures if the request sets none.
 constexpr std::uint32_t k_first_replicas = 12;
 static_assert(k_first_replicas == 12 && sampling::k_first_power == 6,
-              "the help of ladder_power states these values");
+              "the help text of ladder_power contains these values");
 static_assert(request::k_chains_max <= plan::k_first_lane);
 /// Every valid request's excursions are within the method's limit.
 static_assert(request::k_excursion_iterations_max <= sampling::k_excursion_steps_max);
@@ -97,7 +97,7 @@ const WorldEntry& Catalogue::world_of(const request::DirectionRequest& request) 
   for (const auto& world : worlds_) {
     if (world->binding().name == request.world) return *world;
   }
-  base::check_failed("a world of this name exists", request.world);
+  base::check_failed("the catalogue contains the named world", request.world);
 }
 
 namespace {

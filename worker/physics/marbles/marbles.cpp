@@ -164,7 +164,7 @@ void Marbles::start_ball(BodyId ball, const EventKey& event) {
   const std::string obstacle = obstacle_of(ball);
   if (!obstacle.empty()) {
     fail(SceneError::Kind::overlap,
-         fmt::format("{} can't start at {:.9g} s: it overlaps {} or is within {} m of it",
+         fmt::format("{} can't start at {:.9g} s: it overlaps {}, or the gap is below {} m",
                      name(ball), seconds(event.tick - Tick{}), obstacle, k_touch_m));
     return;
   }

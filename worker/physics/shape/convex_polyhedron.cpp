@@ -200,19 +200,20 @@ std::string describe(const ShapeError& error) {
       return fmt::format("a coordinate of point {} is not a finite number", error.index);
     case Kind::flat:
       return fmt::format(
-          "the points are nearly coplanar: their thickness is {:.3g} of their extent, at least "
-          "{:g} is needed",
+          "the points are nearly coplanar: their thickness is {:.3g} of their extent, expected at "
+          "least {:g}",
           error.measured, k_hull_flat);
     case Kind::degenerate:
-      return "the points have details as small as the hull's tolerance";
+      return "some features of the points are as small as the hull's tolerance";
     case Kind::not_spherical:
       return fmt::format(
-          "declared spherical, but the relative difference of the moments of inertia is {:.3g}",
+          "the body is declared spherical, but the relative difference of the moments of inertia "
+          "is {:.3g}",
           error.measured);
     case Kind::not_axial:
       return fmt::format(
-          "declared axial, but no two moments of inertia are equal; the smallest relative "
-          "difference is {:.3g}",
+          "the body is declared axial, but no two moments of inertia are equal; the smallest "
+          "relative difference is {:.3g}",
           error.measured);
     case Kind::no_parts:
       return "a body needs at least one part";
@@ -226,7 +227,7 @@ std::string describe(const ShapeError& error) {
       return "a round piece needs an axis of length 1 and a finite origin";
     case Kind::sharp:
       return fmt::format(
-          "the radius of ring or ball {} is {:.3g} of the piece's size, at least {:g} is needed",
+          "the radius of ring or ball {} is {:.3g} of the piece's size, expected at least {:g}",
           error.index, error.measured, k_round_edge_min);
   }
   return "unknown shape error";

@@ -333,7 +333,8 @@ std::string describe(const MeshError& error) {
                          error.triangle, k_mesh_sliver);
     case Kind::edge_shared_by_three:
       return fmt::format(
-          "triangle {} is the third triangle at an edge of triangle {} (at vertex {})",
+          "triangle {} shares an edge with triangle {} (at vertex {}), but that edge already has "
+          "two triangles",
           error.triangle, error.other, error.vertex);
     case Kind::edge_run_twice:
       return fmt::format(

@@ -238,10 +238,10 @@ void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
       fail(
           SceneError::Kind::overlap,
           description.start_again
-              ? fmt::format("{} found no free place to start at {:.9g} s in {} attempts; the last "
-                            "attempt overlaps {}",
+              ? fmt::format("{} can't start at {:.9g} s: no free place was found in {} attempts; "
+                            "the last place overlaps {}",
                             bodies_.name(body), seconds(event.tick - Tick{}), attempt - 1, obstacle)
-              : fmt::format("{} can't start at {:.9g} s: it overlaps {} or is within {} m of it",
+              : fmt::format("{} can't start at {:.9g} s: it overlaps {}, or the gap is below {} m",
                             bodies_.name(body), seconds(event.tick - Tick{}), obstacle, k_touch_m));
       return;
     }

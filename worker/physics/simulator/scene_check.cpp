@@ -152,7 +152,7 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
         body.start_tick != Tick{} ? "the start tick must be 0"
         : !is_zero(twist.velocity_mps) || !is_zero(twist.angular_velocity_radps)
             ? "the velocities must be 0"
-        : !(scene.slow.rest_speed_mps > 0) ? "the scene must let bodies rest (SlowContacts)"
+        : !(scene.slow.rest_speed_mps > 0) ? "the scene must have rest_speed_mps > 0 (SlowContacts)"
         : is_zero(scene.gravity_mps2)      ? "gravity must not be 0"
                                            : nullptr;
     if (lacks != nullptr)
@@ -305,8 +305,9 @@ std::optional<SceneError> error_of_period(const Scene& scene) {
   for (const double period : scene.period_m) {
     if (period == 0) continue;
     if (!(period > 0 && period <= k_coordinate_m_max)) {
-      return error(Kind::bad_number,
-                   fmt::format("period is {} m, expected a number above 0, or 0 for none", period));
+      return error(
+          Kind::bad_number,
+          fmt::format("period is {} m, expected a number above 0, or 0 for no period", period));
     }
     if (!scene.planes.empty() || !scene.convexes.empty() || !scene.meshes.empty() ||
         !scene.surfaces.empty() || scene.gravity_mps2 != Vec3::Zero()) {

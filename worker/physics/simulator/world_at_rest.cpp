@@ -163,8 +163,8 @@ SceneError World::error_of_rest(BodyId body, double missing, bool holds_if_rough
   } else {
     const std::size_t named = std::min(partners.size(), k_named);
     message = fmt::format(
-        "{} can't start at rest: its supports ({}{}) can't hold it, and it would {}; {:.2g} of the "
-        "forces on it are not balanced",
+        "{} can't start at rest: the supports ({}{}) can't hold the body, so it would {}; {:.2g} "
+        "of the forces on the body are not balanced",
         bodies_.name(body),
         fmt::join(partners.begin(), partners.begin() + static_cast<int>(named), ", "),
         partners.size() > named ? ", ..." : "",

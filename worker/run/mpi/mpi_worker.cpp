@@ -87,7 +87,9 @@ class Desk {
   /// Processes all arrived messages, then runs the oldest assignment. Returns false after a stop.
   bool turn() {
     while (std::optional message = next_message(waiting_.empty())) {
-      if (!*message) throw base::Error(base::ExitCode::bug, "got " + message->error());
+      if (!*message)
+        throw base::Error(base::ExitCode::bug,
+                          "invalid message from the coordinator: " + message->error());
       schema::Message value = std::move(*message).value();
       if (std::holds_alternative<schema::Stop>(value)) return false;
       if (const auto* ping = std::get_if<schema::Ping>(&value)) {

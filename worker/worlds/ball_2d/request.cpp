@@ -28,7 +28,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   world.angle_deg("normal_sd_deg", p.normal_sd_rad,
                   {.minimum = 0.001,
                    .maximum = 45,
-                   .help = "standard deviation of each normal from the vertical"});
+                   .help = "standard deviation of each normal's angle from the vertical"});
   world.number("restitution", p.restitution,
                {.minimum = 0,
                 .above_minimum = true,
@@ -47,11 +47,12 @@ void bind_constraint(request::Binder& constraint, ConstraintParameters& p) {
                      .maximum = 10000,
                      .unit = "D",
                      .help = "standard deviation of the landing point around the target"});
-  constraint.number("tolerance_diameters", p.tolerance_diameters,
-                    {.minimum = 1e-6,
-                     .maximum = 10000,
-                     .unit = "D",
-                     .help = "maximum distance from the target that still satisfies it"});
+  constraint.number(
+      "tolerance_diameters", p.tolerance_diameters,
+      {.minimum = 1e-6,
+       .maximum = 10000,
+       .unit = "D",
+       .help = "maximum distance from the target at which the constraint is satisfied"});
 }
 
 void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
@@ -60,10 +61,11 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
                   .above_minimum = true,
                   .maximum = 1,
                   .help = "probability that a proposal changes a given normal"});
-  sampler.angle_deg("change_half_width_deg", p.change_half_width_rad,
-                    {.minimum = 0.001,
-                     .maximum = 180,
-                     .help = "half width of the uniform distribution of a normal's change"});
+  sampler.angle_deg(
+      "change_half_width_deg", p.change_half_width_rad,
+      {.minimum = 0.001,
+       .maximum = 180,
+       .help = "half width of the uniform distribution of the change of a normal's angle"});
 }
 
 void bind(request::WorldSections& sections, Parameters& parameters) {

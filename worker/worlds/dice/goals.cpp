@@ -111,15 +111,15 @@ std::string contradiction_of(const Goal& a, const Goal& b, double side_m) {
     const double least_m = apart(*area_a, *area_b).least_m;
     if (least_m <= slack) return {};
     return fmt::format(
-        "die {} can't be in both places: they are {:.3g} mm apart, but the tolerances add up to "
-        "{:.3g} mm",
+        "die {} can't meet both goals: their places are {:.3g} mm apart, but the tolerances add up "
+        "to {:.3g} mm",
         a.die + 1, 1e3 * least_m, 1e3 * slack);
   }
   if (const auto differ_rad = turn_difference(a, b); differ_rad && *differ_rad > slack) {
     constexpr double k_deg_per_rad = 57.295779513082321;
     return fmt::format(
-        "die {} can't have both orientations: they differ by {:.3g} degrees, but the tolerances "
-        "add up to {:.3g} degrees",
+        "die {} can't meet both goals: their orientations differ by {:.3g} degrees, but the "
+        "tolerances add up to {:.3g} degrees",
         a.die + 1, k_deg_per_rad * *differ_rad, k_deg_per_rad * slack);
   }
   const auto* velocity_a = std::get_if<Velocity>(&a.wanted);
@@ -128,8 +128,8 @@ std::string contradiction_of(const Goal& a, const Goal& b, double side_m) {
   const double apart_mps = math::norm(Vec3(velocity_a->velocity_mps - velocity_b->velocity_mps));
   if (apart_mps <= slack) return {};
   return fmt::format(
-      "die {} can't have both velocities: they differ by {:.3g} m/s, but the tolerances add up to "
-      "{:.3g} m/s",
+      "die {} can't meet both goals: their velocities differ by {:.3g} m/s, but the tolerances add "
+      "up to {:.3g} m/s",
       a.die + 1, apart_mps, slack);
 }
 

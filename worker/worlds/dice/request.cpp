@@ -28,10 +28,10 @@ constexpr double k_far_mm = 100'000;
 
 // Help of several keys.
 constexpr std::string_view k_sd_help = "standard deviation; 0: fixed";
-constexpr std::string_view k_sigma_help = "standard deviation of the constraint p_c";
-constexpr std::string_view k_tolerance_help =
-    "maximum distance from the goal that still satisfies it";
-constexpr std::string_view k_step_help = "standard deviation of the largest steps";
+constexpr std::string_view k_sigma_help =
+    "standard deviation of this goal's factor in the constraint p_c";
+constexpr std::string_view k_tolerance_help = "maximum distance at which the goal is satisfied";
+constexpr std::string_view k_step_help = "standard deviation of the largest proposed steps";
 
 void length_mm(Binder& binder, std::string_view key, double& value_m, NumberOptions options) {
   double value_mm = std::round(value_m * 1e12) / 1e9;
@@ -77,17 +77,17 @@ void bind_velocities(Binder& die, DieStart& start) {
 }
 
 void bind_orientation(Binder& die, DieKeys& keys) {
-  die.choice<StartOrientation>(
-      "orientation", keys.start.orientation, k_orientation_names,
-      "initial orientation: uniform, or fixed by up and yaw_deg, or by qw to qz");
+  die.choice<StartOrientation>("orientation", keys.start.orientation, k_orientation_names,
+                               "initial orientation: uniformly random, or fixed by `up` and "
+                               "yaw_deg, or by the quaternion qw to qz");
   die.optional_integer(
       "up", keys.up,
-      {.minimum = 1, .maximum = k_faces, .help = "face on top, if fixed; default: 3"});
-  die.angle_deg("yaw_deg", keys.yaw_rad,
-                {.minimum = -360,
-                 .maximum = 360,
-                 .help = "rotation about the vertical once face `up` is on top, if the "
-                         "orientation is fixed"});
+      {.minimum = 1, .maximum = k_faces, .help = "top face of a fixed orientation; default: 3"});
+  die.angle_deg(
+      "yaw_deg", keys.yaw_rad,
+      {.minimum = -360,
+       .maximum = 360,
+       .help = "rotation about the vertical with face `up` on top, if the orientation is fixed"});
   constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
   bool gives_quaternion = false;
   double square = 0;
@@ -95,7 +95,7 @@ void bind_orientation(Binder& die, DieKeys& keys) {
     die.number(k_parts[i], keys.quaternion[i],
                {.minimum = -1,
                 .maximum = 1,
-                .help = "if the orientation is fixed: quaternion, instead of up and yaw_deg"});
+                .help = "quaternion of a fixed orientation, instead of `up` and yaw_deg"});
     // Compare values, because a normalised request has every key.
     gives_quaternion = gives_quaternion || keys.quaternion[i] != (i == 0 ? 1 : 0);
     square += keys.quaternion[i] * keys.quaternion[i];
@@ -103,9 +103,9 @@ void bind_orientation(Binder& die, DieKeys& keys) {
   if (!die.valid("orientation")) return;
   const bool is_fixed = keys.start.orientation == StartOrientation::fixed;
   if (!is_fixed && (keys.up || gives_quaternion)) {
-    die.error("orientation", "must be \"fixed\" if up or a quaternion is given");
+    die.error("orientation", "must be \"fixed\" if `up` or a quaternion is given");
   } else if (keys.up && gives_quaternion) {
-    die.error("up", "set either up or a quaternion, not both");
+    die.error("up", "set either `up` or a quaternion, not both");
   } else if (!(square > 0.01)) {
     die.error("qw", "the quaternion is too small to be a rotation");
   } else if (is_fixed) {
@@ -152,7 +152,7 @@ void bind_dice(Binder& world, WorldParameters& p) {
                         {.count_max = k_dice_max, .help = "start of each die, in order"}, bind_die);
   if (count && !given.empty() && *count != given.size() && world.valid("dice")) {
     world.error("dice",
-                fmt::format("must be {}, the number of [[world.die]] tables; or remove this key",
+                fmt::format("must equal {}, the number of [[world.die]] tables, or be absent",
                             given.size()));
   }
   if (given.empty()) given.resize(count.value_or(1));
@@ -171,11 +171,14 @@ void bind_range(Binder& world, const std::string& name, Range& range, double max
   const std::string low = name + "_low";
   const std::string high = name + "_high";
   world.number(low, range.low,
-               {.minimum = 0, .maximum = maximum, .help = "minimum at the table's control points"});
+               {.minimum = 0,
+                .maximum = maximum,
+                .help = "minimum of the coefficient at the table's control points"});
   world.number(high, range.high,
                {.minimum = 0,
                 .maximum = maximum,
-                .help = "maximum at the table's control points; constant if equal to the minimum"});
+                .help = "maximum of the coefficient at the table's control points; if it equals "
+                        "the minimum, the coefficient is constant"});
   if (world.valid(low) && world.valid(high) && range.low > range.high) {
     world.error(high, fmt::format("must be at least {}", low));
     range = {range.high, range.high};
@@ -212,7 +215,7 @@ void bind_world(Binder& world, WorldParameters& p) {
             {.minimum = 0,
              .maximum = 1000,
              .help = "standard deviation of control point heights; the surface's heights have 0.48 "
-                     "times this"});
+                     "times this standard deviation"});
   bind_range(world, "restitution", table.restitution, 1);
   bind_range(world, "friction", table.friction, 10);
   for (const char* key : {"spacing_mm", "height_sd_mm"}) {
@@ -225,7 +228,7 @@ void bind_world(Binder& world, WorldParameters& p) {
   }
   for (const DieStart& start : p.dice) {
     if (start.start_s >= p.time_max_s && world.valid("time_max_s"))
-      world.error("time_max_s", "must be above start_s of every [[world.die]]");
+      world.error("time_max_s", "must be greater than start_s of every [[world.die]] table");
   }
 }
 
@@ -512,20 +515,21 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
   };
   step("velocity_step_mps", p.velocity_mps, "m/s", 100);
   step("spin_step_radps", p.spin_radps, "rad/s", 1000);
-  sampler.angle_deg(
-      "turn_step_deg", p.turn_rad,
-      {.minimum = 1e-6, .maximum = 360, .help = "standard deviation of the largest rotations"});
+  sampler.angle_deg("turn_step_deg", p.turn_rad,
+                    {.minimum = 1e-6,
+                     .maximum = 360,
+                     .help = "standard deviation of the largest rotation steps"});
   length_mm(sampler, "height_step_mm", p.height_m,
             {.minimum = 1e-6,
              .maximum = 1000,
-             .help = "standard deviation of the largest steps of control points"});
+             .help = "standard deviation of the largest proposed changes of a point's height"});
   step("restitution_step", p.restitution, "", 1);
   step("friction_step", p.friction, "", 10);
-  sampler.integer(
-      "halvings", p.halvings,
-      {.minimum = 0,
-       .maximum = 40,
-       .help = "maximum number of times a step is halved; all numbers from 0 are equally likely"});
+  sampler.integer("halvings", p.halvings,
+                  {.minimum = 0,
+                   .maximum = 40,
+                   .help = "maximum number of halvings of a step; every number from 0 to this "
+                           "maximum is equally likely"});
   for (const char* key :
        {"change_all", "change_die", "change_start", "change_control", "change_contact"}) {
     if (!sampler.valid(key)) return;
@@ -538,9 +542,9 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
 
 void bind(request::WorldSections& sections, Parameters& parameters) {
   bind_world(sections.world, parameters.world);
-  sections.constraint.choice<Numbering>(
-      "numbering", parameters.numbering, k_numbering_names,
-      "free: number the faces after the throw, as fits the goals best; fixed: before the throw");
+  sections.constraint.choice<Numbering>("numbering", parameters.numbering, k_numbering_names,
+                                        "free: number the faces after the throw, to fit the goals "
+                                        "best; fixed: number the faces before the throw");
   GoalBinder{sections.constraint, parameters.world, parameters.goals}.bind_all();
   check_faces(sections.constraint, parameters);
   bind_proposal(sections.sampler, parameters.proposal);

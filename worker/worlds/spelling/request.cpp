@@ -112,8 +112,8 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
   std::optional<std::uint32_t> rows;
   world.text("word", word,
              {.characters_max = 20,
-              .help = "word to spell, of A to Z, 0 to 9 and spaces; default without a bitmap: the "
-                      "thesis's HI, which is smaller than HI in this font"});
+              .help = "word to spell (A to Z, 0 to 9 and spaces); default if no bitmap is set: the "
+                      "HI of the thesis, which is smaller than HI in this font"});
   world.choice<Font>("font", font, k_fonts, "height of the word's letters");
   world.text("bitmap", bitmap,
              {.characters_max = (k_columns_max + 2) * (k_rows_max + 2),
@@ -122,15 +122,15 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
       "columns", columns,
       {.minimum = 1,
        .maximum = k_columns_max,
-       .help = "number of columns of bins; default: as in the pattern"});
+       .help = "number of columns of bins; default: the pattern's width"});
   world.optional_integer<std::uint32_t>(
       "rows", rows,
       {.minimum = 1,
        .maximum = k_rows_max,
-       .help = "number of rows of bins; default: as in the pattern"});
+       .help = "number of rows of bins; default: the pattern's height"});
   if (!world.valid("word") || !world.valid("bitmap") || !world.valid("font")) return;
   if (!word.empty() && !bitmap.empty()) {
-    world.error("bitmap", "give a word or a bitmap, not both");
+    world.error("bitmap", "set either `word` or `bitmap`, not both");
     return;
   }
   const std::optional<Pattern> given = given_pattern(world, word, bitmap, font);
@@ -186,8 +186,8 @@ void check_sizes(request::Binder& world, const WorldParameters& p) {
                           p.dome_m * (1 - (p.bin_m - p.ball_diameter_m) / p.bin_m);
   if (p.partition_height_m <= lowest_m) {
     world.error("partition_height_mm",
-                fmt::format("must be above {}, the height of the centre of a ball at rest (from "
-                            "ball_diameter_mm, dome_mm and bin_mm)",
+                fmt::format("must be above {}, the height of a resting ball's centre (computed "
+                            "from ball_diameter_mm, dome_mm and bin_mm)",
                             mm(lowest_m)));
   }
 }
@@ -204,7 +204,8 @@ void bind_world(request::Binder& world, WorldParameters& p) {
             {.minimum_mm = 1, .help = "height of a ball's lowest point when dropped"});
   length_mm(world, "vertex_sd_mm", p.vertex_sd_m,
             {.help = "standard deviation of each coordinate of partition vertices"});
-  length_mm(world, "dome_mm", p.dome_m, {.help = "height of a bin floor's centre above its rim"});
+  length_mm(world, "dome_mm", p.dome_m,
+            {.help = "height of a bin floor's centre above the floor's rim"});
   length_mm(world, "ball_diameter_mm", p.ball_diameter_m,
             {.minimum_mm = 0.5, .help = "diameter of a ball"});
   world.number("density_kgpm3", p.density_kgpm3,
@@ -221,15 +222,16 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   world.number(
       "gravity_mps2", p.gravity_mps2,
       {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "gravitational acceleration"});
-  world.number("bounce_end", p.bounce_end,
-               {.minimum = 0.001,
-                .maximum = 0.1,
-                .help = "separation speed below which bounces end, in sqrt(gravity x diameter)"});
   world.number(
-      "rest_speed", p.rest_speed,
-      {.minimum = 0.002,
-       .maximum = 0.5,
-       .help = "speed below which a balanced ball comes to rest, in sqrt(gravity x diameter)"});
+      "bounce_end", p.bounce_end,
+      {.minimum = 0.001,
+       .maximum = 0.1,
+       .help = "separation speed below which bounces end, in units of sqrt(gravity x diameter)"});
+  world.number("rest_speed", p.rest_speed,
+               {.minimum = 0.002,
+                .maximum = 0.5,
+                .help = "speed below which a balanced ball comes to rest, in units of sqrt(gravity "
+                        "x diameter)"});
   // With a lower rest_speed, the slowest bounces would keep a ball from resting.
   if (world.valid("bounce_end") && world.valid("rest_speed") &&
       p.rest_speed < k_bounce_ends_min * p.bounce_end) {
@@ -237,12 +239,11 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                 fmt::format("must be at least {} times bounce_end, found {:.3g} times",
                             k_bounce_ends_min, p.rest_speed / p.bounce_end));
   }
-  world.number(
-      "rest_time", p.rest_time,
-      {.minimum = 0.01,
-       .maximum = 10,
-       .help =
-           "time that a ball stays below rest_speed before it rests, in sqrt(diameter / gravity)"});
+  world.number("rest_time", p.rest_time,
+               {.minimum = 0.01,
+                .maximum = 10,
+                .help = "time that a ball stays below rest_speed before it rests, in units of "
+                        "sqrt(diameter / gravity)"});
   // With a shorter rest_time, a touch would expire before the ball's next bounce, and the ball
   // would never be in balance.
   if (world.valid("bounce_end") && world.valid("rest_time") &&
@@ -284,38 +285,41 @@ void check_memory(request::Binder& sampler, std::uint32_t balls) {
 void check_kernel(request::Binder& sampler, Kernel kernel) {
   if (kernel != Kernel::thesis || !sampler.valid("method")) return;
   if (value_of(sampler, "start") == "\"search\"") {
-    sampler.error("kernel",
-                  "\"thesis\" is biased, so its burn-in can't be judged; set start = \"prior\"");
+    sampler.error(
+        "kernel",
+        "kernel \"thesis\" is biased, so its burn-in can't be judged; set start = \"prior\"");
     return;
   }
   const std::string method = value_of(sampler, "method").value_or("");
   if (method != "\"metropolis_hastings\"") {
     sampler.error(
         "kernel",
-        fmt::format("\"thesis\" is biased and requires method \"metropolis_hastings\", found {}{}",
-                    method, sampler.given("method") ? "" : " (the default); set method"));
+        fmt::format(
+            "kernel \"thesis\" is biased and requires method \"metropolis_hastings\", found {}{}",
+            method, sampler.given("method") ? "" : " (the default); set method"));
   }
 }
 
 void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   sampler.choice<Kernel>("kernel", p.kernel, k_kernels,
-                         "proposal ratios; thesis: biased, as printed in the thesis (A.2.2), only "
-                         "to reproduce its figures");
+                         "proposal ratios; \"thesis\": the biased ratios printed in the thesis "
+                         "(A.2.2), only for reproducing its figures");
   check_kernel(sampler, p.kernel);
   const auto share = [&](std::string_view key, double& value, std::string_view help) {
     sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
   };
   share("change_all", p.change_all, "share of proposals that redraw everything");
   share("change_vertices", p.change_vertices, "share of proposals that move partition vertices");
-  share("change_ball", p.change_ball, "share of proposals that drop one ball elsewhere");
+  share("change_ball", p.change_ball, "share of proposals that drop one ball at a different place");
   share("disable_balls", p.disable_balls, "share of proposals that remove balls");
   share("enable_balls", p.enable_balls,
         "share of proposals that add balls; must equal disable_balls");
   share("aim_ball", p.aim_ball, "share of proposals that drop a loose ball near an empty bin");
   share("scatter_ball", p.scatter_ball,
-        "share of proposals that redraw the drop of a ball that fills a bin; reverse of aim_ball");
+        "share of proposals that redraw the drop of a ball that fills a bin; the reverse of "
+        "aim_ball");
   share("vertex_probability", p.vertex_probability,
-        "probability that change_vertices moves each vertex");
+        "probability that a change_vertices proposal moves a given vertex");
   length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m,
             {.minimum_mm = 1e-6, .help = "standard deviation of each coordinate of a vertex move"});
   std::optional<double> vertex_redraw;
@@ -328,14 +332,14 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
            "share of change_vertices proposals that redraw one vertex from the prior; default: 0"});
   p.vertex_redraw = vertex_redraw.value_or(0);
   length_mm(sampler, "ball_move_sd_mm", p.ball_sd_m,
-            {.help = "standard deviation of a drop's displacement"});
-  sampler.number(
-      "flip_probability", p.flip_probability,
-      {.minimum = 0,
-       .above_minimum = true,
-       .maximum = 1,
-       .below_maximum = true,
-       .help = "probability that enable_balls adds each ball, or disable_balls removes it"});
+            {.help = "standard deviation of the distance by which change_ball moves a drop"});
+  sampler.number("flip_probability", p.flip_probability,
+                 {.minimum = 0,
+                  .above_minimum = true,
+                  .maximum = 1,
+                  .below_maximum = true,
+                  .help = "probability that an enable_balls proposal adds a given ball, or a "
+                          "disable_balls proposal removes it"});
   sampler.integer("solo_steps", p.solo_steps,
                   {.minimum = 0,
                    .maximum = k_solo_steps_max,
@@ -350,10 +354,12 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   if (std::fabs(sum - 1) > 1e-9)
     sampler.error("change_all", fmt::format("the shares must add up to 1, found {:.6g}", sum));
   if (p.disable_balls != p.enable_balls)
-    sampler.error("enable_balls", "must equal disable_balls, because each reverses the other");
+    sampler.error("enable_balls",
+                  "must equal disable_balls, because the two proposals reverse each other");
   if ((p.aim_ball > 0) != (p.scatter_ball > 0))
-    sampler.error("scatter_ball",
-                  "must be used together with aim_ball, because each reverses the other");
+    sampler.error(
+        "scatter_ball",
+        "must be used together with aim_ball, because the two proposals reverse each other");
   if (p.kernel == Kernel::thesis && p.aim_ball > 0)
     sampler.error(
         "aim_ball",

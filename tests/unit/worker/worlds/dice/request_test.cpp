@@ -139,7 +139,7 @@ TEST(DiceRequest, SlipsAreNamed) {
   EXPECT_THAT(complaint("dice = 21"), HasSubstr("from 1 to 20"));
   EXPECT_THAT(complaint("dice = 2\n[[world.die]]\nx_mm = 1"), tests::HasFacts("1|[[world.die]]"));
   EXPECT_THAT(complaint("[[world.die]]\nx_mn = 1"), HasSubstr("did you mean 'x_mm'?"));
-  EXPECT_THAT(complaint("[[world.die]]\nup = 2"), HasSubstr("must be \"fixed\" if up"));
+  EXPECT_THAT(complaint("[[world.die]]\nup = 2"), HasSubstr("must be \"fixed\" if `up`"));
   EXPECT_THAT(complaint("[[world.die]]\norientation = \"fixed\"\nup = 2\nqx = 1"),
               HasSubstr("not both"));
   EXPECT_THAT(complaint("[[world.die]]\norientation = \"fixed\"\nqw = 0"), HasSubstr("too small"));
