@@ -67,7 +67,7 @@ struct Hops {
 Hops read_hops(const archive::Source& source, const scene::Scene& scene, std::size_t animation) {
   const auto motion =
       archive::KeptMotions(source, archive::k_animations).animation(animation, scene);
-  if (!motion) browse::refuse_animation(source, animation, motion.error());
+  if (!motion) browse::refuse_animation(source, animation, "is invalid: " + motion.error());
   if (motion.value().segment_count() == 0)
     browse::refuse_animation(source, animation, "has no motion");
   if (motion.value().segment_count() > k_hops_max)

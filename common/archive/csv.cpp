@@ -278,8 +278,9 @@ std::vector<RowRange> rows_of(const Source& source, const Group& group, const st
     const auto first = static_cast<std::uint64_t>(starts[animation]);
     const auto count = static_cast<std::uint64_t>(counts[animation]);
     if (first > rows || count > rows - first)
-      refuse_archive(source, fmt::format("{}: the rows of animation {} along {} are missing",
-                                         group.name, animation, dim));
+      refuse_archive(source,
+                     fmt::format("{}: animation {} refers to missing rows along dimension {}",
+                                 group.name, animation, dim));
     ranges.push_back({.first = first, .count = count});
   }
   return ranges;
@@ -328,7 +329,7 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
   }
   if (dim != "segment" && dim != "point") {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("can't select animations in table '{}'", table_name));
+                      fmt::format("animations can't be selected in table '{}'", table_name));
   }
   exporter.run(rows_of(source, *group, dim, exporter.rows(), animations), out);
 }

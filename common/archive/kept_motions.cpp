@@ -46,19 +46,19 @@ class SceneReader {
   std::string read() {
     for (const char* dim : {"feature", "part", "vertex", "triangle"}) {
       if (rows(dim) > k_scene_rows_max)
-        return fmt::format("has more than {} entries along {}", k_scene_rows_max, dim);
+        return fmt::format("the scene has more than {} entries along {}", k_scene_rows_max, dim);
     }
     // The archive must have the same names of kinds and shapes as this program.
     if (!has_words("kind", scene::k_kind_names) || !has_words("shape", scene::k_shape_names))
-      return "has kinds or shapes that are not in the archive format";
+      return "the scene has kinds or shapes that are not in the archive format";
     const bool is_read = read_features() && read_parts() && read_meshes();
-    if (!is_read) return "has indices out of range";
+    if (!is_read) return "the scene has indices out of range";
     const auto view = numbers("view_m", 6);
     scene.low_m = vector_at(view, 0);
     scene.high_m = vector_at(view, 1);
     if (const Attribute* offsets = find_attribute(group_.attributes, "offset_variable")) {
       const auto* name = std::get_if<std::string>(&offsets->value);
-      if (name == nullptr) return "has an offset_variable that is not a text";
+      if (name == nullptr) return "the scene's attribute offset_variable is not a text";
       scene.offset_variable = *name;
     }
     for (const std::string_view group : {k_animations, k_finds}) {
@@ -195,9 +195,9 @@ base::Result<KeptMotions::Rows, std::string> KeptMotions::rows(std::uint64_t nth
   const bool is_inside =
       start >= 0 && count >= 0 && std::cmp_less_equal(start, total) &&
       static_cast<std::uint64_t>(count) <= total - static_cast<std::uint64_t>(start);
-  if (!is_inside) return fmt::format("lacks rows along {}", dim);
+  if (!is_inside) return fmt::format("rows along {} are missing", dim);
   if (std::cmp_greater(count, most))
-    return fmt::format("has more than {} rows along {}", most, dim);
+    return fmt::format("the animation has more than {} rows along {}", most, dim);
   return Rows{.first = static_cast<std::uint64_t>(start),
               .count = static_cast<std::uint64_t>(count)};
 }
@@ -234,14 +234,14 @@ base::Result<motion::Animation, std::string> KeptMotions::animation(
   const Rows& range = found.value();
   const auto segments = records<motion::k_fields>(range);
   for (std::size_t i = 0; i < range.count; ++i) {
-    if (i == segments.size()) return fmt::format("has an invalid segment {}", i);
+    if (i == segments.size()) return fmt::format("invalid segment {}", i);
     const motion::Segment& segment = segments[i];
     const bool has_partner = segment.partner != motion::k_no_partner;
     const bool is_partner = segment.partner >= 0 &&
                             std::cmp_less(segment.partner, scene.features.size()) &&
                             std::cmp_not_equal(segment.partner, segment.body);
     if ((has_partner && !is_partner) || has_partner != (segment.cause == motion::Cause::hit))
-      return fmt::format("has an invalid segment {}", i);
+      return fmt::format("invalid segment {}", i);
   }
   return motion::Animation::of(segments, scene.bodies());
 }
@@ -255,10 +255,9 @@ base::Result<scene::Variation, std::string> KeptMotions::variation(
     if (!found) return found.error();
     const Rows& range = found.value();
     own.parts = records<k_part_fields>(range);
-    if (own.parts.size() < range.count)
-      return fmt::format("has an invalid part {}", own.parts.size());
+    if (own.parts.size() < range.count) return fmt::format("invalid part {}", own.parts.size());
     if (const std::string fault = scene::fault_of_parts(own.parts, scene); !fault.empty())
-      return "has invalid parts: " + fault;
+      return "invalid parts: " + fault;
   }
   if (find_dataset(group, "point") != nullptr) {
     const auto found = rows(nth, "point", k_own_rows_max);
@@ -271,9 +270,9 @@ base::Result<scene::Variation, std::string> KeptMotions::variation(
                            point.restitution >= 0 && point.restitution <= 1 &&
                            point.friction >= 0 && point.i > -k_index_max && point.i < k_index_max &&
                            point.j > -k_index_max && point.j < k_index_max;
-      if (!is_sane) return fmt::format("has an invalid control point {}", row);
+      if (!is_sane) return fmt::format("invalid control point {}", row);
     }
-    if (!are_in_order(own.points)) return std::string("has control points out of order");
+    if (!are_in_order(own.points)) return std::string("the control points are out of order");
   }
   return own;
 }

@@ -276,7 +276,8 @@ void check_other(const Group& group, const DatasetSpec& spec, Findings& findings
   });
   if (spec.type != ElementType::f64 || !fits) {
     findings.push_back(
-        fmt::format("{} is {}, which no variable of a world can be", path, shown(spec.type, dims)));
+        fmt::format("{} is {}, but a variable of a world can't have this type and these dimensions",
+                    path, shown(spec.type, dims)));
   }
 }
 

@@ -170,8 +170,7 @@ std::string read_whole(std::FILE* file, const std::string& name, std::size_t byt
   text.resize(std::fread(text.data(), 1, text.size(), file));
   if (std::ferror(file) != 0) fail("read", name);
   if (text.size() > bytes_max) {
-    throw Error(
-        fmt::format("{}: larger than {} bytes, the maximum for such a file", name, bytes_max));
+    throw Error(fmt::format("{}: the file exceeds the limit of {} bytes", name, bytes_max));
   }
   return text;
 }

@@ -7,7 +7,7 @@ namespace sleight::base {
 
 /// Message for people, after the program's name.
 inline constexpr const char* k_too_little_memory =
-    "too little memory; if a limit is set (ulimit -v, or a job's memory), raise it";
+    "too little memory; raise any memory limit that is set (ulimit -v, or a job's memory)";
 
 /// Throws std::bad_alloc if this process can't allocate `bytes` more. Call this before library
 /// functions that crash if memory is short.

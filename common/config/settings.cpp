@@ -44,7 +44,7 @@ void visit(AnySettings& s, Visitor& visitor) {
   visitor.path("state", s.state, "folder for jobs, archives and the log");
   visitor.path("socket", s.socket, "path of the service's Unix socket");
   visitor.name("group", s.group,
-               "group whose members may use the service in addition to its own user");
+               "group whose members may use the service, in addition to the user who runs it");
   visitor.address("listen", s.listen,
                   "address at which the service accepts TLS connections from other machines");
   visitor.path("tls_certificate", s.tls_certificate,
@@ -66,7 +66,7 @@ void visit(AnySettings& s, Visitor& visitor) {
                 "days until a finished job is deleted, unless pinned");
   visitor.bytes(
       "keep_bytes", s.keep_bytes, 0,
-      "maximum disk space of finished jobs; beyond it, the oldest unpinned ones are deleted");
+      "maximum disk space of finished jobs; beyond it, the oldest unpinned jobs are deleted");
   visitor.count("cache_mb", s.cache_mb, Range{0, 1'000'000, "MB"},
                 "size of the simulation cache in each process of a job, in MB");
   visitor.address("server", s.server,
@@ -79,9 +79,9 @@ void visit(AnySettings& s, Visitor& visitor) {
                 "maximum core-hours of a user per day");
   visitor.bytes("limits.bytes", s.limits.bytes, 1, "maximum disk space of a user's jobs");
   visitor.count("limits.states", s.limits.states, Range{1, k_integer_max, "states"},
-                "maximum states of a job: chains x temperatures, or chains x particles");
+                "maximum number of states of a job: chains x temperatures, or chains x particles");
   visitor.count("limits.simulations", s.limits.simulations, Range{1, k_integer_max, "simulations"},
-                "maximum simulations of a job, if [stop] determines their number");
+                "maximum number of simulations of a job; applies if [stop] determines that number");
   visitor.name("slurm.account", s.slurm.account, "default account of jobs");
   visitor.name("slurm.partition", s.slurm.partition, "default partition of jobs");
   visitor.name("slurm.qos", s.slurm.qos, "default quality of service of jobs");
@@ -226,8 +226,8 @@ class Reader {
     for (const request::Section& section : document_.sections) {
       if (!is_section(section.name)) {
         in_file_.add(section.place,
-                     fmt::format("unknown section [{}]; known sections: [{}]; all other "
-                                 "keys belong before the first section",
+                     fmt::format("unknown section [{}]; known sections: [{}]; keys without a "
+                                 "section belong before the first section",
                                  shown(section.name), fmt::join(k_sections, "], [")));
         continue;
       }
@@ -328,7 +328,7 @@ class Reader {
         entry.place,
         fmt::format("unknown key {}; {}", name_in_file(shown(name)),
                     !other_section.empty() ? fmt::format("it belongs in [{}]", other_section)
-                    : is_misplaced         ? "it belongs before the first section"
+                    : is_misplaced         ? "this key belongs before the first section"
                     : near                 ? fmt::format("did you mean {}?", name_in_file(*near))
                            : fmt::format("known keys: {}", fmt::join(keys_, ", "))));
   }
@@ -408,10 +408,9 @@ void settle_backend(Settings& settings, std::vector<request::Diagnostic>& wrong)
 /// Puts the socket into the state folder unless another place is set.
 void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) {
   if (settings.state.value.empty()) {
-    wrong.push_back(
-        {"HOME", request::k_no_place,
-         "expected an absolute path, because the default state folder is below it; or set "
-         "SLEIGHT_STATE to a folder on this machine"});
+    wrong.push_back({"HOME", request::k_no_place,
+                     "expected an absolute path, because it contains the default state folder; "
+                     "alternatively, set SLEIGHT_STATE to a folder on this machine"});
     return;
   }
   const bool is_own = settings.socket.origin != Origin::fallback;
@@ -419,8 +418,8 @@ void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) 
   const bool is_in_state = settings.socket.value.starts_with(settings.state.value + "/");
   if (!settings.group.value.empty() && is_in_state) {
     wrong.push_back({settings.group.given_by, request::k_no_place,
-                     fmt::format("a group needs a socket outside the state folder, because only "
-                                 "its owner can open that folder; set 'socket', for example to {}",
+                     fmt::format("members of the group can't open the state folder, so the socket "
+                                 "must be outside the folder; set 'socket', for example to {}",
                                  k_machine_socket)});
   }
   const std::size_t bytes = settings.socket.value.size();

@@ -128,7 +128,7 @@ std::optional<request::Diagnostic> damage_of(const request::Section& section, st
 std::string to_text(const FailureFile& file) {
   const plan::SimulationFailure& failure = file.failed.failure;
   const std::string head = fmt::format(
-      "# A simulation that failed. `sleight replay FILE` repeats it.\n"
+      "# A simulation that failed. `sleight replay FILE` repeats the simulation.\n"
       "[{}]\nprogram_version = {}\nkind = {}\nmessage = {}\nchain = {}\nreplica = {}\nscan = {}\n"
       "state = {}\n",
       k_section, request::toml_string(file.program_version),
@@ -152,7 +152,7 @@ base::Result<FailureFile, request::Diagnostic> read(std::string_view text,
     return request::Diagnostic{
         .file = path,
         .place = {.line = 1, .column = 1},
-        .message = fmt::format("not the file of a failed simulation: the section [{}] is missing",
+        .message = fmt::format("not a failure file: the section [{}] is missing",
                                section == nullptr ? k_section : "world")};
   }
 

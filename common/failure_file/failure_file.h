@@ -1,6 +1,6 @@
 // A file that reproduces a failed simulation: `sleight replay FILE`.
 //
-//   # A simulation that failed. `sleight replay FILE` repeats it.
+//   # A simulation that failed. `sleight replay FILE` repeats the simulation.
 //   [failure]
 //   program_version = "0.1.0+g4023dc0a1b2c"
 //   kind = "search_gave_up"

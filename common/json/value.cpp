@@ -36,7 +36,8 @@ struct Conversion {
 };
 
 Value Conversion::value(const Library& read, int depth) {
-  if (depth > k_depth_max) throw Error(fmt::format("nested more than {} levels deep", k_depth_max));
+  if (depth > k_depth_max)
+    throw Error(fmt::format("the JSON text is nested more than {} levels deep", k_depth_max));
   switch (read.type()) {
     case Library::value_t::boolean:
       return read.get<bool>();

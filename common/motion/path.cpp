@@ -58,14 +58,14 @@ base::Result<Animation, std::string> Animation::of(std::span<const Segment> segm
     animation.paths_.emplace_back(body);
   for (const Segment& segment : segments) {
     if (segment.body >= bodies)
-      return fmt::format("moves body {}, but the scene has only {} bodies", segment.body + 1,
-                         bodies);
+      return fmt::format("a segment moves body {}, but the scene has only {} bodies",
+                         segment.body + 1, bodies);
     if (!is_rotation(segment.orientation))
-      return std::string("has orientations that are not rotations");
-    if (!is_sane(segment)) return std::string("has invalid numbers");
+      return std::string("a segment's orientation is not a rotation");
+    if (!is_sane(segment)) return std::string("a segment has invalid numbers");
     Path& path = animation.paths_[segment.body];
     if (path.enters() && path.rest_s() > segment.start_s)
-      return std::string("has segments out of time order");
+      return std::string("the segments are out of time order");
     Segment kept = segment;
     kept.orientation = math::normalized(segment.orientation);
     path.append(kept);

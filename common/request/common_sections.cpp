@@ -98,12 +98,12 @@ void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
                             .help = "restart a chain after this number of scans, and use only "
                                     "the last scan before a restart as a draw (sequential); "
                                     "default: no restarts"});
-  sampler.optional_integer("relax_scans", p.relax_scans,
-                           {.minimum = 1,
-                            .maximum = k_relax_scans_max,
-                            .unit = "scans",
-                            .help = "length of a chain that starts at each find and relaxes it "
-                                    "(search); default: no relaxation"});
+  sampler.optional_integer(
+      "relax_scans", p.relax_scans,
+      {.minimum = 1,
+       .maximum = k_relax_scans_max,
+       .unit = "scans",
+       .help = "length of the chain that relaxes each find (search); default: no relaxation"});
 }
 
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
@@ -130,14 +130,14 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
        .maximum = k_replicas_max,
        .help =
            "number of temperatures in a ladder; default: chosen from its communication barrier"});
-  sampler.optional_integer("ladder_power", p.ladder_power,
-                           {.minimum = 1,
-                            .maximum = k_ladder_power_max,
-                            .help = "exponent of a ladder in the run's first round, even if that "
-                                    "belongs to a burn-in; default: 6. "
-                                    "Inverse temperature i of n is (i / (n - 1))"
-                                    "^ladder_power, where n is replicas, or 12 if that is not "
-                                    "set. Later rounds adapt the ladder"});
+  sampler.optional_integer(
+      "ladder_power", p.ladder_power,
+      {.minimum = 1,
+       .maximum = k_ladder_power_max,
+       .help = "exponent of a temperature ladder in the run's first round, which may be a burn-in "
+               "round; default: 6. Inverse temperature i of n is (i / (n - 1))^ladder_power, where "
+               "n is the value of replicas, or 12 if replicas is not set. Later rounds adapt the "
+               "ladder"});
   sampler.integer("seed", p.seed,
                   {.minimum = 0,
                    .maximum = static_cast<std::int64_t>(k_seed_max),
@@ -171,25 +171,25 @@ void bind_stop(Binder& stop, StopRule& p) {
                         {.minimum = 1,
                          .maximum = k_independent_solutions_max,
                          .help = "stop when this number of lineages have a satisfying animation; "
-                                 "default if no stop rule is given: 5"});
-  stop.optional_number("odds", p.odds,
-                       {.minimum = k_odds_min,
-                        .maximum = k_odds_max,
-                        .unit = "nats",
-                        .help = "stop when the standard error of log P(satisfied) falls to this "
-                                "value (sequential); 0.1 means 10% of P. The run makes islands "
-                                "only, no chains"});
+                                 "default: 5 if no stop rule is given"});
+  stop.optional_number(
+      "odds", p.odds,
+      {.minimum = k_odds_min,
+       .maximum = k_odds_max,
+       .unit = "nats",
+       .help = "stop when the standard error of log P(satisfied) falls to this value (sequential); "
+               "0.1 means 10% of P. Such a run computes islands but no chains"});
   stop.optional_integer("found", p.found,
                         {.minimum = 1,
                          .maximum = k_found_max,
                          .help = "stop a search after this number of finds; default: 5. With "
                                  "other stop rules, the search runs before the chains"});
-  stop.optional_integer("takes", p.takes,
-                        {.minimum = 1,
-                         .maximum = k_takes_max,
-                         .help = "stop when this number of finds still satisfy the constraint "
-                                 "after relax_scans; default if neither a stop rule nor a sampler "
-                                 "is given: 5"});
+  stop.optional_integer(
+      "takes", p.takes,
+      {.minimum = 1,
+       .maximum = k_takes_max,
+       .help = "stop when this number of finds satisfy the constraint after relaxation for "
+               "relax_scans scans; default: 5 if no stop rule and no sampler is given"});
 }
 
 void bind_output(Binder& output, OutputParameters& p) {
@@ -197,12 +197,13 @@ void bind_output(Binder& output, OutputParameters& p) {
                  {.minimum = 1,
                   .maximum = 1000000000,
                   .unit = "scans",
-                  .help = "interval between stored states; 1: every scan, 10: every tenth"});
-  output.integer("keep_max", p.keep_max,
-                 {.minimum = 0,
-                  .maximum = 1000000,
-                  .unit = "animations",
-                  .help = "maximum number of stored satisfying animations; default with odds: 20"});
+                  .help = "interval between stored states; 1: every scan, 10: every tenth scan"});
+  output.integer(
+      "keep_max", p.keep_max,
+      {.minimum = 0,
+       .maximum = 1000000,
+       .unit = "animations",
+       .help = "maximum number of stored satisfying animations; default with [stop] odds: 20"});
   output.integer("keep_per_lineage", p.keep_per_lineage,
                  {.minimum = 0,
                   .maximum = 1000,
@@ -215,12 +216,11 @@ void bind_output(Binder& output, OutputParameters& p) {
        .unit = "units of likeness",
        .help =
            "minimum distance between two stored animations, in the world's measure of likeness"});
-  output.integer(
-      "prior_draws", p.prior_draws,
-      {.minimum = 0,
-       .maximum = k_prior_draws,
-       .help = "number of prior draws, for comparison with the samples; default with odds "
-               "or method \"search\": 100"});
+  output.integer("prior_draws", p.prior_draws,
+                 {.minimum = 0,
+                  .maximum = k_prior_draws,
+                  .help = "number of prior draws, for comparison with the samples; default with "
+                          "[stop] odds or method \"search\": 100"});
 }
 
 /// Keys of the common sections that apply to a search.
@@ -360,7 +360,7 @@ void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   if (sections.stop.given("takes") && !request.sampler.relax_scans) {
     sections.stop.error("takes",
                         "requires method \"search\" with relax_scans, or no [sampler] keys except "
-                        "'seed'; other stop rules can't be given");
+                        "'seed'; no other stop rule is allowed");
   }
 }
 
@@ -376,12 +376,13 @@ void settle_odds(SectionBinders& sections, DirectionRequest& request) {
                                "requires method \"sequential\", whose islands estimate the odds");
   for (const char* rule : {"rounds", "independent_solutions"}) {
     if (sections.stop.given(rule))
-      sections.stop.error(rule,
-                          "can't be combined with odds, because such a run makes no draws; a run "
-                          "with independent_solutions also estimates the odds, from its islands");
+      sections.stop.error(
+          rule,
+          "can't be combined with 'odds', because a run with 'odds' makes no draws; a run with "
+          "independent_solutions also estimates the odds, from its islands");
   }
   keep_only(sections.sampler, sections.sampler.keys().size(), k_sampler_keys_of_odds,
-            "not used with [stop] odds, because such a run makes islands and no chains");
+            "not used with [stop] odds, because a run with odds computes islands and no chains");
   request.sampler.chains = 1;
   request.sampler.tour_scans.reset();
   request.sampler.burn_in_rounds = 0;
@@ -412,10 +413,9 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
                            fmt::format("must be at least {} with {}", k_judged_round_min, why));
   }
   if (request.stop.rounds) {
-    sections.stop.error("rounds",
-                        fmt::format("can't be combined with {}, whose burn-in decides its "
-                                    "own length; use independent_solutions instead",
-                                    why));
+    sections.stop.error("rounds", fmt::format("can't be combined with {}, whose burn-in has no "
+                                              "fixed length; use independent_solutions instead",
+                                              why));
   }
 }
 
@@ -423,9 +423,9 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
 void check_tours(SectionBinders& sections, const DirectionRequest& request) {
   if (!request.sampler.tour_scans || !sections.sampler.valid("tour_scans")) return;
   if (sections.sampler.given("burn_in_rounds"))
-    sections.sampler.error("burn_in_rounds",
-                           "can't be combined with tour_scans; all scans of a tour but the last "
-                           "are burn-in");
+    sections.sampler.error(
+        "burn_in_rounds",
+        "can't be combined with tour_scans; in a tour, all scans except the last are burn-in");
   if (sections.stop.given("rounds") && sections.stop.valid("rounds"))
     sections.stop.error("rounds",
                         "can't be combined with tour_scans; use scans or independent_solutions "
@@ -441,7 +441,8 @@ void check_stages(SectionBinders& sections, const DirectionRequest& request,
     if (other.acts_in_stages) names.push_back(other.name);
   const std::string which = names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "));
   const std::string why =
-      fmt::format("requires a world that acts in stages{}; {} does not", which, world.name);
+      fmt::format("requires a world that acts in stages{}; the world {} does not act in stages",
+                  which, world.name);
   const Method method = request.sampler.method;
   if (sections.sampler.valid("method") &&
       (method == Method::search || method == Method::sequential)) {

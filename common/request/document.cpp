@@ -79,8 +79,9 @@ std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
         c->value == '.' &&
         (text.size() < 2 || k_never_after_a_keys_dot.find(text[1]) == std::string_view::npos);
     if (may_nest && ++dots > k_dots_per_line_max) {
-      return {{place, fmt::format("more than {} dots on one line; keys of a request do not nest",
-                                  k_dots_per_line_max)}};
+      return {
+          {place, fmt::format("the line has more than {} dots; keys of a request are not nested",
+                              k_dots_per_line_max)}};
     }
     text.remove_prefix(c->bytes);
     ++place.column;

@@ -18,7 +18,7 @@ void complain_if_no_longer(std::string_view rule, const std::optional<Number>& a
                            std::string& complaint) {
   if (!asked || !before || !complaint.empty()) return;
   if (less_is_longer ? *asked < *before : *asked > *before) return;
-  complaint = fmt::format("[stop] has {} = {} already; give a {} number", rule, *before,
+  complaint = fmt::format("[stop] already has {} = {}; set a {} number", rule, *before,
                           less_is_longer ? "smaller" : "larger");
 }
 

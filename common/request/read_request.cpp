@@ -185,16 +185,14 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
   const bool is_chosen = sampler.given("method") || sampler.given("anneal_scans") ||
                          sampler.given("burn_in_rounds") || sampler.given("round_scans") ||
                          sampler.given("tour_scans");
-  stop.error(
-      "scans",
-      fmt::format(
-          "expected more than {}, the number of scans that each chain spends on annealing and "
-          "burn-in{}, found {}; set more scans, or {}",
-          before, is_chosen ? "" : " by default", *request.stop.scans,
-          !is_chosen ? "use independent_solutions instead"
-          : request.sampler.tour_scans
-              ? "reduce tour_scans in [sampler]"
-              : "reduce anneal_scans, burn_in_rounds or round_scans in [sampler]"));
+  stop.error("scans",
+             fmt::format("expected more than the {} scans that each chain spends on annealing and "
+                         "burn-in{}, found {}; set more scans, or {}",
+                         before, is_chosen ? "" : " by default", *request.stop.scans,
+                         !is_chosen ? "use independent_solutions instead"
+                         : request.sampler.tour_scans
+                             ? "reduce tour_scans in [sampler]"
+                             : "reduce anneal_scans, burn_in_rounds or round_scans in [sampler]"));
 }
 
 void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& request) {
@@ -219,9 +217,9 @@ void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& req
   if (request.stop.independent_solutions && plain_chains && sampler.valid("method") &&
       sampler.valid("chains") && *request.stop.independent_solutions > request.sampler.chains) {
     stop.error("independent_solutions",
-               fmt::format("expected at most {}, the number of chains, found {}; with method "
-                           "\"metropolis_hastings\", a chain yields one independent solution; set "
-                           "chains = {} in [sampler], or use fewer solutions",
+               fmt::format("expected at most {} (the number of chains), found {}; with method "
+                           "\"metropolis_hastings\", each chain yields one independent solution; "
+                           "set chains = {} in [sampler], or use fewer solutions",
                            request.sampler.chains, *request.stop.independent_solutions,
                            *request.stop.independent_solutions));
   }

@@ -45,7 +45,7 @@ base::Result<Written, std::string> split(std::string_view text) {
   }
   if (written.key.empty()) return std::string(k_form);
   if (written.key.find('.') != std::string::npos) {
-    return fmt::format("{}; set keys of tables below a section in the request file", k_form);
+    return fmt::format("{}; set the keys of a section's tables in the request file", k_form);
   }
   if (written.value.empty())
     return std::string("missing value after '='; write an empty string as '\"\"'");
@@ -186,7 +186,7 @@ base::Result<ReadSets, std::vector<Diagnostic>> read_sets(std::span<const std::s
   std::vector<Diagnostic> errors;
   if (texts.size() > k_sets_max)
     return std::vector{
-        wrong(texts[k_sets_max], fmt::format("expected at most {} options --set", k_sets_max))};
+        wrong(texts[k_sets_max], fmt::format("expected at most {} --set options", k_sets_max))};
   for (const std::string& text : texts) {
     auto set = read_set(text);
     if (!set) {

@@ -118,12 +118,12 @@ struct Client::Impl final : Link {
         connection = nullptr;
         throw Lost("lost the connection to the server");
       case kj::Exception::Type::UNIMPLEMENTED:
-        throw RefusedError(
-            {.kind = RefusalKind::not_found,
-             .sentence = "The server doesn't support this call: its version differs from "
-                         "this program's.",
-             .what_to_do = "Restart the server: `sleight server stop`, then `sleight server "
-                           "start`; running jobs keep running."});
+        throw RefusedError({.kind = RefusalKind::not_found,
+                            .sentence =
+                                "The server doesn't support this call: its version differs from "
+                                "this program's.",
+                            .what_to_do = "To restart the server, run `sleight server stop`, then "
+                                          "`sleight server start`; running jobs keep running."});
       case kj::Exception::Type::OVERLOADED:
         connection = nullptr;
         throw base::Error(fmt::format("the server at {} does not answer; see its log", name));
@@ -216,8 +216,8 @@ struct Client::Impl final : Link {
             access::fingerprint_of(remote.certificate)) {
       return fmt::format(
           "the certificate of the server at {0} has changed since the login: the server has a new "
-          "certificate, or somebody intercepts the connection. Ask the server's operator, then "
-          "run `sleight login {0}` again",
+          "certificate, or somebody intercepts the connection. Confirm the new certificate with "
+          "the server's operator, then run `sleight login {0}` again",
           name);
     }
     const std::string fault =
@@ -239,7 +239,7 @@ struct Client::Impl final : Link {
       return timer.timeoutAt(from_now(options.call_s_max), kj::mv(reached)).wait(io->waitScope);
     } catch (const kj::Exception& error) {
       if (error.getType() == kj::Exception::Type::FAILED)
-        throw NoServer(fmt::format("can't find the host of {}", name));
+        throw NoServer(fmt::format("can't find the host named in {}", name));
       throw NoServer(fmt::format("no server answers at {}", name));
     }
   }

@@ -124,7 +124,7 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
     default:
       // These messages are about capabilities and promises of the peer, which has none, or they
       // answer calls that the server never made.
-      kj::throwFatalException(refusal("a message of a kind that clients never send"));
+      kj::throwFatalException(refusal("clients never send messages of this kind"));
   }
   if (questions_.size() > k_questions_max) kj::throwFatalException(refusal("too many open calls"));
 }

@@ -56,11 +56,10 @@ std::optional<Refusal> check(const JobAsk& job) {
     if (option.name.empty() || option.name.size() > k_option_bytes_max ||
         option.value.size() > k_option_bytes_max || !is_printable(option.name) ||
         !is_printable(option.value) || !names.insert(option.name).second) {
-      return refuse(
-          RefusalKind::bad_request,
-          fmt::format("A backend option has a unique name; its name and value have at most "
-                      "{} bytes and no control characters.",
-                      k_option_bytes_max));
+      return refuse(RefusalKind::bad_request,
+                    fmt::format("Each backend option needs a unique name; names and values have at "
+                                "most {} bytes and no control characters.",
+                                k_option_bytes_max));
     }
   }
   return std::nullopt;
@@ -126,8 +125,8 @@ std::optional<Refusal> check(ChangeAsk& ask) {
   if (!(extension.to > 0) || extension.to > k_extension_max ||
       (extension.by != ExtendBy::odds && !is_whole)) {
     return refuse(RefusalKind::bad_request,
-                  "A job can only be extended to a value above 0. Scans, rounds and solutions need "
-                  "an integer.");
+                  "An extension's value must be above 0. Numbers of scans, rounds and solutions "
+                  "must be integers.");
   }
   return std::nullopt;
 }

@@ -177,7 +177,7 @@ struct Serving {
     }
     if (conversation->calls >= calls->limits.calls_max) {
       return Refusal{.kind = RefusalKind::limit,
-                     .sentence = fmt::format("A connection has at most {} calls at once.",
+                     .sentence = fmt::format("A connection can have at most {} calls in progress.",
                                              calls->limits.calls_max),
                      .what_to_do = "Wait for answers, or connect again."};
     }

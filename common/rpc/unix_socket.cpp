@@ -84,8 +84,9 @@ ListeningSocket::ListeningSocket(const std::string& path, std::optional<gid_t> g
   }
   struct stat before = {};
   if (::lstat(path.c_str(), &before) == 0 && !S_ISSOCK(before.st_mode)) {
-    throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: exists and is not a socket; choose another path", path));
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: the path exists but is not a socket; choose another path", path));
   }
   const Descriptor folder(open_folder_of(path));
   if (folder.get() < 0) throw fail("can't open its folder");
@@ -97,8 +98,8 @@ ListeningSocket::ListeningSocket(const std::string& path, std::optional<gid_t> g
     throw fail("can't bind the socket");
   struct stat seen = {};
   if (group && ::chown(beside.c_str(), static_cast<uid_t>(-1), *group) != 0) {
-    const auto error =
-        fail("can't give the socket to its group; the daemon's user must be a member");
+    const auto error = fail(
+        "can't assign the socket to its group; the daemon's user must be a member of the group");
     ::unlink(beside.c_str());
     throw error;
   }
@@ -134,11 +135,10 @@ base::Result<int, Unconnected> connect_to(const std::string& path) {
   if (errno == ENOENT || errno == ECONNREFUSED) return Unconnected::nobody;
   if (errno == EAGAIN) return Unconnected::busy;
   if (errno == EACCES) {
-    throw base::Error(
-        base::ExitCode::not_allowed,
-        fmt::format("this user may not use the server at {}; ask its operator to add you to its "
-                    "group",
-                    path));
+    throw base::Error(base::ExitCode::not_allowed,
+                      fmt::format("this user may not use the server at {}; ask the server's "
+                                  "operator to add you to its group",
+                                  path));
   }
   throw base::Error(fmt::format("can't connect to {}: {}", path, reason()));
 }

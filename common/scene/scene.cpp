@@ -32,7 +32,8 @@ std::string fault_of_features(const Scene& scene) {
     if (feature.name.empty()) return fmt::format("feature {} has no name", i);
     if (!names.insert(feature.name).second)
       return fmt::format("two features are named '{}'", feature.name);
-    if (feature.kind < last) return "features are not in the order bodies, fixed, wanted";
+    if (feature.kind < last)
+      return "features are not ordered by kind: bodies, then fixed, then wanted";
     last = feature.kind;
     const bool is_body = feature.kind == FeatureKind::body;
     if (feature.twin_of > i || (!is_body && feature.twin_of != i) ||

@@ -196,8 +196,8 @@ void RunLock::check() const {
   }
   throw base::Error(
       base::ExitCode::conflict,
-      fmt::format("{}: this process could not renew its run lease on the network disk in time, and "
-                  "{}; this process stops, and results that were not stored are computed again",
+      fmt::format("{}: the run lease on the network disk could not be renewed in time, and {}; "
+                  "this process stops, and results that were not stored are computed again",
                   folder_,
                   by ? fmt::format("another {}, has taken over the run", name_of(*by))
                      : std::string("another process may have taken over the run")));

@@ -135,11 +135,11 @@ void RunStore::create_or_check(const RunIdentity& identity) {
       version && *version != identity.results_version) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format(
-            "{}: contains results {} (of sleight {}), but this program makes results {} (sleight "
-            "{}); a run can't mix them; resume with that version, or use --fresh to start over",
-            path, *version, stored_text("program_version").value_or("?"), identity.results_version,
-            identity.program_version));
+        fmt::format("{}: the stored results have version {} (sleight {}), but this program "
+                    "computes version {} (sleight {}); a run can't mix versions; resume with the "
+                    "sleight version that stored the results, or use --fresh to start over",
+                    path, *version, stored_text("program_version").value_or("?"),
+                    identity.results_version, identity.program_version));
   }
 
   // Refuse a store that has results but lacks the keys that identify their run.

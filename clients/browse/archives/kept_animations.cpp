@@ -79,7 +79,7 @@ scene::Scene required_scene(const archive::Source& source) {
 KeptAnimation kept_animation(const archive::Source& source, const archive::KeptMotions& motions,
                              std::uint64_t row, const scene::Scene& scene, std::string_view name) {
   auto motion = motions.animation(row, scene);
-  if (!motion) refuse_animation(source, name, motion.error());
+  if (!motion) refuse_animation(source, name, "is invalid: " + motion.error());
   auto own = motions.variation(row, scene);
   if (!own) refuse_animation(source, name, own.error());
   return {.motion = std::move(motion).value(),

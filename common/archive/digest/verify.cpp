@@ -108,15 +108,16 @@ void check_coordinates(const Reader& reader, Findings& findings) {
   const auto step = static_cast<std::uint64_t>(thin);
   const std::uint64_t states = scans == 0 ? 0 : (scans - 1) / step + 1;
   if (reader.size(k_posterior, "draw") != states) {
-    findings.push_back(fmt::format("/posterior has {} draws, but {} scans with thin {} make {}",
-                                   reader.size(k_posterior, "draw"), scans, thin, states));
+    findings.push_back(
+        fmt::format("/posterior has {} draws, but {} scans with thin {} require {} draws",
+                    reader.size(k_posterior, "draw"), scans, thin, states));
     return;
   }
   for (const std::string_view group : {k_posterior, k_sample_stats, k_replicas}) {
     check_progression(reader, group, "chain", 1, findings);
     if (reader.size(group, "chain") != reader.size(k_sample_stats, "chain")) {
       findings.push_back(
-          fmt::format("{} and /sample_stats differ in their number of chains", group));
+          fmt::format("{} and /sample_stats have different numbers of chains", group));
     }
   }
   check_progression(reader, k_posterior, "draw", step, findings);
@@ -297,9 +298,9 @@ class AnimationCheck {
   std::int64_t next_segment_ = 0;
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> kept_of_lineage_;
   Rule order_{"animations must be ordered by draw, then by chain"};
-  Rule place_{"an animation's chain and draw must be within the run"};
+  Rule place_{"an animation's chain and draw must exist in the run"};
   Rule satisfied_{"a kept animation must satisfy the constraint"};
-  Rule equal_{"an animation's scalars must equal those of its scan in /sample_stats"};
+  Rule equal_{"an animation's scalars must equal the values of its scan in /sample_stats"};
   Rule lineage_{"a lineage must have at most keep_per_lineage animations"};
   Rule segments_{"segments must be contiguous"};
 };
@@ -317,7 +318,7 @@ void check_finds(const Reader& reader, Findings& findings) {
                                    total, found, keep_max));
   }
   Rule order{"finds must be ordered by start"};
-  Rule segments{"segments of finds must be contiguous"};
+  Rule segments{"the segments of finds must be contiguous"};
   std::int64_t start_before = -1;
   std::int64_t next_segment = 0;
   for_each_batch(total, [&](std::uint64_t first, std::uint64_t count) {
@@ -344,7 +345,8 @@ void check_finds(const Reader& reader, Findings& findings) {
 void check_rows(const Reader& reader, std::string_view group, const std::string& dim,
                 Findings& findings) {
   check_progression(reader, group, dim, 1, findings);
-  Rule rule(fmt::format("{}: rows along {} must be contiguous", group, dim));
+  Rule rule(
+      fmt::format("{}: the animations' rows along dimension {} must be contiguous", group, dim));
   std::uint64_t next = 0;
   for_each_batch(reader.size(group, "animation"), [&](std::uint64_t first, std::uint64_t count) {
     const auto start = reader.read<std::int64_t>(group, dim + "_start", first, count);
@@ -365,7 +367,7 @@ void check_motions(const Source& source, const Reader& reader, std::string_view 
   const bool is_draws = group == k_animations;
   Rule proportion(is_draws ? "in_proportion must be 0 or 1" : "in_proportion of a find must be 0");
   Rule motion(fmt::format("motions of {} must be valid", group));
-  Rule own(fmt::format("parts and points of {} must be valid", group));
+  Rule own(fmt::format("each animation's parts and control points in {} must be valid", group));
   const std::uint64_t total = reader.size(group, "animation");
   for_each_batch(total, [&](std::uint64_t first, std::uint64_t count) {
     const auto values = reader.read<std::int8_t>(group, "in_proportion", first, count);
@@ -376,7 +378,7 @@ void check_motions(const Source& source, const Reader& reader, std::string_view 
   const KeptMotions motions(source, group);
   for (std::uint64_t i = 0; i < total; ++i) {
     std::string reason;
-    const auto place = [&] { return fmt::format("animation {}, which {}", i, reason); };
+    const auto place = [&] { return fmt::format("animation {}: {}", i, reason); };
     const auto found = motions.animation(i, scene);
     if (!found) reason = found.error();
     motion.expect(found.ok(), place);
@@ -391,7 +393,7 @@ void check_motions(const Source& source, const Reader& reader, std::string_view 
 void check_scene(const Source& source, const Reader& reader, Findings& findings) {
   const auto scene = scene_of(source);
   if (!scene) {
-    findings.push_back(fmt::format("/scene {}", scene.error()));
+    findings.push_back(fmt::format("/scene: {}", scene.error()));
     return;
   }
   for (const std::string_view group : {k_animations, k_finds}) {
@@ -413,7 +415,7 @@ void check_prior(const Reader& reader, Findings& findings) {
     check_progression(reader, group, "draw", 1, findings);
   }
   if (reader.size(k_prior, "draw") != reader.size(k_sample_stats_prior, "draw")) {
-    findings.emplace_back("/prior and /sample_stats_prior differ in their number of draws");
+    findings.emplace_back("/prior and /sample_stats_prior have different numbers of draws");
     return;
   }
   Rule sum("/sample_stats_prior/lp = log_prior + log_constraint");

@@ -84,9 +84,10 @@ class Walk {
     if (*number == k_format_version) return;
     const Attribute* writer = find_attribute(root.attributes, k_inference_library_version);
     const auto* by = writer ? std::get_if<std::string>(&writer->value) : nullptr;
-    api_.fail("", fmt::format("sleight {} wrote this archive in format {}; this program only reads "
-                              "format {}; use that version, or direct the request again",
-                              by ? *by : "of an unknown version", *number, k_format_version));
+    api_.fail("",
+              fmt::format("sleight {} wrote this archive in format {}, but this program only reads "
+                          "format {}; use that version of sleight, or run the request again",
+                          by ? *by : "of an unknown version", *number, k_format_version));
   }
 
   /// Returns links in creation order if the file tracks it, else by name.
@@ -223,7 +224,7 @@ class Walk {
     } else if (H5Tget_class(type.get()) == H5T_STRING && H5Tis_variable_str(type.get()) == 0) {
       set_text_type(stored, H5Tget_size(type.get()), path);
     } else {
-      api_.fail(path, "the datatype is not one of the archive format");
+      api_.fail(path, "the archive format does not allow this datatype");
     }
     if (stored.dims.size() > k_rank_max) {
       api_.fail(path, fmt::format("expected at most {1} dimensions, found {0}", stored.dims.size(),
@@ -260,14 +261,15 @@ class Walk {
     }
     if (bytes == 0) return;
     const std::uint64_t stored = H5Dget_storage_size(id);
-    if (stored > file_bytes_) api_.fail(path, "the dataset claims more bytes than the file has");
+    if (stored > file_bytes_)
+      api_.fail(path, "the dataset's storage size exceeds the size of the file");
     std::uint64_t held = stored;
     if (H5Pget_layout(list) == H5D_CHUNKED) {
       check_chunks(id, list, dims, element_bytes, path);
       held = stored * k_deflate_ratio_max;
     }
     if (bytes > held) {
-      api_.fail(path, fmt::format("the values take {} bytes, more than {} stored bytes can contain",
+      api_.fail(path, fmt::format("the values take {} bytes, which is too many for {} stored bytes",
                                   bytes, stored));
     }
   }
@@ -279,7 +281,7 @@ class Walk {
         api_.count(H5Pget_chunk(list, static_cast<int>(chunk.size()), chunk.data()), path,
                    "read the chunk size");
     if (rank != dims.size())
-      api_.fail(path, "the chunks differ from the dataset in their number of dimensions");
+      api_.fail(path, "the chunks and the dataset have different numbers of dimensions");
     std::uint64_t bytes = element_bytes;
     std::uint64_t expected = 1;
     for (std::size_t d = 0; d < dims.size(); ++d) {

@@ -169,7 +169,7 @@ int answer(const std::function<std::unique_ptr<Source>()>& open, std::uint64_t m
     const base::Bytes contents = remote::encode_contents(source->groups());
     if (contents.size() > remote::k_contents_bytes_max) {
       source.reset();
-      return refuse(0, "the names and attributes are too long");
+      return refuse(0, "the archive's names and attributes are too long");
     }
     return say({.kind = AnswerKind::contents, .bytes = contents.size()}, contents);
   });

@@ -40,7 +40,7 @@ void limit(__rlimit_resource_t resource, rlim_t most, std::string_view what) {
 class Permits {
  public:
   Permits() : filter_(::seccomp_init(SCMP_ACT_KILL_PROCESS), &::seccomp_release) {
-    require(filter_ != nullptr, "create a filter of system calls", ENOMEM);
+    require(filter_ != nullptr, "create a system-call filter", ENOMEM);
   }
 
   void permit(int call) { note(::seccomp_rule_add(filter_.get(), SCMP_ACT_ALLOW, call, 0)); }

@@ -51,7 +51,7 @@ int refuse_to_start(const char* reason) {
 int run_confined(int argc, const char* const* argv, const std::function<int(const Given&)>& work) {
   Given given{.memory_bytes = memory_bytes_of(argc, argv)};
   if (given.memory_bytes == 0 || !has_its_descriptors(given))
-    return refuse_to_start("only sleight starts this program, to read archives");
+    return refuse_to_start("this program is started only by sleight, to read archives");
   // Ignore SIGPIPE, so that a write to a closed pipe fails like any other write.
   std::signal(SIGPIPE, SIG_IGN);
   int code = k_bug;

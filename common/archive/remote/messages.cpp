@@ -245,7 +245,7 @@ std::size_t size_of(ElementType type) {
     case ElementType::text:
       break;
   }
-  base::check_failed("the type has a fixed size", std::string(name_of(type)));
+  base::check_failed("the element type has a fixed size", std::string(name_of(type)));
 }
 
 }  // namespace sleight::archive::remote

@@ -39,7 +39,7 @@ constexpr int k_first_free_descriptor = 10;
 [[noreturn]] void fail_start(const std::string& program, int reason) {
   throw base::Error(fmt::format(
       "{}: can't start the process that reads archives: {}{}", program, std::strerror(reason),
-      reason == ENOENT ? "; install it beside the program that starts it" : ""));
+      reason == ENOENT ? "; install it in the folder of the program that starts it" : ""));
 }
 
 base::Descriptor raised(const base::Descriptor& low, const std::string& program) {

@@ -46,7 +46,7 @@ class RemoteSource final : public Source {
   void take_contents() {
     const AnswerHead head = receive_head();
     if (head.kind != AnswerKind::contents || head.type != 0 || head.bytes > k_contents_bytes_max)
-      fail("the reader process did not begin with the list of contents");
+      fail("the reader process's first message is not the list of contents");
     base::Bytes bytes(head.bytes);
     receive(bytes);
     auto groups = decode_contents(bytes);
@@ -145,12 +145,12 @@ class RemoteSource final : public Source {
     receive(bytes);
     const AnswerHead head = decode_head(bytes);
     if (head.number != asked_ || head.nothing != 0)
-      fail("the reader process answered a different question");
+      fail("the reader process answered a different request");
     if (head.kind != AnswerKind::refusal) return head;
     const bool is_of_environment = head.type == k_of_environment && asked_ == 0;
     if (head.bytes > k_refusal_bytes_max ||
         (head.type != k_of_archive && head.type != k_of_memory && !is_of_environment))
-      fail("the reader process sent a malformed refusal");
+      fail("the reader process sent a malformed error message");
     std::string reason(head.bytes, '\0');
     receive(std::as_writable_bytes(std::span<char>(reason)));
     if (head.type == k_of_memory) fail_for_want_of_memory();

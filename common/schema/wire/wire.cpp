@@ -188,7 +188,7 @@ base::Result<Message, std::string> get_assignment(generated::Assignment::Reader 
     if (member.isState()) state = as_bytes(member.getState());
   }
   if (in.isPart()) assignment.block.ladder = get_part(in.getPart());
-  if (!fits(assignment.block)) return std::string("an assignment with inconsistent parts");
+  if (!fits(assignment.block)) return std::string("an assignment has inconsistent parts");
   return Message(std::move(assignment));
 }
 
@@ -241,19 +241,19 @@ base::Result<Message, std::string> get_delivery(generated::Delivery::Reader in) 
                     .results = {},
                     .cache = get_cache(in.getCache())};
   for (const auto from : in.getResults()) {
-    if (from.getScans().size() == 0) return std::string("a result without scans");
+    if (from.getScans().size() == 0) return std::string("a result has no scans");
     plan::UnitResult& result = delivery.results.emplace_back();
     result.unit = {.replica = {base::ChainId{from.getChain()}, base::ReplicaId{from.getReplica()}},
                    .first_scan = base::ScanIndex{from.getFirstScan()},
                    .scans = from.getScans().size()};
     result.scans.reserve(from.getScans().size());
     for (const auto scan : from.getScans()) {
-      if (!fits(scan)) return std::string("a scan with failures of unknown kinds");
+      if (!fits(scan)) return std::string("the failures of a scan have unknown kinds");
       result.scans.push_back(get_scan(scan));
     }
     for (const auto failed : from.getFailed()) {
       if (failed.getKind() >= plan::k_failure_kinds)
-        return std::string("a failed simulation of an unknown kind");
+        return std::string("a failed simulation has an unknown kind");
       result.failed.push_back({.scan = base::ScanIndex{failed.getScan()},
                                .failure = {.kind = static_cast<plan::FailureKind>(failed.getKind()),
                                            .message = as_string(failed.getMessage()),
@@ -294,7 +294,7 @@ base::Result<Message, std::string> get_message(generated::Message::Reader in) {
   switch (in.which()) {
     case generated::Message::HELLO: {
       const auto hello = in.getHello();
-      if (hello.getThreads() == 0) return std::string("a hello message with 0 threads");
+      if (hello.getThreads() == 0) return std::string("a hello message has 0 threads");
       return Message(Hello{.results_version = as_string(hello.getResultsVersion()),
                            .identity = as_string(hello.getIdentity()),
                            .threads = hello.getThreads()});
@@ -313,7 +313,7 @@ base::Result<Message, std::string> get_message(generated::Message::Reader in) {
     case generated::Message::FAILURE:
       return Message(Failure{.reason = as_string(in.getFailure())});
   }
-  return std::string("a message of an unknown kind");
+  return std::string("the message has an unknown kind");
 }
 
 }  // namespace
@@ -329,11 +329,11 @@ base::Bytes encode(const Message& message) {
 }
 
 base::Result<Message, std::string> decode(base::BytesView bytes) {
-  if (bytes.size() > k_message_bytes_max) return std::string("a message beyond the size limit");
+  if (bytes.size() > k_message_bytes_max) return std::string("the message exceeds the size limit");
   // Copy the bytes into words, because they may be unaligned.
   std::vector<capnp::word> words(bytes.size() / sizeof(capnp::word));
   if (words.size() * sizeof(capnp::word) != bytes.size()) {
-    return std::string("a message whose size is not a multiple of 8 bytes");
+    return std::string("the message's size is not a multiple of 8 bytes");
   }
   if (!words.empty()) std::memcpy(words.data(), bytes.data(), bytes.size());
   try {
@@ -343,7 +343,7 @@ base::Result<Message, std::string> decode(base::BytesView bytes) {
         kj::ArrayPtr<const capnp::word>(words.data(), words.size()), limits);
     return get_message(reader.getRoot<generated::Message>());
   } catch (const kj::Exception& failure) {
-    return std::string("an unreadable message: ") + failure.getDescription().cStr();
+    return std::string("the message is unreadable: ") + failure.getDescription().cStr();
   }
 }
 

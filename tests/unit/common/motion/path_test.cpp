@@ -65,8 +65,9 @@ TEST(Animation, RefusesWhatIsNoMotion) {
               HasSubstr("invalid numbers"));
   EXPECT_THAT(refused(2, [](Segment& s) { s.velocity_mps.y() = -1e300; }),
               HasSubstr("invalid numbers"));
-  EXPECT_THAT(refused(2, [](Segment& s) { s.orientation.w() = 2; }), HasSubstr("not rotations"));
-  EXPECT_THAT(refused(2, [&](Segment& s) { s.orientation.x() = nan; }), HasSubstr("not rotations"));
+  EXPECT_THAT(refused(2, [](Segment& s) { s.orientation.w() = 2; }), HasSubstr("not a rotation"));
+  EXPECT_THAT(refused(2, [&](Segment& s) { s.orientation.x() = nan; }),
+              HasSubstr("not a rotation"));
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ TEST(Sets, ThatCannotBeReadSayWhy) {
             "--set constraint.word=\\xff: expected UTF-8 text\n");
   EXPECT_THAT(read({"sampler.seed=1", "sampler.seed=2"}),
               tests::LinesHaveFacts("--set sampler.seed=2: |twice"));
-  EXPECT_THAT(read(Texts(k_sets_max + 1, "a.b=1")), HasSubstr("at most 100 options --set"));
+  EXPECT_THAT(read(Texts(k_sets_max + 1, "a.b=1")), HasSubstr("at most 100 --set options"));
   EXPECT_THAT(read({"sampler.seed=1..3", "world.balls=2"}),
               tests::LinesHaveFacts("--set sampler.seed=1..3: |range|`sleight submit`"));
   EXPECT_THAT(read({"sampler.seed={1}"}), HasSubstr("found a range"));

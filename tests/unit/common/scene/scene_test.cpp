@@ -39,7 +39,7 @@ TEST(Scene, IsSoundOrSaysWhatIsWrong) {
   EXPECT_THAT(fault([](Scene& s) { s.features[1].name = ""; }), HasSubstr("no name"));
   EXPECT_THAT(fault([](Scene& s) { s.features[1].name = "die 1"; }), HasSubstr("two features"));
   EXPECT_THAT(fault([](Scene& s) { s.features[3].kind = FeatureKind::body; }),
-              HasSubstr("not in the order bodies"));
+              HasSubstr("not ordered by kind"));
   EXPECT_THAT(fault([](Scene& s) { s.features[0].twin_of = 1; }), HasSubstr("not a twin"));
   EXPECT_THAT(fault([](Scene& s) { s.features[2].twin_of = 0; }), HasSubstr("not a twin"));
   EXPECT_THAT(fault([](Scene& s) { s.features[3].body = 2; }), HasSubstr("invalid body"));

@@ -53,8 +53,8 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
   other_version.results_version = "r2";
   other_version.program_version = "1.1";
   EXPECT_THAT(conflict_of(other_version),
-              AllOf(HasSubstr("contains results r1 (of sleight 1.0)"),
-                    HasSubstr("makes results r2 (sleight 1.1)"), HasSubstr("--fresh")));
+              AllOf(HasSubstr("version r1 (sleight 1.0)"), HasSubstr("version r2 (sleight 1.1)"),
+                    HasSubstr("--fresh")));
   execute("UPDATE run SET value=7 WHERE key='format_version'");
   EXPECT_THAT(conflict_of(example_identity(1)),
               AllOf(HasSubstr("format 7"), HasSubstr("writes format 6")));

@@ -98,9 +98,9 @@ TEST_F(Verify, NamesEachBrokenRule) {
     return values<std::int64_t>(k_animations, name);
   };
   broken([&] { std::swap(place("draw")[3], place("draw")[15]); }, "ordered by draw");
-  broken([&] { place("chain")[3] = 3; }, "within the run");
-  broken([&] { place("lineage")[3] += 100; }, "equal those of its scan");
-  broken([&] { values<double>(k_animations, "landing_m")[3] = 7; }, "equal those of its scan");
+  broken([&] { place("chain")[3] = 3; }, "exist in the run");
+  broken([&] { place("lineage")[3] += 100; }, "equal the values of its scan");
+  broken([&] { values<double>(k_animations, "landing_m")[3] = 7; }, "equal the values of its scan");
   broken([&] { place("segment_start")[3] += 1; }, "segments must be contiguous");
   broken([&] { place("segment_count")[19] -= 1; }, "segments must be contiguous");
   broken(
@@ -142,7 +142,7 @@ TEST_F(Verify, NamesBrokenStructure) {
             .datasets.back()
             .dims.erase(archive_.group(k_posterior).datasets.back().dims.begin());
       },
-      "no variable of a world");
+      "a variable of a world");
 }
 
 }  // namespace

@@ -114,7 +114,7 @@ TEST_F(Remote, SaysWhatIsNoArchive) {
       HasSubstr("can't open"));
   EXPECT_THAT(reason_of([&] { open_remote_by(path("no-reader"), write("a.h5", 1)); },
                         base::ExitCode::environment),
-              HasSubstr("install it beside"));
+              HasSubstr("install it in the folder"));
 }
 
 TEST_F(Remote, SeveralArchivesFromSeveralThreads) {
@@ -206,7 +206,7 @@ TEST_F(Remote, AKilledReaderIsNamed) {
 }
 
 TEST_F(Remote, LiesAboutContentsAreFound) {
-  EXPECT_THAT(why_refused("huge_contents"), tests::HasFacts("did not begin|contents"));
+  EXPECT_THAT(why_refused("huge_contents"), tests::HasFacts("first message|contents"));
   EXPECT_THAT(why_refused("broken_contents"), HasSubstr("list of contents is malformed"));
   EXPECT_THAT(why_refused("escaping_name"), HasSubstr("invalid name"));
 }
@@ -217,8 +217,8 @@ TEST_F(Remote, LiesAboutValuesAreFound) {
   for (const char* word : {"type", "kind"})
     EXPECT_THAT(why_not_read(word), HasSubstr("other than the requested values"));
   for (const char* word : {"number", "padding"})
-    EXPECT_THAT(why_not_read(word), HasSubstr("a different question"));
-  EXPECT_THAT(why_not_read("blame"), HasSubstr("malformed refusal"));
+    EXPECT_THAT(why_not_read(word), HasSubstr("a different request"));
+  EXPECT_THAT(why_not_read("blame"), HasSubstr("malformed error message"));
   EXPECT_THAT(why_not_read("half"), HasSubstr("exited early with code 0"));
   EXPECT_THAT(why_not_read("escape", "words"),
               HasSubstr("/posterior/words: the text contains control"));
@@ -238,7 +238,7 @@ TEST_F(Remote, WordsThatNobodyAskedForAreFound) {
     }
   }
   EXPECT_THAT(reason,
-              ::testing::AnyOf(HasSubstr("without a request"), HasSubstr("a different question")));
+              ::testing::AnyOf(HasSubstr("without a request"), HasSubstr("a different request")));
   EXPECT_THAT(why_not_read("unasked"),
               ::testing::AnyOf(HasSubstr("without a request"), HasSubstr("something other")));
 }

@@ -127,8 +127,8 @@ TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
 TEST(Messages, ResultWithoutScansIsRefused) {
   // Goal: a delivery is refused if one of its results has no scans. Method: encode three results,
   // one of them without scans, and a delivery without results.
-  EXPECT_THAT(refusal(testing::example_delivery({0})), HasSubstr("without scans"));
-  EXPECT_THAT(refusal(testing::example_delivery({2, 0, 1})), HasSubstr("without scans"));
+  EXPECT_THAT(refusal(testing::example_delivery({0})), HasSubstr("no scans"));
+  EXPECT_THAT(refusal(testing::example_delivery({2, 0, 1})), HasSubstr("no scans"));
   EXPECT_EQ(refusal(testing::example_delivery({})), "");
 }
 
