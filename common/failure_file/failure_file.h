@@ -4,7 +4,7 @@
 //   [failure]
 //   program_version = "0.1.0+g4023dc0a1b2c"
 //   kind = "search_gave_up"
-//   message = "die 1: the search for a collision gives up at tick 1048576 (0.000976562 s)"
+//   message = "body 'die 1': collision search gave up at tick 1048576 (0.0009765625 s)"
 //   chain = 0
 //   replica = 3
 //   scan = 1760
