@@ -4,8 +4,8 @@
 // axis in the world and w3 = w.z is constant. The axis and w both turn about the constant L at the
 // rate |L|/I1 (the precession). The body turns about its own axis at w3 (1 - I3/I1):
 //   q(s) = exp(L/I1 s) q(0) exp(z_body w3 (1 - I3/I1) s),   w(s) = exp(L/I1 s) w(0)
-// (Landau and Lifshitz, "Mechanics", sections 33 and 35). A spherical body is the case I3 = I1,
-// with L/I1 = w and no spin of its own. Thread safety: values and pure functions.
+// (Landau and Lifshitz, "Mechanics", sections 33 and 35). If I3 = I1, the body is spherical, L/I1 =
+// w and the turn about its own axis vanishes. Thread safety: values and pure functions.
 #pragma once
 
 #include "common/base/check.h"
@@ -18,7 +18,7 @@ struct ClosedRotation {
   double spin_radps = 0;                 ///< about the body's z axis, in the precessing frame
 };
 
-/// REQUIRES: the symmetry isn't general; the moments are as equal as the symmetry says.
+/// REQUIRES: the symmetry isn't general; moments are equal where the symmetry requires it.
 inline ClosedRotation closed_rotation(const FreeFlight& flight, const Inertia& inertia) {
   const Vec3& moments = inertia.principal_kgm2;
   const Vec3& w = flight.angular_velocity_radps;
@@ -40,14 +40,14 @@ inline Quat turned(const ClosedRotation& rotation, const Quat& start, double s) 
   const Quat outer = math::quaternion_of_rotation_vector(s * rotation.precession_radps);
   if (rotation.spin_radps == 0) return math::composed(outer, start);
   const math::SinCos half = math::sincos(0.5 * (rotation.spin_radps * s));
-  // The product start * (cos; 0, 0, sin), without its zeros.
+  // Compute start * (cos; 0, 0, sin) without multiplications by 0.
   const Quat inner(
       start.w() * half.cos - start.z() * half.sin, start.x() * half.cos + start.y() * half.sin,
       start.y() * half.cos - start.x() * half.sin, start.z() * half.cos + start.w() * half.sin);
   return math::composed(outer, inner);
 }
 
-/// Returns w(s), given w(0). Bitwise constant unless the body has a spin of its own.
+/// Returns w(s), given w(0). If spin_radps is 0, the result is w(0), bit for bit.
 inline Vec3 precessed(const ClosedRotation& rotation, const Vec3& start_radps, double s) {
   if (rotation.spin_radps == 0) return start_radps;
   return math::rotated(math::quaternion_of_rotation_vector(s * rotation.precession_radps),

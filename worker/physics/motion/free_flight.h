@@ -6,8 +6,8 @@
 //
 // Invariants
 //   1. Evaluation depends only on flight and tick, not on earlier evaluations.
-//   2. Only the difference of the tick and `begin` matters, and it is exact: a flight that begins n
-//      ticks later gives the same bits n ticks later.
+//   2. Results depend on the tick only through its difference from `begin`, which is exact. If a
+//      flight begins n ticks later, it has the same results, bit for bit, n ticks later.
 //   3. At the tick `begin` every function returns the flight's values, bit for bit.
 // Thread safety: values and pure functions.
 #pragma once
@@ -18,7 +18,7 @@
 namespace sleight::physics {
 
 /// The start of a free flight, in the world's frame: 144 bytes. `orientation` has norm 1 to within
-/// 1e-12. The creator of a flight normalises it, because evaluation keeps its norm.
+/// 1e-12. A flight's creator normalises `orientation`; evaluation keeps the norm.
 struct FreeFlight {
   Tick begin;
   Vec3 position_m = Vec3::Zero();  ///< of the centre of mass
@@ -28,12 +28,12 @@ struct FreeFlight {
   Vec3 angular_velocity_radps = Vec3::Zero();
 };
 
-/// Returns the time since the flight began. Exact for spans of up to 2^53 ticks.
+/// Returns the time since the flight began. The result is exact for spans of up to 2^53 ticks.
 inline double seconds_since_begin(const FreeFlight& flight, Tick t) {
   return seconds(t - flight.begin);
 }
 
-/// Returns p + (v + a s/2) s, with four roundings. motion_bounds.cpp relies on this form.
+/// Returns p + (v + a s/2) s, with four roundings. motion_bounds.h relies on this form.
 inline double parabola(double position, double velocity, double acceleration, double s) {
   return position + (velocity + acceleration * (0.5 * s)) * s;
 }

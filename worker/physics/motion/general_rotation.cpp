@@ -11,7 +11,7 @@ namespace sleight::physics {
 
 namespace {
 
-/// Returns log2 of the step in ticks; negative if a tick is too long.
+/// Returns log2 of the step in ticks, or a negative number if the step is shorter than a tick.
 int log2_step_ticks(double rate_radps) {
   constexpr int k_longest = 52;
   const double ticks = GeneralRotation::k_step_rad / rate_radps * k_ticks_per_second;
@@ -24,8 +24,8 @@ int log2_step_ticks(double rate_radps) {
 template <std::size_t axes>
 using Coefficients = std::array<std::array<double, axes>, GeneralRotation::k_order + 1>;
 
-/// Returns an order that suffices for an offset in a step. The n-th term is at most 2^-2n x^n of
-/// the first, and the omitted terms stay below 2^-56. Depends only on the offset.
+/// Returns a polynomial order that is high enough for an offset in a step. The n-th term is at most
+/// 2^-2n x^n of the first, and the omitted terms stay below 2^-56. Depends only on the offset.
 std::size_t order_for(double x) {
   if (x <= 0x1p-10) return 4;
   if (x <= 0x1p-5) return 8;
@@ -33,8 +33,8 @@ std::size_t order_for(double x) {
   return GeneralRotation::k_order;
 }
 
-/// Evaluates a polynomial of even order without its constant term, in an even and an odd half,
-/// which halves the chain of dependent operations.
+/// Evaluates a polynomial of even order without its constant term. Even and odd powers are summed
+/// separately, which halves the chain of dependent operations.
 template <std::size_t axes>
 std::array<double, axes> change(const Coefficients<axes>& c, double x, std::size_t n) {
   const double square = x * x;
@@ -59,8 +59,8 @@ std::array<double, axes> value(const Coefficients<axes>& c, double x, std::size_
   return result;
 }
 
-/// Adds to high + low, storing high's rounding error in `low` (Knuth, "The art of computer
-/// programming", volume 2, section 4.2.2, theorem B).
+/// Adds a change to the sum high + low, and stores the rounding error of `high` in `low` (Knuth,
+/// "The art of computer programming", volume 2, section 4.2.2, theorem B).
 template <std::size_t axes>
 void add(const std::array<double, axes>& change, std::array<double, axes>& high,
          std::array<double, axes>& low) {
@@ -122,7 +122,7 @@ Vec3 GeneralRotation::angular_velocity_at(TickCount ticks_since_begin) {
       Vec3(w[0] * steps_per_second_, w[1] * steps_per_second_, w[2] * steps_per_second_));
 }
 
-/// Returns the place in the current step, 0 to 1. Exact.
+/// Returns the exact place in the current step, from 0 to 1.
 double GeneralRotation::offset_in(TickCount ticks_since_begin) const {
   const TickCount ticks = ticks_since_begin - (step_ << log2_ticks_);
   return seconds(ticks) * steps_per_second_;
@@ -150,7 +150,7 @@ void GeneralRotation::advance() {
   expand(k_order);
   add(change(q_, 1, k_order), state_.q, state_.q_low);
   add(change(w_, 1, k_order), state_.w, state_.w_low);
-  // Newton step towards norm 1, again without rounding q itself.
+  // Take a Newton step towards norm 1, which changes only the low part of q.
   const std::array<double, 4>& q = state_.q;
   std::array<double, 4>& low = state_.q_low;
   const double square = ((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3];

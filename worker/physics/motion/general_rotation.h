@@ -16,7 +16,7 @@
 // greatest angular speed on the polhode (rotation_bounds.h), and c the greatest coefficient of
 // Euler's equations, at most 1 for real masses. The poles of w(t) are then at least six steps from
 // the real axis. Truncating after order 16 costs less than 7e-17, the greatest sum of omitted terms
-// of 4,000 bodies, including plates, needles and flips.
+// found among 4,000 bodies, including plates, needles and flips.
 //
 // Invariants
 //   1. Step k depends only on the flight and k, because it is always reached from the flight's
@@ -25,8 +25,8 @@
 // Near the start of a step fewer terms are needed, and only those are computed, so a body that
 // bounces often doesn't pay for whole steps. Cost: about 0.4 us per step, which is 1/8 to 1/4
 // radian at the greatest speed; 15 ns for an orientation inside the step. A call for an earlier
-// time restarts at the flight's begin, unless it is in the step just before the current one. Thread
-// safety: one object is not shared between threads.
+// time restarts at the flight's start, unless that time is in the step just before the current one.
+// Thread safety: one object is not shared between threads.
 #pragma once
 
 #include <array>
@@ -50,18 +50,18 @@ class GeneralRotation {
   /// REQUIRES: moments > 0; orientation of norm 1; everything finite.
   GeneralRotation(const FreeFlight& flight, const Inertia& inertia);
 
-  /// Maximum ticks after the flight's begin at which it can be evaluated: k_steps_max steps, at
-  /// most k_tick_max. 0 for bodies so fast that a tick is too long for a step (2^28 rad/s).
+  /// Maximum time after the flight's start at which the rotation can be evaluated: k_steps_max
+  /// steps, at most k_tick_max. 0 for bodies whose step would be shorter than a tick (2^28 rad/s).
   TickCount span_max() const { return span_max_; }
 
-  /// Returns q at a time after begin. REQUIRES: 0 <= ticks <= span_max().
+  /// Returns q at a time after the flight's start. REQUIRES: 0 <= ticks <= span_max().
   Quat orientation_at(TickCount ticks_since_begin);
   /// Returns w in the world's frame. REQUIRES: 0 <= ticks <= span_max().
   Vec3 angular_velocity_at(TickCount ticks_since_begin);
 
  private:
-  /// State at the start of a step. Each number is an unrounded sum of two. With single numbers, the
-  /// rounding of a long flight's steps would add up in energy and angular momentum.
+  /// State at the start of a step. Each number is stored as the unrounded sum of two doubles. With
+  /// single doubles, a long flight's rounding errors would add up in energy and angular momentum.
   struct State {
     std::array<double, 4> q{};  ///< w, x, y, z
     std::array<double, 3> w{};  ///< radians per step, about the body's axes

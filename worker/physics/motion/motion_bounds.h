@@ -7,7 +7,7 @@
 // Invariants
 //   1. Bounds hold for the results of position_at and orientation_at at whole ticks, including
 //      rounding, not just for the exact motion.
-//   2. All results depend only on the arguments; only ticks since begin matter.
+//   2. All results depend only on the arguments; only ticks since `begin` matter.
 // Thread safety: pure functions.
 #pragma once
 
@@ -44,7 +44,7 @@ inline float float_above(double x) {
   return static_cast<float>(x + (std::fabs(x) * 0x1p-23 + 0x1p-149));
 }
 
-/// Returns the sum of a parabola's absolute terms, to which rounding errors are relative.
+/// Returns the sum of a parabola's absolute terms, to which rounding errors are proportional.
 inline double magnitude(double position, double velocity, double acceleration, double s) {
   return parabola(std::fabs(position), std::fabs(velocity), std::fabs(acceleration), s);
 }
@@ -53,11 +53,11 @@ inline double magnitude(double position, double velocity, double acceleration, d
 /// distances `ahead` > 0 and `behind` > 0 from the walls, moves towards the one ahead at `speed` >=
 /// 0, and accelerates towards it at `acceleration` of any sign. Roots avoid cancellation.
 inline double seconds_between(double ahead, double behind, double speed, double acceleration) {
-  // The general formula gives the same, as the root is the speed.
+  // The general formula below has the same result, because then `root` is the speed.
   if (acceleration == 0) return ahead / speed;
   const double square = speed * speed;
   const double discriminant = square + 2 * acceleration * ahead;
-  // A decelerating point meets the wall ahead before its apex, or else the wall behind.
+  // A decelerating point meets the wall ahead, or turns back and meets the wall behind.
   const bool meets_ahead = acceleration >= 0 || (discriminant >= 0 && speed > 0);
   const double root = std::sqrt(meets_ahead ? discriminant : square - 2 * acceleration * behind);
   return meets_ahead ? 2 * ahead / (speed + root) : (speed + root) / -acceleration;
@@ -81,7 +81,7 @@ Box path_box(const Motion& motion, double radius_m, Tick from, Tick to) {
     const double last = parabola(p, v, a, s_to);
     const double apex_s = a != 0 ? std::clamp(-v / a, s_from, s_to) : s_from;
     const double apex = parabola(p, v, a, apex_s);
-    // Twice the error that OnParabola permits, plus the rounding of the sums here.
+    // The margin is twice the error that OnParabola permits, plus the rounding of the sums here.
     const double reach = radius_m + 0x1p-50 * (detail::magnitude(p, v, a, s_to) + radius_m);
     const auto index = static_cast<std::size_t>(axis);
     box.low_m[index] = detail::float_below(std::min(std::min(first, last), apex) - reach);
@@ -90,11 +90,11 @@ Box path_box(const Motion& motion, double radius_m, Tick from, Tick to) {
   return box;
 }
 
-/// Returns a tick until which the sphere stays in the box, including that tick. k_tick_max: it
-/// never leaves. from - 1: it is not inside at `from`. The walls count as further in by 2^-49 (|p|
-/// + |v| s + 3 |a| s^2 + radius) + 2^-44 width, with v the velocity at `from`, s seconds after
-/// begin. For these walls the result is early by at most 2^-39 of (result - from) and a tick.
-/// REQUIRES: begin <= from <= k_tick_max; radius >= 0; everything finite.
+/// Returns a tick until which the sphere stays in the box, including that tick. Returns k_tick_max
+/// if the sphere never leaves, and from - 1 if the sphere is not inside at `from`. The walls are
+/// moved inwards by 2^-49 (|p| + |v| s + 3 |a| s^2 + radius) + 2^-44 width, with v the velocity at
+/// `from`, s seconds after begin. For the moved walls, the result is early by at most 2^-39 (result
+/// - from) plus one tick. REQUIRES: begin <= from <= k_tick_max; radius >= 0; everything finite.
 template <OnParabola Motion>
 Tick exit_tick(const Box& box, const Motion& motion, double radius_m, Tick from) {
   const double s = seconds(from - motion.begin);
@@ -106,10 +106,10 @@ Tick exit_tick(const Box& box, const Motion& motion, double radius_m, Tick from)
     const double a = motion.acceleration_mps2[axis];
     const double v = motion.velocity_mps[axis] + a * s;
     const double p = parabola(motion.position_m[axis], motion.velocity_mps[axis], a, s);
-    // Rounding, here and in evaluations up to the exit, is below 16 roundings of the parabola's
-    // terms. The width of the box bounds the terms after `from`. By Markov's inequality, |v| T and
-    // |a| T^2/2 are at most 4 times the walls' distance for a parabola that stays between them for
-    // a time T.
+    // Rounding errors, here and in evaluations up to the exit, are below 16 roundings of the
+    // parabola's terms. The width of the box bounds the terms after `from`. By Markov's inequality,
+    // |v| T and |a| T^2/2 are at most 4 times the walls' distance for a parabola that stays between
+    // them for a time T.
     const double terms = std::fabs(motion.position_m[axis]) +
                          (std::fabs(v) + 3 * std::fabs(a) * s) * s + 32 * (high - low) + radius_m;
     const double margin = radius_m + 0x1p-49 * terms;
@@ -122,7 +122,7 @@ Tick exit_tick(const Box& box, const Motion& motion, double radius_m, Tick from)
                                  : detail::seconds_between(down, up, -v, -a);
     stays_s = std::min(stays_s, axis_s);
   }
-  // The margins cover the rounding of the roots; this factor covers the last roundings.
+  // The margins cover the rounding of the roots; `k_shrink` covers the roundings after the roots.
   constexpr double k_shrink = 1 - 0x1p-40;
   const TickCount stays = ticks_before(stays_s * k_shrink);
   return stays >= k_tick_max - from ? k_tick_max : from + stays;
@@ -138,8 +138,8 @@ double centre_speed_mps_max(const Motion& motion, Tick from, Tick to) {
   return std::sqrt(std::max(math::dot(first, first), math::dot(last, last))) * k_margin;
 }
 
-/// Returns how much rounding adds to motion. For a point within the radius of the body's centre,
-/// the evaluated positions at any ticks t1 < t2 in [begin, to] differ by at most
+/// Returns how far rounding can move evaluated positions. For a point within the radius of the
+/// body's centre, the evaluated positions at any ticks t1 < t2 in [begin, to] differ by at most
 ///   (t2 - t1) (centre_speed_mps_max + turning_speed_mps_max) + rounding_m_max(...).
 /// A search that skips ticks subtracts this from the gap first. REQUIRES: `rotation` holds this
 /// motion's bounds; begin <= to.
@@ -154,7 +154,8 @@ double rounding_m_max(const Motion& motion, const RotationBounds& rotation, doub
   return 0x1p-49 * (terms + (4 + rotation.phase_rate_radps * s) * radius_m);
 }
 
-/// Returns the greatest sum of terms of a centre's coordinate, to which its rounding is relative.
+/// Returns the greatest sum of absolute terms among the centre's coordinates. The centre's rounding
+/// errors are proportional to this sum.
 inline double coordinates_m_max(const FreeFlight& flight, Tick t) {
   const double s = seconds_since_begin(flight, t);
   double most_m = 0;

@@ -16,7 +16,7 @@ using math::Mat3;
 using math::Quat;
 using math::Vec3;
 
-/// A shape's declaration about its principal moments. The declaration selects how free rotation is
+/// Which principal moments a shape declares equal. The symmetry selects how free rotation is
 /// computed.
 enum class InertiaSymmetry : std::uint8_t {
   spherical,  ///< all three equal: sphere, cube, icosahedron

@@ -49,7 +49,7 @@ RotationBounds general_rotation_bounds(const Vec3& principal_kgm2, const Vec3& b
   bounds.angular_speed_radps = std::sqrt(y_max) * k_margin;
   if (d31 == 0) return bounds;
 
-  // Maximum of each square: w1^2 and w3^2 at w2 = 0, w2^2 at the first zero of these.
+  // w1^2 and w3^2 are greatest at w2 = 0; w2^2 is greatest where w1 or w3 first becomes 0.
   const double x1_max = x1 + x2 * (i2 * d32) / (i1 * d31);
   const double x3_max = x3 + x2 * (i2 * d21) / (i3 * d31);
   constexpr double k_none = std::numeric_limits<double>::infinity();

@@ -5,13 +5,13 @@
 // expensive. A RotationTrack stores the current step, which makes calls in about time order cheap.
 //
 // Invariants
-//   1. The functions without a track are pure. A track returns the same bits.
-//   2. Only ticks since begin matter (free_flight.h, invariant 2). At begin, results are the
-//      flight's values.
+//   1. The functions without a track are pure. A RotationTrack's functions return the same bits.
+//   2. Only ticks since the flight's start matter (free_flight.h, invariant 2). Results at the
+//      start are the flight's values.
 //   3. If moments coincide, closed forms and general steps agree up to rounding. An axial body with
-//      three equal moments has the bits of a spherical one.
-// Accuracy: closed forms are within 2^-50 (4 + angle) of exact, where `angle` is the turn since
-// begin. General bodies conserve energy and angular momentum to about 1e-14 over 1,000 revolutions.
+//      three equal moments rotates as a spherical body does, bit for bit.
+// Accuracy: closed forms have errors below 2^-50 (4 + angle), with the turn `angle` since the
+// start. General bodies conserve energy and angular momentum to about 1e-14 over 1,000 revolutions.
 // Thread safety: pure functions; one RotationTrack is not shared between threads.
 #pragma once
 
@@ -31,26 +31,26 @@ Quat orientation_at(const FreeFlight& flight, const Inertia& inertia, Tick t);
 Vec3 angular_velocity_at(const FreeFlight& flight, const Inertia& inertia, Tick t);
 
 /// Returns the latest tick at which a flight's rotation can be evaluated, at most k_tick_max, or
-/// the flight's begin if the body is too fast. The creator of a general body's flight must check
-/// this tick, and end a longer flight with a typed error. The limit is GeneralRotation::k_steps_max
-/// steps, over 131,000 rad (22 minutes at 100 rad/s).
+/// the tick at which the flight begins if the body is too fast. The creator of a general body's
+/// flight must check this tick, and end a longer flight with a typed error. The limit is
+/// GeneralRotation::k_steps_max steps, over 131,000 rad (22 minutes at 100 rad/s).
 Tick rotation_horizon(const FreeFlight& flight, const Inertia& inertia);
 
-/// A body's current flight. An object is small for bodies with closed forms. A general body's steps
-/// take one allocation of 1.3 kB, which restart() reuses.
+/// A body's current flight. A RotationTrack is small for bodies with closed forms. For a general
+/// body, it allocates 1.3 kB once, which restart() reuses.
 class RotationTrack {
  public:
   RotationTrack() = default;
   RotationTrack(const FreeFlight& flight, const Inertia& inertia) { restart(flight, inertia); }
 
-  /// Follows another flight. REQUIRES: moments > 0 and as equal as the symmetry says; orientation
-  /// of norm 1; everything finite.
+  /// Follows another flight. REQUIRES: moments > 0, and equal where the symmetry requires it;
+  /// orientation of norm 1; everything finite.
   void restart(const FreeFlight& flight, const Inertia& inertia);
 
-  /// Returns rotation_horizon of the flight.
+  /// Returns rotation_horizon() of the flight.
   Tick horizon() const;
 
-  /// Like the functions above, with the same REQUIRES.
+  /// Return the same as the free functions above, with the same REQUIRES.
   Quat orientation_at(Tick t);
   Vec3 angular_velocity_at(Tick t);
 

@@ -10,18 +10,19 @@
 namespace sleight::physics {
 namespace {
 
-/// Maximum turn by a Magnus step's second term. The error is about this times the step's angle.
+/// Maximum turn by the second term of a Magnus step. The error is about this turn times the step's
+/// angle.
 constexpr double k_second_term_rad = 1e-6;
-/// Maximum number of steps. A ball that spins so fast for so long has no predictable orientation.
+/// Maximum number of steps. A ball that needs more steps has no predictable orientation.
 constexpr double k_steps_max = 100'000;
 
 Quat turned_unevenly(const Segment& segment, double s) {
   const Vec3& w = segment.flight.angular_velocity_radps;
   const Vec3& a = segment.angular_acceleration_radps2;
-  // Equal at every step, because it is a x (w + a s).
+  // `turn_of_axis` is the same at every step, because a x (w + a s) = a x w.
   const Vec3 turn_of_axis = math::cross(a, w);
   const double size = math::norm(turn_of_axis);
-  // Below rounding the axis doesn't turn, and one step covers the whole time.
+  // If the axis turns by less than rounding, one step covers the whole time.
   const double straight = 0x1p-40 * math::norm(a) * math::norm(w);
   double steps = 1;
   if (size > straight) {

@@ -35,7 +35,7 @@ inline bool in_contact(const Segment& segment) {
 /// the angular velocity is w + a s, and the result is Magnus' expansion to its second term (Magnus,
 /// Communications on Pure and Applied Mathematics 7, 1954). The expansion's steps are equal parts
 /// of the time since the segment began, short enough for 1e-6 rad. If the axis doesn't turn, the
-/// result is exact up to rounding. REQUIRES, cost: as for orientation_at of rotation_track.h.
+/// result is exact up to rounding. REQUIRES and cost: as for orientation_at() in rotation_track.h.
 Quat orientation_of(const Segment& segment, const Inertia& inertia, Tick tick);
 
 /// Returns the twist in the world's frame. REQUIRES: as for orientation_of.
