@@ -47,8 +47,8 @@ struct HistoryEvent {
   double gap_m = 0;  ///< for a collision of two bodies
   std::span<const Participant> participants;
   std::span<const Segment> segments;
-  /// One touch per participant with `touches`, and the touches of each contact state, at the
-  /// indices in its RestState.
+  /// One touch for each participant whose touches() is true, and the touches of each contact state,
+  /// to which its RestState points by index.
   std::span<const TouchRecord> touches;
   std::span<const ContactState> contact_states;
 };
@@ -66,7 +66,7 @@ class HistoryChunk {
   struct Entry {
     EventKey key;
     double gap_m = 0;
-    // Ends of the event's ranges in the lists.
+    // In each list below, the index at which the event's range ends.
     std::uint32_t participants = 0, segments = 0, touches = 0, contact_states = 0;
   };
   std::vector<Entry> events_;
@@ -84,7 +84,7 @@ struct History {
   Scene scene;
   HistoryChunks chunks;
   Tick end{};  ///< last tick that the history covers
-  /// Memory size; other histories may share some of the memory.
+  /// Memory of this history, some of which other histories may share.
   std::size_t bytes() const;
 };
 

@@ -27,8 +27,8 @@ class HistoryBuilder {
   }
   void meet(double gap_m) { gap_m_ = gap_m; }
 
-  /// Ends the event. state(participant, segments, touches, contact_states) appends the data that
-  /// the participant's flags name. A contact state includes its touches.
+  /// Ends the event. The callback state(participant, segments, touches, contact_states) appends the
+  /// data that the participant's flags name. A contact state includes its touches.
   template <class State>
   void finish(const EventKey& key, const State& state) {
     segments_.clear();

@@ -2,8 +2,8 @@
 //
 // Invariants
 //   1. A history's segments are stored only in its chunks; recording() copies them when called.
-//   2. A history that exceeds its memory limit is given up. The segments of a history that is given
-//      up move to the recording, if there is one.
+//   2. A history that exceeds its memory limit is discarded. Its segments move to the recording, if
+//      there is one.
 // Thread safety: none.
 #pragma once
 

@@ -1,9 +1,9 @@
 // A simulation's segments by body, each with the event that began it. A recording defines the state
 // of any body at any tick without a simulator.
 //
-// A segment is valid from its tick up to the next segment's, and the last one up to the recording's
-// end. A body has no state before its first segment, because it hasn't started. Thread safety: a
-// value.
+// A segment is valid from its tick up to the tick of the next segment. The last segment is valid up
+// to the recording's end. A body has no state before its first segment, because it hasn't started.
+// Thread safety: a value.
 #pragma once
 
 #include <cstdint>

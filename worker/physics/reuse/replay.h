@@ -1,18 +1,19 @@
 // Stores how far an earlier simulation's history has been replayed, and by which bodies.
 //
 // Invariants of a replaying simulation
-//   1. A body is replayed if it has started and so far equals its history bit for bit: its segment
-//      and contact state are those of its last event there. For a replayed body, only collisions
-//      with live bodies are predicted.
-//   2. Before an event that isn't the history's next one reads or changes a replayed body's contact
-//      state, the body goes live. Such events are collisions with the body, rest decisions that
-//      read its state, and waking it. Other events may read only a replayed body's segment.
-//   3. If a live body rests on a body, that one is live too; so waking never spreads to replayed
-//      bodies.
+//   1. A body is replayed if it has started and so far equals its history bit for bit: it has the
+//      segment and the contact state that its last event in the history left. For a replayed body,
+//      only collisions with live bodies are predicted.
+//   2. If an event other than the history's next one is about to read or change a replayed body's
+//      contact state, the body goes live first. Such events are collisions with the body, rest
+//      decisions that read its state, and waking it. Other events may read only a replayed body's
+//      segment.
+//   3. If a live body rests on another body, the other body is live too; so waking never spreads to
+//      replayed bodies.
 //   4. An event of the history is replayed if all its participants are replayed. Otherwise the
 //      replayed participants go live before the event (replaying.h). Bodies also go live before
 //      they come near changed static geometry, and at the history's end.
-// A body goes live in its current state, so there is nothing to catch up with. Thread safety: none.
+// A body goes live in its current state, so nothing must be simulated again. Thread safety: none.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +35,7 @@ struct Replay {
   std::shared_ptr<const History> history;
   SceneChanges changes;
   HistoryReader reader;
-  /// By body: whether it starts as in the history and hasn't started yet.
+  /// For each body: whether it will start as in the history but hasn't started yet.
   std::vector<std::uint8_t> awaited{};
   std::uint32_t awaited_count = 0;
   /// Before this tick, only the history's events happen.

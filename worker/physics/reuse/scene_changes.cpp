@@ -84,7 +84,7 @@ bool same_statics(const Scene& a, const Scene& b) {
          std::ranges::equal(a.meshes, b.meshes, same_mesh);
 }
 
-/// Returns the control points that may have changed, by surface; nothing if all may have.
+/// Returns, by surface, the control points that may have changed; nothing if all points may have.
 std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene& before,
                                                                     const Scene& after) {
   std::vector<std::vector<GridIndex>> changed;
@@ -292,13 +292,13 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     some_rest = some_rest || was.rests || is.rests;
     others_rest = others_rest || (differs && (was.rests || is.rests));
   }
-  // Bodies that start at rest depend on everything that they touch then.
+  // Bodies that start at rest depend on everything that they touch at the start.
   if (others_rest) {
     changes.laws = true;
     return changes;
   }
-  // If most of the scene has changed, almost nothing can be replayed. Skip comparing features then,
-  // which takes as long as some simulations.
+  // If most of the scene has changed, almost nothing can be replayed. In this case, skip the
+  // comparison of features, which takes as long as some simulations.
   if (std::ranges::all_of(changes.bodies, [](auto differs) { return differs != 0; }) ||
       most_moved(before, after)) {
     changes.laws = true;

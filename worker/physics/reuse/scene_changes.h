@@ -16,8 +16,8 @@
 
 namespace sleight::physics {
 
-/// Where static geometry differs. A body that, with k_touch_m around it, overlaps none of these
-/// places meets the same static geometry in both scenes, with the same indices.
+/// Where static geometry differs. If a body with a margin of k_touch_m overlaps none of these
+/// places, it meets the same static geometry in both scenes, with the same indices.
 struct ChangedPlaces {
   BoxTree boxes;  ///< of changed pieces and features, before and after
   bool has_boxes = false;
@@ -28,9 +28,9 @@ struct ChangedPlaces {
 };
 
 struct SceneChanges {
-  /// Whether everything may differ. Reasons are a changed number of bodies, changed laws, a changed
-  /// meaning of indices, or bodies that start at rest together with a change of these bodies or of
-  /// static geometry.
+  /// Whether everything may differ. The reason is a changed number of bodies, changed laws, a
+  /// changed meaning of indices, or bodies that start at rest together with a change of these
+  /// bodies or of static geometry.
   bool laws = false;
   std::vector<std::uint8_t> bodies{};  ///< by body: whether the body or its start has changed
   ChangedPlaces places{};
@@ -41,7 +41,7 @@ struct SceneChanges {
 };
 
 /// Compares two scenes. Functions can't be compared. REQUIRES: a body with the same start has the
-/// same start_again; statics is the geometry of `after`.
+/// same `start_again`; `statics` is the geometry of `after`.
 SceneChanges changes_between(const Scene& before, const Scene& after,
                              const StaticGeometry& statics);
 
