@@ -19,7 +19,7 @@ using math::norm;
 
 // ---- one face -----------------------------------------------------------------------------------
 
-/// Brakes the spin about the normal.
+/// Brakes the sphere's spin about the face's normal.
 void brake_pivot(const RoundBody& body, const LastingContact& contact, double load_mps2,
                  ContactMotion& motion) {
   if (contact.rolling_friction == 0) return;
@@ -34,7 +34,7 @@ void brake_pivot(const RoundBody& body, const LastingContact& contact, double lo
   motion.lasts_s = std::min(motion.lasts_s, std::fabs(pivot_radps) / rate);
 }
 
-/// Sets the motion of a sphere that slips in a direction for a while.
+/// Sets the motion of a sphere whose slip direction is held for a while.
 void slide(const RoundBody& body, const LastingContact& contact, const Vec3& pull_mps2,
            double load_mps2, const HeldSlip& slip, ContactMotion& motion) {
   const Vec3 direction = slip.direction - dot(slip.direction, contact.normal) * contact.normal;
@@ -45,8 +45,8 @@ void slide(const RoundBody& body, const LastingContact& contact, const Vec3& pul
   motion.lasts_s = slip.lasts_s;
 }
 
-/// The maximum rolling resistance x against a direction d that friction can transmit: |turning - x
-/// d| = mu N.
+/// Maximum rolling resistance x against a direction d that friction transmits: |turning - x d| = mu
+/// N.
 struct PassedOn {
   Vec3 turning;       ///< the friction that turns the sphere, without resistance
   double spare;       ///< (mu N)^2 - turning^2
@@ -68,7 +68,7 @@ Rolling resisted(const RoundBody& body, const Vec3& n, Vec3 a, const PassedOn& m
   const double pull = norm(a);
   const bool still = norm(v) <= k_stick_mps;
   if (still) {
-    // Stopping the centre also removes the spin that belongs to its velocity.
+    // Stopping the centre also removes the spin with which its velocity rolls.
     start.angular_velocity_radps -= cross(n, v) / body.radius_m;
     v = Vec3::Zero();
     const double held = pull > 0 ? most.against(a / pull) : 0;

@@ -2,17 +2,17 @@
 //
 // Idea. A series of ever lower bounces becomes one lasting contact, in which a constant pull
 // presses the sphere onto the faces. The centre moves along a plane, or along a line if the sphere
-// touches two faces. The rest of gravity, Coulomb friction and rolling resistance accelerate the
-// sphere. At a contact the sphere's surface either slips or sticks. If it slips, friction is mu
-// times the load, against the slip. If it sticks, friction of at most mu times the load holds it.
-// While no slip changes direction and no contact starts or stops slipping, loads and accelerations
-// are constant. The centre then follows a parabola and the spin changes linearly.
+// touches two faces. Gravity along the faces, Coulomb friction and rolling resistance accelerate
+// the sphere. At a contact the sphere's surface either slips or sticks. A slipping surface is
+// braked by friction of mu times the load. A sticking surface is held by friction of at most mu
+// times the load. While no slip changes direction and no contact starts or stops slipping, loads
+// and accelerations are constant. The centre then follows a parabola and the spin changes linearly.
 //
-//   one face     slides: slip' = g_t - mu N (1 + 1/k) slip/|slip|;  rolls: v' = g_t / (1 + k).
-//   two faces    the same along the valley, with the loads from a linear system, because friction
-//                across the valley at one face presses on the other.
-//   three faces  a corner: the centre stays, and friction brakes the spin about its present axis,
-//                by the power of the friction.
+//   - One face: slip' = g_t - mu N (1 + 1/k) slip/|slip| if the sphere slides, and
+//     v' = g_t / (1 + k) if it rolls.
+//   - Two faces: The same holds along the valley, with the loads from a linear system, because
+//     friction across the valley at one face presses on the other.
+//   - Three faces: The centre stays, and friction's power brakes the spin about its present axis.
 //
 // Here k = I / (m r^2) (2/5 for a solid ball), g_t is the part of gravity along the face, and N is
 // the load per mass. (Any text on mechanics derives this for one face; 5/7 and 2/7 for a ball
@@ -22,7 +22,7 @@
 //
 // A slip can turn, as for a ball thrown across a slope. Friction then acts against the slip's
 // direction half way, for as long as the slip turns by a 32nd of a radian (up to half a radian
-// where the error is small: held_slip.h). After that the motion is computed again.
+// where the error is small: held_slip.h). After that time, the motion is computed again.
 //
 // Invariants
 //   1. Nothing gains energy: friction and resistance never act along the motion that they brake,
@@ -50,8 +50,8 @@ struct LastingContact {
 struct RoundBody {
   double radius_m = 0;
   double gyration = 0.4;  ///< k = I / (m r^2)
-  /// A slip slower than this has ended. Otherwise a sideways pull would turn a dying slip ever
-  /// faster, in some thirty pieces.
+  /// A slip slower than this speed counts as ended. Otherwise a sideways pull would turn a dying
+  /// slip ever faster, in some thirty pieces.
   double stick_mps = k_stick_mps;
 
   /// Permitted error of a slip whose direction is held for a while.
@@ -59,8 +59,8 @@ struct RoundBody {
 };
 
 struct ContactMotion {
-  /// Bit i: contact i carries a load. If any bit is missing, the sphere doesn't stay on all
-  /// contacts, and no other field is set.
+  /// Bit i: contact i carries a load. If the bit of any contact is 0, the sphere doesn't stay on
+  /// all contacts, and no other field is set.
   std::uint32_t pressed = 0;
   /// Twist at the start, without velocity into the faces and without slip slower than `stick_mps`.
   Twist start{};

@@ -107,7 +107,7 @@ HalfWay half_way_of(const Rider& rider, double sine, const Vec3& gravity_mps2) {
   if (rider.rolls) {
     keep_rolling(rider.body, there.normal, twist);
   } else {
-    // Turn the slip with the normal, so that a look a little ahead sees the same slip.
+    // Turn the spin with the normal, so that the slip half way is the present slip, turned.
     twist.angular_velocity_radps += dot(w, outwards) * (there.normal - outwards) +
                                     dot(w, rider.onwards) * (tangent - rider.onwards);
   }
@@ -140,7 +140,7 @@ std::optional<EdgePiece> there_and_back(const HalfWay& plane) {
   return piece;
 }
 
-/// A piece or, if there is none, the factor for a smaller sine.
+/// A piece or, without a piece, the factor by which the next attempt reduces the sine.
 struct Attempt {
   std::optional<EdgePiece> piece = std::nullopt;
   double shorter = 0;  ///< 0: no shorter piece helps
@@ -174,7 +174,7 @@ Attempt attempt_on(const HalfWay& plane, double distance_m, double rise_max_m) {
   if (most_rise_m(arch, distance_m) > rise_max_m) return {.shorter = 0.7};
   if (lasts_s > motion.lasts_s) return {.shorter = 0.95 * motion.lasts_s / lasts_s};
   EdgePiece piece = piece_on(plane);
-  // The spin belongs to the whole speed, whose component along the chord changes faster.
+  // The spin follows the whole speed, which changes more slowly than its component along the chord.
   const double slower = (first_mps + last_mps) / (v + std::sqrt(v * v + gained));
   const Vec3 turning = cross(plane.normal, plane.tangent);
   piece.angular_acceleration_radps2 +=

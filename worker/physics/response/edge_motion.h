@@ -1,9 +1,9 @@
 // How a sphere moves over an edge that it stays on.
 //
-// Idea. The centre runs around the edge, on a cylinder, and along the edge. Like a pendulum's, this
-// motion has no closed form. So the way is cut into pieces. On each piece the sphere moves as on a
-// face perpendicular to the normal half way through the piece. In the plane across the edge, the
-// centre follows a parabola that begins and ends on the cylinder and is outside it in between:
+// Idea. The centre runs around the edge, on a cylinder, and along the edge. This motion, like a
+// pendulum's, has no closed form. So the way is cut into pieces. On each piece the sphere moves as
+// on a face perpendicular to the normal half way through the piece. In the plane across the edge,
+// the centre follows a parabola that begins and ends on the cylinder and is outside it in between:
 //               . - ~ ~ - .               n, t: normal and tangent half way; h: half of the angle
 //          .                   .          chord 2 D sin(h), D from the edge to the centre
 //        P0 - - - - chord - - - P1        along t: v0 T + a T^2 / 2 = 2 D sin(h)
@@ -13,19 +13,19 @@
 //                 \  |  /
 //                   edge
 //
-// The acceleration a is the motion's on that plane (contact_motion.h), with the load reduced by the
-// turn: N = -g.n - v^2 / D. A rolling sphere keeps rolling. The sphere's spin stays constant while
-// the normal turns, and the impulse of friction that follows takes no energy.
+// The acceleration a is that of the motion on this plane (contact_motion.h), with the load reduced
+// by the turn: N = -g.n - v^2 / D. A rolling sphere keeps rolling. The sphere's spin stays constant
+// while the normal turns, and the impulse of friction that follows takes no energy.
 //
 // Invariants
 //   1. The centre is never nearer to the edge than at the start, and at most `rise_max_m` further.
-//      At the end, it is as far from the edge as at the start. (The square of the distance is a
-//      polynomial of degree four in time with roots at both ends, relative to its start. The
+//      At the end, the centre is as far from the edge as at the start. (The square of the distance
+//      is a polynomial of degree four in time with roots at both ends, relative to its start. The
 //      remaining factor is concave and not negative at both ends.)
 //   2. Kinetic plus potential energy is the same at the start and the end, except for friction: the
 //      chord is in the plane, and velocities are turned, never lengthened. In between, the load
 //      lifts the centre over the chord and lowers it again, while a cylinder would do no work.
-//      without_lift returns the twist without this lift.
+//      without_lift() returns the twist without this work.
 // Thread safety: pure functions.
 #pragma once
 
@@ -66,8 +66,8 @@ struct EdgeFlight {
   Vec3 half_way = Vec3::Zero();
 };
 
-/// Returns a piece's twist at a place, slowed by the load's work since the start, and never with
-/// more energy than at the start. `moved_m`: from the start to the place.
+/// Returns a piece's twist at a place, without the load's work since the start, and never with more
+/// energy than at the start. `moved_m`: vector from the start to the place.
 Twist without_lift(const RoundBody& body, const EdgeFlight& flight, const Vec3& gravity_mps2,
                    const Vec3& moved_m, const Twist& twist);
 

@@ -22,7 +22,7 @@ class LyingBody {
   }
   /// Returns n x arm.
   const Vec3& across_m(std::size_t support) const { return across_m_[support]; }
-  /// Returns the radius of the support area about the foot of the centre.
+  /// Returns the greatest distance, along the plane, of a support from the centre of mass.
   double radius_m() const { return radius_m_; }
   double spin_inertia_kgm2() const { return spin_inertia_kgm2_; }
 
@@ -31,8 +31,8 @@ class LyingBody {
     double spin_radps2 = 0;
     std::array<double, k_plane_supports_max> loads{};  ///< shares of the body's weight
   };
-  /// Returns the effect of friction against each support's slip direction, a vector of length 1 or
-  /// less. Empty if the supports don't carry the body.
+  /// Returns the effect of friction against each support's slip. `slip`: a direction of length 1 or
+  /// less for each support. Empty if the supports don't carry the body.
   std::optional<Rates> rates(const Directions& slip, double spin_radps) const;
 
  private:

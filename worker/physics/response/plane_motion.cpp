@@ -111,7 +111,7 @@ class Slide {
       still.brakes = false;
       return still;
     }
-    // If only some supports stick, the body may swing about them.
+    // Refuse a body of which only some supports stick, because it may swing about them.
     if (least < most) return {};
     const Vec3 down = pull_mps2_ / norm(pull_mps2_);
     held.fill(down);
@@ -121,7 +121,7 @@ class Slide {
     return moving(pull_mps2_ + sliding->acceleration_mps2, 0, k_forever_s);
   }
 
-  /// Turns on the spot, without a force on the centre. No slip turns in the body's frame.
+  /// Returns the motion of a body that only turns on the spot. No slip turns in the body's frame.
   std::optional<PlaneMotion> only_spins() {
     if (norm(velocity_mps_) > body_.stick_mps || norm(pull_mps2_) > k_load_rounding * load_mps2_)
       return std::nullopt;
@@ -159,7 +159,7 @@ class Slide {
       double stop_s = along < 0 ? speed_mps / -along : k_forever_s;
       if (across > k_load_rounding * load_mps2_) {
         span.straight = false;
-        // The turning pull must be small compared with the slip until the slip ends.
+        // The pull across the slip must stay small compared with the slip until the slip ends.
         if (across * stop_s > body_.stick_mps) stop_s *= 0.5;
         span.lasts_s = std::min(
             span.lasts_s, std::max(k_slip_turn_rad * speed_mps / across, k_slide_piece_s_min));
@@ -197,7 +197,8 @@ class Slide {
     return {};
   }
 
-  /// Returns whether friction takes energy in a piece. Friction is constant, so mean speeds decide.
+  /// Returns whether friction takes energy in a piece. Mean speeds suffice, as friction is
+  /// constant.
   bool friction_brakes(const PlaneMotion& motion, const Vec3& friction_mps2,
                        double spin_radps2) const {
     const double half_s = 0.5 * motion.lasts_s;

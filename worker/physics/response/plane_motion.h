@@ -26,10 +26,10 @@
 // Invariants
 //   1. Nothing gains energy from piece to piece. At the start, velocity that the plane doesn't
 //      allow is removed by a projection in the metric of the masses. In each piece, friction takes
-//      energy. Within a piece of a circle, energy is lower by up to 2.5e-4 of itself, in the
-//      middle.
+//      energy. In the middle of a piece of a circle, the energy is lower by up to 2.5e-4 of itself.
 //   2. The supports keep their height: velocities and accelerations have no component along n, and
-//      the spin is about n or the axis of revolution. For cones this holds to 1e-9 rad per piece.
+//      the spin is about n or the axis of revolution. For cones, this invariant holds to 1e-9 rad
+//      per piece.
 // Thread safety: pure functions.
 #pragma once
 
@@ -48,7 +48,7 @@ struct PlaneSupport {
   double friction = 0;        ///< mu
 };
 
-/// A body in its lying pose.
+/// A body that lies on a plane.
 struct BodyOnPlane {
   double mass_kg = 0;
   Mat3 inertia_kgm2 = Mat3::Zero();  ///< about the centre, in the world's frame
@@ -63,7 +63,7 @@ struct BodyOnPlane {
 };
 
 struct PlaneMotion {
-  /// Whether the plane carries the body. If not, no other field is set.
+  /// Whether the plane carries the body. If the plane doesn't, no other field is set.
   bool carried = false;
   bool stands = false;   ///< the body is at rest, and nothing moves it
   bool brakes = false;   ///< friction brakes the sliding until the body stands or rolls

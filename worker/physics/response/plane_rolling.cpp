@@ -21,7 +21,7 @@ bool carries(const ContactLine& line, double place_m) {
   return place_m >= line.least_m && place_m <= line.most_m;
 }
 
-/// The axis is parallel to the plane.
+/// Returns the motion of a body whose axis is parallel to the plane.
 PlaneMotion cylinder_motion(const BodyOnPlane& body, const ContactLine& line, const Twist& twist,
                             const Vec3& gravity_mps2) {
   const double load_mps2 = -dot(gravity_mps2, body.normal);
@@ -66,14 +66,14 @@ PlaneMotion cylinder_motion(const BodyOnPlane& body, const ContactLine& line, co
   return result;
 }
 
-/// The axis is inclined: the body rolls in a circle on a level plane.
+/// Returns the motion of a body with an inclined axis, which rolls in a circle on a level plane.
 PlaneMotion cone_motion(const BodyOnPlane& body, const ContactLine& line, const Twist& twist,
                         const Vec3& gravity_mps2) {
   const Vec3& n = body.normal;
   const double load_mps2 = -dot(gravity_mps2, n);
   if (norm(gravity_mps2 + load_mps2 * n) > k_level_pull * load_mps2 || line.friction == 0)
     return {};
-  // Rolling at rate w moves the centre at -w depth across.
+  // If the body rolls at a rate w about the line, its centre moves at -w depth_m along `across`.
   const Vec3 momentum_of_turn = math::product(body.inertia_kgm2, line.along);
   const double moment = dot(line.along, momentum_of_turn);
   const double whole = body.mass_kg * line.depth_m * line.depth_m + moment;
@@ -81,12 +81,13 @@ PlaneMotion cone_motion(const BodyOnPlane& body, const ContactLine& line, const 
                        body.mass_kg * line.depth_m * dot(twist.velocity_mps, line.across)) /
                       whole;
   PlaneMotion result{.carried = true, .on_line = true, .mode = MotionMode::rolling};
-  // A piece is part of the circle. Interpolated velocities are smaller than those at the ends, in
-  // the mean by a 12th of the squared angle.
+  // Interpolated velocities are smaller than the velocities at the ends, on average by a 12th of
+  // the squared angle.
   constexpr double k_mean = 1 - k_cone_piece_rad * k_cone_piece_rad / 12;
   const double circles = -dot(body.axis, n) / dot(body.axis, line.along);
   const double lasts_s = k_cone_piece_rad / (k_mean * std::fabs(circles * rate_radps));
-  // Rolling resistance reduces the rate at once; otherwise the axis would not keep up.
+  // Rolling resistance reduces the rate at the piece's start, because the axis could not follow a
+  // rate that changes during the piece.
   const double brake_radps2 =
       body.rolling_friction * body.mass_kg * load_mps2 * line.depth_m / whole;
   const double left_radps = std::fabs(rate_radps) - brake_radps2 * lasts_s;
@@ -97,7 +98,7 @@ PlaneMotion cone_motion(const BodyOnPlane& body, const ContactLine& line, const 
   }
   rate_radps = std::copysign(left_radps, rate_radps);
   const double circling_radps = circles * rate_radps;
-  // Centripetal acceleration, and gyroscopic moment over the weight.
+  // Compute the centripetal acceleration, and the gyroscopic moment divided by the weight.
   const double inwards_mps2 = rate_radps * line.depth_m * circling_radps;
   const double gyration_m = circling_radps * rate_radps * moment / (body.mass_kg * load_mps2);
   if (std::fabs(inwards_mps2) > line.friction * load_mps2 ||

@@ -32,14 +32,14 @@
 //      The proof holds for every positive definite K, so for every inertia and every contact point.
 //      With friction against the slip, the energy changes by N ((w - u) - mu (s + s')) / 2, because
 //      the contact velocity is linear in the impulse. So if friction takes power at both ends of
-//      the impact, it does throughout.
+//      the impact, it takes power throughout.
 //   3. |friction impulse| <= mu times the normal impulse, which is >= 0: P(kappa = 0) is in the
-//      convex cone, and kappa goes from 0 towards 1 only as far as the cone allows.
-//   4. Slow impacts: w = e u for a coefficient e. If w is below the floor v_c, it is raised to v_c.
-//      If the energy doesn't suffice for v_c, w is the speed at which the change above is 0, with
-//      that speed's kappa or s'. So a body sliding in a groove keeps bouncing with about v_c, using
-//      energy of its sliding, and the number of events in a time span stays bounded. A body nearly
-//      at rest cannot pay; resting is decided elsewhere.
+//      convex cone, and kappa grows from 0 towards 1 only as far as the cone allows.
+//   4. Slow impacts: w = e u for a coefficient e. If w is below the floor v_c, w is raised to v_c.
+//      If the energy doesn't suffice for v_c, w is the speed at which the energy change above is 0,
+//      with the kappa or s' of that speed. So a body sliding in a groove keeps bouncing with about
+//      v_c, using energy of its sliding, and the number of events in a time span stays bounded. A
+//      body nearly at rest lacks this energy; the rest decision is made elsewhere.
 // Thread safety: pure functions.
 #pragma once
 
@@ -121,8 +121,9 @@ inline ImpactShares impact_shares(const ImpactSplit& impact, const ContactLaw& l
   const double base_ns = shares.closing_speed_mps / impact.normal_inverse_mass;
   const double stick_ns = base_ns + impact.stick_normal_ns;
   if (impact.stick_friction_ns > law.friction * stick_ns) {
-    // Otherwise find how much of Q the cone allows. The comparison above makes slack_ns > 0 even in
-    // rounded arithmetic. The normal impulse avoids the cancellation of base + kappa Q_n.
+    // Otherwise find the greatest share of Q that the cone allows. The comparison above makes
+    // slack_ns > 0 even in rounded arithmetic. This form of the normal impulse avoids the
+    // cancellation in base + kappa Q_n.
     const double slack_ns = impact.stick_friction_ns - law.friction * impact.stick_normal_ns;
     shares.friction_share = law.friction * base_ns / slack_ns;
     if (shares.friction_share < 1) {
@@ -157,7 +158,7 @@ inline std::optional<double> impulse_against_slip(const SlipSplit& impact, const
     const double share = law.friction * ratio;
     if (w > u && share < 1) {
       const double paid = u * (1 + share) + 2 * law.friction * impact.slip_speed_mps;
-      // Below u the slip would turn; the test below refuses that.
+      // If w fell below u, the slip would change its sense, which the test below refuses.
       w = std::min(w, std::max(u, paid / (1 - share)));
     }
   }

@@ -32,7 +32,7 @@ Vec3 in_body(const Mat3& axes, const Vec3& v) {
           (axes(0, 2) * v.x() + axes(1, 2) * v.y()) + axes(2, 2) * v.z()};
 }
 
-/// Whitened coordinates of one or two bodies: velocity, then angular velocity, of each.
+/// Whitened coordinates of one or two bodies: each body's velocity, then its angular velocity.
 template <std::size_t k_sides>
 using Whitened = std::array<double, 6 * k_sides>;
 
@@ -167,8 +167,8 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
 
   // The tangential columns by modified Gram-Schmidt, deflating y along the way (Bjoerck, "Solving
   // linear least squares problems by Gram-Schmidt orthogonalization", BIT 7, 1967). K's eigenvalues
-  // are at least 1/m_A + 1/m_B, so R's diagonal elements are at least its root. If rounding loses a
-  // column, this bound replaces its diagonal element.
+  // are at least 1/m_A + 1/m_B, so R's diagonal elements are at least the square root of this sum.
+  // If rounding loses a column, this bound replaces its diagonal element.
   const Tangents t = tangents_of(n);
   double inverse_mass = 0;
   for (const Side& side : sides)
@@ -226,7 +226,7 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
           shares.normal_impulse_ns, shares.regime};
 }
 
-/// Computes impulse and new twists. `guarded`: reduces P until no energy is gained.
+/// Computes impulse and new twists. If `guarded`, reduces P until no energy is gained.
 template <bool guarded, std::size_t k_sides>
 Impulse resolved(const Sides<k_sides>& sides, const RigidImpactInput& input,
                  std::array<Twist, k_sides>& twists) {

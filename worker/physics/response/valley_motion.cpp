@@ -16,8 +16,8 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Returns the acceleration of a sphere rolling along a line: `pull` minus a resistance of at most
-/// `most`. A resting sphere stays at rest if the resistance can hold it.
+/// Returns the acceleration of a sphere rolling along a line, which is `pull` minus a resistance of
+/// at most `most`. A resting sphere stays at rest if the resistance can hold it.
 double resisted(double velocity, double pull, double most) {
   if (velocity == 0) return std::fabs(pull) <= most ? 0 : pull - std::copysign(most, pull);
   return pull - std::copysign(most, velocity);
@@ -66,12 +66,12 @@ class Valley {
            body_.radius_m * cross(motion_.start.angular_velocity_radps, contacts_[i].normal);
   }
 
-  /// Tries motion without slip: along the line, with the spin that belongs to it. Returns false if
+  /// Tries a motion without slip: along the line, with the spin of rolling. Returns false if
   /// friction doesn't suffice.
   bool rolls() {
     const double k = body_.gyration;
     const double r = body_.radius_m;
-    // Loads of the pull across the valley; no friction across is needed.
+    // The loads balance the pull across the valley, so no friction across is needed.
     const double in_a = dot(gravity_, contacts_[0].normal);
     const double in_b = dot(gravity_, contacts_[1].normal);
     const double sine2 = 1 - cosine_ * cosine_;
@@ -96,11 +96,11 @@ class Valley {
     if (resistance > 0 && std::fabs(speed) <= k_stick_mps) speed = 0;
     const double free_a = pull / (1 + inertia);
     double a = resisted(speed, free_a, resistance);
-    // Ignore resistance beyond what the contacts can take, because it must not make them slip.
+    // Limit resistance to what the contacts can transmit, because it must not make them slip.
     const double most =
         2 * std::min(contacts_[0].friction * loads[0], contacts_[1].friction * loads[1]);
     if (std::fabs(free_a - pull) <= most) a = std::clamp(a, pull - most, pull + most);
-    // Both contacts take the same share of friction, so that the spin stays that of rolling.
+    // Both contacts take the same share of friction, so that the sphere keeps rolling.
     const double friction = 0.5 * (a - pull);
     for (std::size_t i = 0; i < 2; ++i) {
       if (std::fabs(friction) <= contacts_[i].friction * loads[i] * (1 + k_load_rounding)) continue;
@@ -117,7 +117,7 @@ class Valley {
     return true;
   }
 
-  /// Sets the nearest motion without slip at one contact.
+  /// Sets the motion nearest in energy that has no slip at one contact.
   void stop_slip(std::size_t i) {
     const double r = body_.radius_m;
     Vec3& w = motion_.start.angular_velocity_radps;
@@ -128,12 +128,12 @@ class Valley {
     w += (speed / r - turning) * side_[i] - dot(w, line_) * line_;
   }
 
-  /// The effect of one unknown force of size 1: on the centre, and as friction at both contacts.
+  /// An unknown force, at size 1: its effect on the centre, and its friction at both contacts.
   struct Unit {
     Vec3 force;
     std::array<Vec3, 2> friction;
   };
-  /// Unit forces for both loads and, if a contact sticks, its friction along the line and the side.
+  /// Both loads and, if a contact sticks, its friction along the line and across the valley.
   struct Units {
     std::array<Unit, LinearSystem::k_most> unit;
     std::size_t count = 2;
@@ -155,7 +155,7 @@ class Valley {
     }
     return all;
   }
-  /// Returns a unit force's acceleration of a contact's surface: force minus r times its turning.
+  /// Returns a contact's surface acceleration by a unit force: the force minus r times its turning.
   Vec3 surface_acceleration(const Unit& unit, std::size_t at) const {
     Vec3 sum = unit.force;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -164,7 +164,8 @@ class Valley {
     }
     return sum;
   }
-  /// Requires no acceleration into or off the faces, and none of a sticking contact's surface.
+  /// Returns the equations: the centre has no acceleration along the faces' normals, and the
+  /// surface at a sticking contact has none.
   LinearSystem balance(const Units& all) const {
     LinearSystem system(all.count);
     for (std::size_t column = 0; column < all.count; ++column) {
@@ -232,7 +233,7 @@ class Valley {
            body_.radius_m * cross(motion_.angular_acceleration_radps2, contacts_[i].normal);
   }
 
-  /// Finds the direction in which a slip begins, so that friction against it lets the slip grow.
+  /// Finds the direction in which a slip begins and grows although friction acts against it.
   bool settle_begin(std::size_t i) {
     for (int round = 0; round < k_slip_begin_rounds; ++round) {
       const Vec3 rate = slip_rate(i);
@@ -247,24 +248,25 @@ class Valley {
   }
 
   /// Returns how fast a contact's friction slows its slip by turning the sphere, in m/s^2.
-  /// unbraked_rate returns the slip's rate of change without this.
+  /// unbraked_rate() returns the slip's rate of change without this effect.
   double brake_of(std::size_t i) const {
     return contacts_[i].friction * loads_[i] / body_.gyration;
   }
   Vec3 unbraked_rate(std::size_t i) const { return slip_rate(i) + brake_of(i) * direction_[i]; }
 
-  /// Returns the time for which friction acts on a beginning slip in an approximate direction:
-  /// after it, the slip is too fast to stick again.
+  /// Returns the time for which friction acts on a beginning slip in an approximate direction.
+  /// After this time, the slip is too fast to stick again.
   double short_while_s(std::size_t i) const {
     const double rate = norm(slip_rate(i));
     return std::max(k_slip_begin_s, rate > 0 ? 2 * body_.stick_mps / rate : 0);
   }
 
-  /// Sets each slip's direction to its direction half way, and how long the motion holds.
+  /// Sets how long the motion lasts, and each slip's direction to its direction at half of that
+  /// time.
   void hold_directions() {
     double lasts_s = k_forever_s;
     std::array<bool, 2> settled{};
-    // Each slip turns the other one.
+    // The two slips turn each other, so repeat until both directions settle.
     for (int round = 0; round < k_slip_both_rounds && (begins_[0] || begins_[1]); ++round) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (begins_[i]) settled[i] = settle_begin(i);
@@ -288,7 +290,8 @@ class Valley {
     }
     if (turns && !forces()) return;
     // If friction would push a beginning slip along its direction, this contact gets no friction
-    // for short_while_s(). Do this twice, because it may put the other contact into the same state.
+    // for short_while_s(). Check both contacts twice, because the change may put the other contact
+    // into the same state.
     for (int round = 0; round < 2; ++round) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (!begins_[i] || dot(slip_rate(i), direction_[i]) >= 0) continue;

@@ -1,4 +1,4 @@
-// A sphere in a valley of two faces: the part of contact_motion.h that needs a system of equations.
+// A sphere's motion in a valley of two faces, for which contact_motion.h needs a linear system.
 //
 // Thread safety: pure functions.
 #pragma once
