@@ -42,7 +42,7 @@ Range range_of(const Line& line, double until_s) {
   return range;
 }
 
-/// Rounded outwards by one unit in the float's last place or slightly more.
+/// Return x rounded outwards by one unit in the float's last place or slightly more.
 float below(double x) {
   return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
 }
@@ -57,7 +57,7 @@ bool holds(double low, double high, double x) {
   return low <= x && x < high;
 }
 
-/// Time at which a coordinate between two bounds leaves them.
+/// Time at which a coordinate that is between two bounds passes one of them.
 double leaves_s(const Line& line, double low, double high) {
   return std::min(first_fall_s(std::max(0.0, line.place - low), line.rate, line.bend),
                   first_fall_s(std::max(0.0, high - line.place), -line.rate, -line.bend));

@@ -55,7 +55,7 @@ class FrictionMap {
   static base::Result<FrictionMap, std::string> make(const MapFrame& frame,
                                                      std::vector<FrictionRectangle> rectangles);
 
-  /// Returns nothing where there is no rectangle.
+  /// Returns nothing if no rectangle contains the point.
   std::optional<double> friction_at(const Vec3& point_m) const;
   /// Time until the applicable rectangle changes; most_s if that happens later.
   double border_s(const MapPath& path, double most_s) const;

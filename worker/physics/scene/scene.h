@@ -87,13 +87,14 @@ struct StaticMesh {
   double slack_m = 0;
 };
 
-/// When slow contacts end. If all values are 0, contacts never end, as in a gas.
+/// How the simulator ends series of ever slower contacts. If all values are 0, such series never
+/// end, as in a gas.
 struct SlowContacts {
   /// Minimum separation speed of a pair after an impact, if its energy allows (restitution.h). A
   /// body in contact with another bounces at about this speed, a few micrometres high.
   double separation_speed_mps = 0;
-  /// A body comes to rest if it was slower than this for `rest_time_s` and touched only static
-  /// geometry, resting bodies, and bodies that were as slow. 0: bodies don't rest.
+  /// A body comes to rest if it was slower than this speed for `rest_time_s` and touched only
+  /// static geometry, resting bodies, and bodies that were as slow. 0: bodies don't rest.
   double rest_speed_mps = 0;
   double rest_time_s = 0;
 };
@@ -135,7 +136,7 @@ struct Scene {
   ContactTable contacts;
   SlowContacts slow;
   Vec3 gravity_mps2 = Vec3::Zero();
-  /// Period of space along each axis; 0 for an axis without one. REQUIRES: no static geometry.
+  /// Period of space along each axis; 0 for an axis without a period. REQUIRES: no static geometry.
   std::array<double, 3> period_m{};
   std::vector<Control> controls;  ///< in any order; controls of one tick apply in the order given
 };

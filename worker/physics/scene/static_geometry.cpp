@@ -166,7 +166,7 @@ StaticGeometry::Margins StaticGeometry::margins_of(std::span<const Vec3> vertice
   for (const Vec3& v : vertices_m)
     size_m = std::max({size_m, std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
   const double border_m = k_rounding_ulps * size_m;
-  // flat_m bounds the distance between the prisms of two faces that are flat to k_mesh_flat_sine.
+  // `flat_m` bounds the distance between the prisms of two faces that are flat to k_mesh_flat_sine.
   return {.border_m = border_m, .flat_m = border_m + 4 * k_mesh_flat_sine * radius_m_max_};
 }
 
@@ -341,7 +341,7 @@ void StaticGeometry::features_near(const Box& box, double radius_m,
   for (std::uint32_t i = 0; i < plane_count(); ++i) {
     if (reaches(planes_[i], box) && may_meet({i}, centre)) found.push_back({i});
   }
-  // Range of the centre, widened for rounding and touches.
+  // Compute the range of the sphere's centre, and a reach that covers rounding and touches.
   Box centres;
   float size_m = 0;
   const auto radius = static_cast<float>(radius_m);

@@ -22,10 +22,10 @@
 //      Adjacent regions have bitwise equal borders; regions of faces and vertices extend over their
 //      borders by a few rounding errors, so that no sphere slips through a crack of that width.
 //      Where two regions overlap, their gaps and normals agree to rounding.
-//   3. Features exist only if some body is a sphere, convex pieces only if some body is not.
-// Building takes about 35 ns per feature and 130 ns per triangle stored as a piece. A refresh takes
-// about 20 ns per feature around the moved vertices. Thread safety: const functions may run
-// concurrently.
+//   3. Features exist only if some body is a sphere, and convex pieces only if some body is not a
+// sphere. Building takes about 35 ns per feature and 130 ns per triangle stored as a piece. A
+// refresh takes about 20 ns per feature around the moved vertices. Thread safety: const functions
+// may run concurrently.
 #pragma once
 
 #include <array>
@@ -184,8 +184,8 @@ class StaticGeometry {
   /// Returns the name of the solid that contains a point: a plane's lower side, a polyhedron or a
   /// closed mesh. Returns null if no solid contains the point. solid_at() detects bodies that start
   /// wholly inside a solid, where they touch no feature of its surface. The answer is exact except
-  /// within rounding of a surface. solid_at() costs about 60 ns per triangle of each closed mesh
-  /// whose box contains the point.
+  /// for points within a rounding error of a surface. solid_at() costs about 60 ns per triangle of
+  /// each closed mesh whose box contains the point.
   const std::string* solid_at(const Vec3& point_m) const;
 
  private:
