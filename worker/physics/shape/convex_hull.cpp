@@ -25,9 +25,10 @@ struct Triangle {
   std::array<std::uint16_t, 3> v{};
 };
 
-// Returns the exact sign of det(b - a, c - a, p - a). Positive: p is above the triangle, on the
-// side from which it looks anticlockwise. The 2x2 minors have at most 108 bits. Each is split into
-// a high part and 56 low bits, so that every sum below fits into 127 bits.
+// Returns the exact sign of det(b - a, c - a, p - a). A positive sign means that p is above the
+// triangle: on the side from which the triangle looks anticlockwise. The 2x2 minors have at most
+// 108 bits. Each minor is split into a high part and 56 low bits, so that every sum below fits into
+// 127 bits.
 int side_of(const Grid& a, const Grid& b, const Grid& c, const Grid& p) {
   std::array<std::int64_t, 3> u{}, v{}, w{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -60,7 +61,7 @@ struct Hull {
   std::vector<Triangle> triangles;
 };
 
-// Rounds points to the grid, leaving out points within the tolerance of an earlier one.
+// Rounds points to the grid, leaving out points within the tolerance of an earlier point.
 std::optional<ShapeError> take_points(std::span<const Vec3> points_m, Hull& hull) {
   using Kind = ShapeError::Kind;
   if (points_m.size() < 4)
@@ -82,7 +83,7 @@ std::optional<ShapeError> take_points(std::span<const Vec3> points_m, Hull& hull
   }
   for (int axis = 0; axis < 3; ++axis)
     hull.extent_m = std::max(hull.extent_m, high[axis] - low[axis]);
-  // Far from the origin the coordinates' own spacing matters.
+  // Far from the origin, the spacing of doubles contributes to the tolerance.
   hull.tolerance_m = k_hull_coplanar * hull.extent_m + 8 * 0x1p-52 * largest;
   if (!(hull.extent_m > 1e-60) || hull.tolerance_m > 1e-3 * k_hull_flat * hull.extent_m)
     return ShapeError{.kind = Kind::flat};
@@ -147,7 +148,7 @@ std::optional<ShapeError> take_tetrahedron(Hull& hull, std::array<std::uint16_t,
 // Adds the points one by one. Triangles that see the point from strictly above are replaced by
 // triangles from the region's rim to the point. A point in a triangle's plane does not see it, so
 // coplanar triangles are seen together or not at all. The region is therefore a disc. No side of
-// its rim is collinear with the point, because the side's inner triangle sees the point strictly.
+// the rim is collinear with the point, because the side's inner triangle sees the point strictly.
 void add_points(Hull& hull, const std::array<std::uint16_t, 4>& corner) {
   std::vector<Triangle> kept;
   std::vector<std::pair<std::uint16_t, std::uint16_t>> rim;
@@ -332,7 +333,8 @@ bool wide(const std::vector<std::vector<std::uint16_t>>& loops, const Hull& hull
 }
 
 // Returns whether every point is below every face, and every corner of a face is inside its other
-// sides. Sides as short as the tolerance may point anywhere.
+// sides. The second condition may fail at sides as short as the tolerance, whose direction is
+// arbitrary.
 bool sound(const ConvexPolyhedron& polyhedron, const Hull& hull) {
   const double slack_m = 8 * hull.tolerance_m;
   for (const Face& face : polyhedron.faces()) {

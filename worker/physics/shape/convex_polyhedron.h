@@ -2,8 +2,8 @@
 //
 // Idea. A ConvexPolyhedron is the convex hull of a set of points. A polyhedron is built once and
 // read many times, so all derived data are stored in flat arrays. Outward planes and the sides'
-// inward normals show whether a point is above a face. Each vertex's neighbours serve to climb to
-// the furthest vertex in a direction, and coordinates by axis to scan all vertices.
+// inward normals show whether a point is above a face. To find the furthest vertex in a direction,
+// algorithms climb from vertex to neighbour, or scan the coordinates, which are stored by axis.
 //
 // The hull is exact on a grid of 2^-52 of the extent (the longest side of the bounding box). Points
 // are rounded to the grid, and the sign of every volume is computed exactly in integers, so
@@ -73,7 +73,7 @@ class RoundPiece;
 /// Borrowed arrays of a convex piece. A round piece has no arrays, only `round`. REQUIRES: the
 /// owner stays in place while the view is used.
 struct ConvexView {
-  /// round_piece.h; null for a polyhedron, a triangle or a point.
+  /// A round piece (round_piece.h); null for a polyhedron, a triangle or a point.
   const RoundPiece* round = nullptr;
   const Vec3* vertices_m = nullptr;
   const double* xs_m = nullptr;  ///< x of all vertices, padded with vertex 0 to a multiple of four
@@ -113,12 +113,12 @@ class ConvexPolyhedron {
   }
   /// Mean of the vertices, in the body's frame.
   const Vec3& centre_m() const { return centre_m_; }
-  /// Radius about the frame's origin that contains the body.
+  /// Radius of a ball about the frame's origin that contains the body.
   double r_outer_m() const { return r_outer_m_; }
-  /// Radius about the origin of a ball inside the body; negative if the origin is outside.
+  /// Radius of a ball about the origin that is inside the body; negative if the origin is outside.
   double r_inner_m() const { return r_inner_m_; }
 
-  /// Valid until this polyhedron is changed, moved or destroyed.
+  /// The view is valid until this polyhedron is changed, moved or destroyed.
   ConvexView view() const;
 
  private:
@@ -157,8 +157,8 @@ ConvexPolyhedron moved(const ConvexPolyhedron& polyhedron, const Mat3& rotation,
                        const Vec3& shift_m);
 
 /// Makes a polyhedron of known topology from its vertices and its faces' anticlockwise vertex
-/// loops. Merges nothing, and checks only what the arrays need to make sense. REQUIRES: the loops
-/// bound a convex body (for a triangle: two opposite loops).
+/// loops. Merges nothing, and checks only that the arrays are consistent. REQUIRES: the loops bound
+/// a convex body (for a triangle: two opposite loops).
 ConvexPolyhedron polyhedron_of_loops(std::span<const Vec3> vertices_m,
                                      std::span<const std::vector<std::uint16_t>> loops);
 

@@ -48,8 +48,8 @@ Moments moments_of(const ConvexPolyhedron& part) {
   return sum;
 }
 
-// Chooses the largest component (Shepperd, "Quaternion from rotation matrix", Journal of Guidance
-// and Control 1, 1978).
+// Starts from the quaternion's largest component (Shepperd, "Quaternion from rotation matrix",
+// Journal of Guidance and Control 1, 1978).
 Quat quaternion_of(const Mat3& m) {
   const double trace = m(0, 0) + m(1, 1) + m(2, 2);
   const std::array<double, 4> square{trace, m(0, 0), m(1, 1), m(2, 2)};
@@ -116,7 +116,7 @@ base::Result<Chosen, ShapeError> axes_of_top(const PrincipalAxes& principal) {
       odd = axis;
     }
   }
-  // If all three moments agree, rounding made the choice above, so keep z.
+  // If all three moments agree, the choice above depends on rounding, so keep the z axis instead.
   const double spread = (m.maxCoeff() - m.minCoeff()) / m.maxCoeff();
   if (spread <= k_moment_tolerance) odd = 2;
   if (least > k_moment_tolerance)
@@ -127,7 +127,7 @@ base::Result<Chosen, ShapeError> axes_of_top(const PrincipalAxes& principal) {
     if (std::fabs(z[axis]) > std::fabs(z[largest]) * (1 + 1e-9)) largest = axis;
   }
   if (z[largest] < 0) z = -z;
-  // In the plane of equal moments, x is the given x seen along z.
+  // Project the given x axis (or y, if z is near x) into the plane of equal moments.
   const Vec3 guide = std::fabs(z.x()) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
   const Vec3 x = math::normalized(guide - dot(guide, z) * z);
   const double across = 0.5 * (m[(odd + 1) % 3] + m[(odd + 2) % 3]);
@@ -160,7 +160,7 @@ MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double d
   }
   result.mass_kg = density_kgpm3 * result.volume_m3;
   result.centre_m = first / result.volume_m3;
-  // Second moments about the common centre: x = d + y, where d leads to the part's centre.
+  // Shift the second moments to the common centre: x = d + y, where d leads to the part's centre.
   Mat3 second = Mat3::Zero();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Moments& m = moments[i];

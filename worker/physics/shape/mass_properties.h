@@ -31,7 +31,7 @@ struct MassProperties {
   Mat3 inertia_kgm2 = Mat3::Zero();  ///< about the centre of mass, in the parts' frame's axes
 };
 
-/// REQUIRES: at least one part; density > 0. Overlaps of parts count once for each part.
+/// REQUIRES: at least one part; density > 0. Overlapping mass counts once for each part.
 MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double density_kgpm3);
 
 struct PrincipalAxes {
@@ -52,13 +52,14 @@ struct BodyShape {
   Pose frame;  ///< the body's frame in the frame of the given parts
 };
 
-/// Moves parts into the body's frame. The axes depend on the declared symmetry:
-///   spherical  axes of the given frame; the moments are set to their mean.
-///   axial      z along the odd moment's axis, in the direction whose largest component is
-///   positive;
-///              x as close as possible to the given x (or to y if z is near x);
-///              the two moments about x and y are set to their mean.
-///   general    principal axes, in the order and with the signs closest to the given frame.
+/// Moves parts into the body's frame. The axes depend on the declared symmetry.
+///   - Spherical: The axes are those of the given frame. The moments are set to their mean.
+///   - Axial: The z axis is the odd moment's axis, in the direction whose largest component is
+///     positive. The x axis is as close as possible to the given x (or to y if z is near x). The
+///     moments about x and y are set to their mean.
+///   - General: The axes are the principal axes, with the order and signs closest to the given
+///     frame.
+///
 /// Fails with no_parts, dimension_not_positive (index 0: the density), not_spherical or not_axial.
 base::Result<BodyShape, ShapeError> in_body_frame(std::span<const ConvexPolyhedron> parts,
                                                   double density_kgpm3, InertiaSymmetry declared);

@@ -91,8 +91,8 @@ ConvexView RoundPiece::view() const {
 
 // ---- the profile --------------------------------------------------------------------------------
 
-/// Returns the arc from where a feature's arc begins to where another feature reaches further, at
-/// the first common tangent. `next` is the feature itself if its arc is the last.
+/// Returns a feature's arc, which ends where another feature reaches further: at the first common
+/// tangent. `next` is the feature itself if its arc is the last.
 ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from,
                                 std::uint32_t& next) const {
   ProfileArc arc{.feature = feature, .from = from, .to = {0, -1}};

@@ -1,8 +1,8 @@
 // Convex hulls of balls and of rings about one axis: capsules, cylinders, cones, parts of pins.
 //
-// A ball has a centre and a radius. A ring is a torus: a circle about the piece's axis, with a
-// radius around the circle. A ring whose circle has radius 0 is a ball on the axis. The piece is
-// the convex hull of all its features. The piece's support, its reach in a unit direction u, is
+// A ball has a centre and a radius. A ring is a torus: all points within a radius of a circle about
+// the piece's axis. A ring whose circle has radius 0 is a ball on the axis. The piece is the convex
+// hull of all its features. The piece's support, its reach in a unit direction u, is
 //   h(u) = max over its features of c.u + R |u across the axis| + r,
 // with c the centre, R the circle's radius (0 for a ball) and r the radius around it.
 //
@@ -80,7 +80,7 @@ class RoundPiece {
   const Vec3& origin_m() const { return origin_m_; }
   /// The least r of all features.
   double margin_m() const { return margin_m_; }
-  /// Radius about the frame's origin that contains the piece.
+  /// Radius of a ball about the frame's origin that contains the piece.
   double r_outer_m() const { return r_outer_m_; }
   const Vec3& centre_m() const { return centre_m_; }
 
@@ -94,7 +94,8 @@ class RoundPiece {
   double radius_at_m(double height_m) const;
 
   /// Calls offer(feature, reach) for each feature with its reach along a direction u of any length:
-  /// c.u + R |u across| + r. `across` is |u across|. Inline, because searches do little else.
+  /// c.u + R |u across| + r. `across` is |u across|. Inline, because most search time is spent
+  /// here.
   template <class Offer>
   void for_each_reach(const Vec3& direction, double across, const Offer& offer) const {
     if (of_revolution()) {
@@ -112,7 +113,7 @@ class RoundPiece {
   /// Returns the greatest reach of all features.
   double reach_m(const Vec3& direction) const;
 
-  /// A view without vertices. Valid until this piece is changed, moved or destroyed.
+  /// A view without vertices. The view is valid until this piece is changed, moved or destroyed.
   ConvexView view() const;
 
  private:

@@ -9,7 +9,7 @@
 //   about the axis r^2/2 dm, across it (r^2/4 + (z - centre)^2) dm.
 // The integrals use the Gauss-Legendre rule between the profile's corners. The integration variable
 // is an angle, because a profile begins and ends like a square root. Relative errors are below
-// 1e-9, or 1e-4 where pieces overlap whose profiles cross between corners. Thread safety: pure
+// 1e-9, or below 1e-4 if profiles of overlapping pieces cross between corners. Thread safety: pure
 // functions and values.
 #pragma once
 
@@ -42,13 +42,13 @@ RoundResult cone(double radius_m, double height_m, double edge_m, double density
 /// A cylinder whose edges are rounded by a quarter of its thickness.
 RoundResult coin(double radius_m, double thickness_m, double density_kgpm3);
 /// A box of these side lengths. All edges and corners are rounded by one radius, less than half of
-/// the least side. Inertia: general, or by the number of equal sides.
+/// the least side. The inertia's symmetry depends on the number of equal sides.
 RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3);
 
 /// A ten-pin bowling pin standing along z. A cubic spline, level at 13.5 in, joins the heights and
 /// diameters of the United States Bowling Congress's equipment specifications. Above the spline is
 /// a dome of radius 1.273 in, and below it a rim of radius 5/32 in, to 0.4 mm. The ten parts are
-/// the belly, eight parts of the neck, and the head. Mass and moments are the spline's.
+/// the belly, eight parts of the neck, and the head. Mass and moments follow from the spline.
 RoundResult bowling_pin(double mass_kg);
 
 /// Returns the spline's radius at a height above the pin's foot, 0 outside; for pictures and tests.

@@ -102,7 +102,7 @@ std::optional<RoundPiece> hull_of(const Compound& compound) {
 
 std::optional<Vec3> axis_of_revolution(const Compound& compound) {
   if (!compound.parts.empty() || compound.round_parts.empty()) return std::nullopt;
-  // Makers compute a body's frame with rounding.
+  // Permit the rounding errors with which makers compute a body's frame.
   constexpr double k_off = 1e-12;
   const Vec3 z = Vec3::UnitZ();
   for (const RoundPiece& part : compound.round_parts) {

@@ -14,20 +14,20 @@
 
 namespace sleight::physics {
 
-/// A body of convex parts, all in the body's frame. Distances and impacts are per part. Parts are
-/// numbered consecutively, polyhedra first.
+/// A body of convex parts, all in the body's frame. Distances and impacts are computed for each
+/// part. Parts are numbered consecutively, polyhedra first.
 struct Compound {
   std::vector<ConvexPolyhedron> parts;
   std::vector<RoundPiece> round_parts{};
   std::size_t size() const { return parts.size() + round_parts.size(); }
-  /// A view of any part. Valid until the compound is changed, moved or destroyed.
+  /// A view of any part. The view is valid until the compound is changed, moved or destroyed.
   ConvexView view(std::size_t part) const;
-  /// Radius about the frame's origin that contains all parts.
+  /// Radius of a ball about the frame's origin that contains all parts.
   double r_outer_m() const;
 };
 
 /// Returns the hull of a compound of several round pieces about one axis, unless it has too many
-/// features for a piece. First looks use the hull instead of each part.
+/// features for a piece. Searches test the hull first, which often saves testing each part.
 std::optional<RoundPiece> hull_of(const Compound& compound);
 
 /// Returns the axis of a compound that is a body of revolution about a line through the frame's
@@ -43,7 +43,8 @@ ShapeResult cube(double side_m);
 /// A regular tetrahedron. Inertia: spherical.
 ShapeResult tetrahedron(double circumradius_m);
 /// An icosahedron whose triangles are split in four `subdivisions` times. All vertices are on the
-/// sphere: 12, 42, 162, 642 for 0 to 3. Inertia: spherical. Error: too_many_points.
+/// sphere; 0 to 3 subdivisions have 12, 42, 162 and 642 vertices. Inertia: spherical. Error:
+/// too_many_points.
 ShapeResult icosphere(double radius_m, int subdivisions);
 /// An upright prism along z over a regular polygon of at least 3 corners. Inertia: axial.
 ShapeResult regular_prism(int corners, double radius_m, double height_m);

@@ -6,8 +6,8 @@
 namespace sleight::physics {
 namespace {
 
-// The topology of every triangle. Edge i joins corners i and i + 1. Sides 0 to 2 belong to face 0
-// in this order, sides 3 to 5 to face 1, which runs 0, 2, 1.
+// The topology of every triangle. Edge i joins corners i and i + 1. Sides 0 to 2 belong to face 0,
+// in this order. Sides 3 to 5 belong to face 1, whose corners run 0, 2, 1.
 constexpr std::array<Edge, 3> k_edges{Edge{.vertex = {0, 1}, .face = {0, 1}, .side = {0, 5}},
                                       Edge{.vertex = {1, 2}, .face = {0, 1}, .side = {1, 4}},
                                       Edge{.vertex = {2, 0}, .face = {0, 1}, .side = {2, 3}}};

@@ -61,7 +61,8 @@ std::optional<MeshError> error_of_edge(std::span<const DirectedSide> run, MeshCl
   return std::nullopt;
 }
 
-/// Returns the edge of one side, or of two opposite sides: triangle[0] runs from the lower vertex.
+/// Makes an edge from one side, or from two opposite sides. With two sides, triangle[0] runs from
+/// the lower to the higher vertex.
 MeshEdge edge_of(std::span<const DirectedSide> run) {
   const bool swapped = run.size() == 2 && !run[0].forward;
   const DirectedSide& left = swapped ? run[1] : run[0];
@@ -93,7 +94,7 @@ base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> v
   for (std::uint32_t v = 0; v < vertices_m.size(); ++v) {
     if (!finite(vertices_m[v])) return MeshError{.kind = Kind::vertex_not_finite, .vertex = v};
   }
-  // Edges are equal neighbours in the sorted list of sides.
+  // Sides of the same edge are neighbours in the sorted list.
   const std::vector<DirectedSide> sides = sides_of(triangles);
   mesh.triangle_edges_.resize(triangles.size());
   for (std::size_t i = 0; i < sides.size();) {

@@ -11,8 +11,8 @@
 //      k_mesh_sliver. Every edge is in at most two triangles, which run it in opposite directions,
 //      so neighbours have the same outside. In a closed mesh, every edge is in exactly two
 //      triangles.
-//   2. Derived data depend only on vertices and triangles: after move_vertices they equal a fresh
-//      build's, bit for bit. Numbers and topology never change.
+//   2. Derived data depend only on vertices and triangles: after move_vertices() they equal the
+//      data of a fresh build, bit for bit. The numbering of features and the topology never change.
 //   3. Edges are in ascending order of (lower, higher vertex). A failed move changes nothing.
 // Thread safety: const access from several threads is safe; moving vertices excludes all other use.
 #pragma once
@@ -35,9 +35,9 @@ using math::Vec3;
 /// Triangles with a height below this share of their longest side are refused, because their
 /// normals would have rounding errors of 1e-10.
 inline constexpr double k_mesh_sliver = 1e-6;
-/// Triangles whose longest side is at most this are refused, because its square is no safe divisor.
+/// Triangles whose longest side is at most this are refused: the side's square is no safe divisor.
 inline constexpr double k_mesh_point_m = 1e-60;
-/// Faces whose angle has a smaller sine count as one plane, up to rounding.
+/// Faces at an angle with a smaller sine than this count as one plane, up to rounding.
 inline constexpr double k_mesh_flat_sine = 1e-12;
 inline constexpr std::uint32_t k_no_triangle = std::numeric_limits<std::uint32_t>::max();
 
@@ -67,8 +67,8 @@ std::string describe(const MeshError& error);
 struct MeshFace {
   Vec3 normal = Vec3::Zero();  ///< unit, outward
   double offset_m = 0;         ///< dot(normal, p) = offset_m for p in the plane
-  /// For the side from corner k to k + 1: unit, in the plane, inward. A point is above the face if
-  /// dot(inward[k], p) >= inward_offset_m[k] for all k.
+  /// inward[k] belongs to the side from corner k to k + 1: a unit vector in the plane that points
+  /// inwards. A point is above the face if dot(inward[k], p) >= inward_offset_m[k] for all k.
   std::array<Vec3, 3> inward{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   std::array<double, 3> inward_offset_m{};
   friend bool operator==(const MeshFace&, const MeshFace&) = default;
@@ -77,14 +77,14 @@ struct MeshFace {
 enum class EdgeKind : std::uint8_t { convex, flat, concave, boundary };
 
 struct MeshEdge {
-  /// In triangle[0]'s direction, with triangle[0] on the left.
+  /// The edge's ends, in the direction in which triangle[0] is on the left.
   std::array<std::uint32_t, 2> vertex{};
   /// [1] is k_no_triangle at a boundary.
   std::array<std::uint32_t, 2> triangle{k_no_triangle, k_no_triangle};
   Vec3 start_m = Vec3::Zero();
   Vec3 direction = Vec3::Zero();  ///< unit, from vertex[0] to vertex[1]
   double length_m = 0;
-  /// Normals of triangle[0] and [1], or zero.
+  /// Normals of triangle[0] and triangle[1]; zero for a missing triangle.
   std::array<Vec3, 2> normal{Vec3::Zero(), Vec3::Zero()};
   EdgeKind kind = EdgeKind::flat;
   std::array<std::uint8_t, 2> side{};  ///< the edge's number among the sides of triangle[0] and [1]
