@@ -16,7 +16,7 @@ namespace sleight::physics {
 class Replaying;
 class World;
 
-/// State of an engine that another one takes over: everything up to and at `now` has happened.
+/// State that one engine passes to another: everything up to and at `now` has happened.
 struct Takeover {
   Tick now{};
   Counts counts{};

@@ -49,7 +49,7 @@ struct alignas(64) BodyConstants {
   bool has_round_parts = false;  ///< balls and rings (round_piece.h)
   std::uint32_t first_part = 0;  ///< its convex parts in parts(); a sphere has one point
   std::uint32_t part_count = 1;
-  /// Index in hulls_ of one view for several parts (hull_of); k_no_hull: none.
+  /// Index in hulls_ of the hull of the body's parts (hull_of()); k_no_hull: no hull.
   std::uint32_t hull = k_no_hull;
   static constexpr std::uint32_t k_no_hull = UINT32_MAX;
   Vec3 axis = Vec3::Zero();  ///< axis of a body of revolution, in its frame; otherwise 0
@@ -144,14 +144,14 @@ class Bodies {
   }
   const MovingPiece& moving_at(BodyId body, Tick tick);
   MovingPiece part_at(BodyId body, std::uint32_t part, Tick tick);
-  /// All parts in one view, if the body has one.
+  /// The hull of the body's parts (hull_of()), if the body has one.
   std::optional<MovingPiece> hull_at(BodyId body, Tick tick);
   RigidImpactBody rigid_body(BodyId body, Tick tick);
   /// Converts a sphere for contact_motion.h.
   RoundBody round_body(BodyId body) const {
     return physics::round_body(constants_[body].reach_m, constants_[body].inertia, scene_.slow);
   }
-  /// Sum over all bodies that have started.
+  /// Kinetic energy of all bodies that have started.
   double kinetic_energy_j(Tick tick);
 
   // Periodic worlds.
@@ -182,7 +182,7 @@ class Bodies {
   }
 
  private:
-  // Only World changes bodies, because it also notifies others (World::begin_segment).
+  // Only World changes bodies, because World also notifies the other parts (World::begin_segment).
   friend class World;
   void let_stay() { supports_.resize(size()); }
   Supports& supports_of(BodyId body) { return supports_[body]; }

@@ -2,9 +2,10 @@
 //
 // Asynchronous (thesis, Algorithms 3.2 and 3.3): each body has its own temporal bounding volume, a
 // box that contains the body for a time span. When the span ends, the body gets a new box. If the
-// last box overlapped few boxes, the new one lasts somewhat longer; if it overlapped many, shorter.
-// When the motion changes, the body keeps its box if the box still contains it for long enough.
-// Pairs of overlapping boxes are watched. Every event affects one or two bodies.
+// last box overlapped few boxes, the new box lasts somewhat longer; if the last box overlapped
+// many, the new box lasts less long. When the motion changes, the body keeps its box if the box
+// still contains it for long enough. Pairs of overlapping boxes are watched. Every event affects
+// one or two bodies.
 //
 // Synchronous (Algorithm 3.4): after every event, all bodies get new boxes that last until the next
 // event, and all extents are sorted again.
@@ -52,8 +53,8 @@ class Engine final : public AnyEngine {
  private:
   static constexpr BodyId k_nobody{UINT32_MAX};
 
-  /// The queue has a slot for each body, with the body's number, followed by one slot for each kind
-  /// of event that belongs to no body.
+  /// The queue has a slot for each body, with the same number as the body, followed by a slot for
+  /// each kind of event that belongs to no body.
   enum class OwnSlot : std::uint32_t {
     control,    ///< next control of the scene
     sample,     ///< next sampling event
@@ -144,7 +145,7 @@ class Engine final : public AnyEngine {
   void renew_all_boxes(Tick end);
   bool watch_statics(BodyId body, const Box& box);
   TickCount least_span(BodyId body) const;
-  /// Static geometry near a body. If the scene has none, the body's list isn't read.
+  /// Static geometry near a body. If the scene has no static geometry, the body's list isn't read.
   std::span<StaticEdge> statics_of(BodyId body) {
     return world_.statics().any() ? std::span<StaticEdge>(statics_[body]) : std::span<StaticEdge>{};
   }

@@ -28,9 +28,9 @@ inline constexpr double k_box_pad_radii = 0.2;
 /// After a change of motion, a body keeps its box if the box contains it for the time in which it
 /// moves by this share of its radius.
 inline constexpr double k_keep_box_radii = 0.05;
-/// Target number of boxes that a box overlaps. A new box lasts longer than the last one if that box
-/// overlapped fewer, shorter if more, in proportion and within the two factors below. The target
-/// balances the cost of predictions against that of new boxes.
+/// Target number of boxes that a box overlaps. If the last box overlapped fewer boxes, a new box
+/// lasts longer in proportion; if more, less long. The two factors below limit the change. The
+/// target balances the cost of predictions against the cost of new boxes.
 inline constexpr double k_neighbours_wanted = 6;
 inline constexpr double k_span_factor_min = 0.5;
 inline constexpr double k_span_factor_max = 1.3;
@@ -58,7 +58,7 @@ inline Box wider(const Box& box, float margin_m) {
   return wide;
 }
 
-/// Time, from a tick on, in which a body may move by a given number of its radii.
+/// Approximate time that a body takes, from a tick on, to move by a given number of its radii.
 inline TickCount span_of_travel(const Bodies& bodies, BodyId body, Tick tick, double radii) {
   const Path flight = bodies.path(body);
   const double way_m = radii * bodies.reach_m(body);

@@ -18,13 +18,13 @@ namespace sleight::physics {
 inline constexpr std::size_t k_list_room = 16;
 /// Average number of neighbours per body for which memory is reserved.
 inline constexpr std::size_t k_list_average = 48;
-/// Initial capacity for the static geometry near a body; these lists are twice as long for a
-/// moment.
+/// Initial capacity for the static geometry near a body. While a list is updated, it may be twice
+/// as long as usual.
 inline constexpr std::size_t k_static_room = 96;
 /// Initial capacity for the static candidates that are tested with each new box.
 inline constexpr std::size_t k_candidate_room = 256;
-/// Minimum number of bodies for reading the next event ahead. Fewer bodies fit in the second-level
-/// cache, and reading ahead would slow a gas of 1,000 spheres by 5%.
+/// Minimum number of bodies for prefetching the next event's data. Fewer bodies fit in the
+/// second-level cache, and prefetching would slow a gas of 1,000 spheres by 5%.
 inline constexpr std::uint32_t k_read_ahead_bodies = 4000;
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -135,7 +135,7 @@ void Engine<Boxes, Queue>::unwatch(BodyId body) {
 template <BroadPhase Boxes, EventQueue Queue>
 std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
   if (end < now_) return failure_;
-  // Boxes from the last call are valid only until its end.
+  // Boxes from the last call of run_until() are valid only until the end of that call's time span.
   if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
   take_over_live();
   while (!failure_ && !queue_.empty()) {
@@ -211,7 +211,7 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
   CHECK(false);
 }
 
-/// Whether a pair's partner has changed its motion since the body made this prediction, or the pair
+/// Whether a prediction is void: the body's partner has changed its motion since then, or the pair
 /// is no longer watched.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::is_void(BodyId body, const EventKey& event) {
@@ -232,7 +232,7 @@ void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
     const std::string obstacle = obstacle_of(body);
     if (obstacle.empty()) break;
 
-    // Remove the body and try another place, if it has any.
+    // Remove the body and try another start, if its description has one.
     unwatch(body);
     if (!description.start_again || attempt > k_start_attempts_max) {
       fail(

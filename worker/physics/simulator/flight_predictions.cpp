@@ -64,7 +64,7 @@ bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
       const Lanes velocity = Lanes::of(other.velocity_mps);
 
       // Shift to the image of the second body nearest to the first one now. The usual case needs no
-      // branch: the shift is one period or none, and rounding can't decide which.
+      // branch: rounding can't decide whether the shift is one period or none.
       const LaneMask own_is_first = LaneMask::all(body < batch.others[i]);
       const Lanes place_now = place + Lanes::all(seconds(now - other.begin)) * velocity;
       const Lanes apart = choose(own_is_first, place_now, own_place_now) -

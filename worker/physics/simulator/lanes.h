@@ -44,7 +44,7 @@ inline double dot(const Lanes& a, const Lanes& b) {
   return (xy[0] + xy[1]) + a.z[0] * b.z[0];
 }
 
-/// Result of a comparison: all bits of an axis, or none.
+/// Result of a comparison: for each axis, all bits are set, or none.
 struct LaneMask {
   Lanes::Mask xy;
   Lanes::Mask z;
@@ -64,7 +64,7 @@ struct LaneMask {
 inline LaneMask operator>(const Lanes& a, const Lanes& b) {
   return {a.xy > b.xy, a.z > b.z};
 }
-/// Returns a where the mask is set, otherwise 0.
+/// Returns `a` where the mask is set, otherwise 0.
 inline Lanes where(const LaneMask& mask, const Lanes& a) {
   return {reinterpret_cast<Lanes::Two>(mask.xy & reinterpret_cast<Lanes::Mask>(a.xy)),
           reinterpret_cast<Lanes::Two>(mask.z & reinterpret_cast<Lanes::Mask>(a.z))};

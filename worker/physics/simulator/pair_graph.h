@@ -3,13 +3,13 @@
 // Each body has a flat list of edges, one for each body whose bounding volume overlaps its own.
 // Lists are ranges of a few shared arrays, so that the lists in use occupy few pages of memory. A
 // full list moves to a range of twice the capacity. Ids, ticks, change numbers and details are in
-// separate arrays. So searching an id reads one cache line, and the two copies of an edge don't
+// separate arrays. So a search for an id reads one cache line, and the two copies of an edge don't
 // store each other's position. For spheres in flight only the first three arrays exist: four cache
 // lines for sixteen neighbours.
 //
-// A pair's prediction is in the copy of the body that made it, the one whose motion changed last.
-// The partner's copy may still hold an older prediction. Each copy stores the partner's change
-// number at its prediction, and is void if the partner has changed since.
+// A pair's prediction is stored in the copy of the body whose motion changed last, because that
+// body made the prediction. The partner's copy may still hold an older prediction. Each copy stores
+// the partner's change number at its prediction, and is void if the partner has changed since.
 //
 // Invariants
 //   1. The same index in all arrays belongs to the same edge.
@@ -219,8 +219,9 @@ class PairGraph {
     ++list.doublings;
   }
 
-  /// Index of another body in a list; at least list.count if it isn't there. Compares many ids at a
-  /// time, because the processor can't predict where a sequential search ends.
+  /// Index of another body in a list; at least list.count if the list doesn't contain that body.
+  /// Compares many ids at a time, because the processor can't predict where a sequential search
+  /// ends.
   std::uint32_t place_of(const List& list, BodyId other) const {
     const BodyId* ids = others_.data() + list.begin;
     std::uint32_t from = 0;
@@ -228,7 +229,7 @@ class PairGraph {
       const std::uint32_t bits = equal_bits(ids + from, other);
       if (bits != 0) return from + static_cast<std::uint32_t>(std::countr_zero(bits));
     }
-    // Ranges are multiples of k_scan long, so there are old ids beyond the count.
+    // The length of a range is a multiple of k_scan, so reading beyond the count finds old ids.
     if (from == list.count) return list.count;
     const std::uint32_t bits = equal_bits(ids + from, other);
     return from + static_cast<std::uint32_t>(std::countr_zero(bits));

@@ -66,7 +66,8 @@ Predictions::Predictions(Bodies& bodies, const MetStatics& statics, bool contact
 
 void Predictions::forget_searches(bool use_places) {
   searches_.clear();
-  // Only resting scenes have bodies that are slow for long enough; positions must not wrap.
+  // Bodies are slow for long enough only in scenes where they can rest. Places also require
+  // positions that don't wrap around.
   const bool useful = use_places && !bodies_.only_spheres() &&
                       bodies_.scene().slow.rest_speed_mps > 0 && !bodies_.periodic();
   places_.reset(useful ? bodies_.size() : 0, ticks_after(0.5 * bodies_.scene().slow.rest_time_s));
@@ -135,7 +136,7 @@ Prediction Predictions::predict(BodyId a, BodyId b, Tick now, std::uint32_t& sea
 Prediction Predictions::look(BodyId a, BodyId b, Tick now, std::uint32_t search) {
   if (bodies_.is_sphere(a) && bodies_.is_sphere(b)) return predict_spheres(a, b, now);
   const std::uint32_t of_b = bodies_.constants(b).part_count;
-  // Most ticks tested are after the refractory time.
+  // Compute the parts' refractory time only when needed, because most tested ticks are after it.
   Refractory refractory = recent_.of(a, b);
   bool asked = false;
   const bool several = searches_.of(search).size() > 1;
@@ -216,7 +217,7 @@ Refractory Predictions::refractory_of_spheres(BodyId a, BodyId b) const {
   const Refractory refractory = recent_.of(a, b);
   const Tick begin = std::max(bodies_.flight(a).begin, bodies_.flight(b).begin);
   if (refractory.until <= begin) return refractory;
-  // In so short a time, free motion hardly changes the bodies' speeds.
+  // During the refractory time, free motion hardly changes the bodies' speeds.
   const Vec3 between_m = bodies_.between_at(a, b, begin);
   const Vec3 relative_mps =
       velocity_at(bodies_.segment(b).flight, begin) - velocity_at(bodies_.segment(a).flight, begin);

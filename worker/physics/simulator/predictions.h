@@ -33,7 +33,7 @@ class Predictions {
   // Two bodies. `search` identifies the state of a search between convex pieces; it is allocated
   // when first needed and released by end_search.
   /// Predicts when the pair collides next, given the two segments. REQUIRES: a < b; the pair has no
-  /// event between the later begin of the segments and `now`.
+  /// event between the start of the later segment and `now`.
   Prediction predict(BodyId a, BodyId b, Tick now, std::uint32_t& search);
   /// Continues a prediction that was not certain. REQUIRES: its tick is `now`.
   Prediction look(BodyId a, BodyId b, Tick now, std::uint32_t search);
@@ -44,7 +44,7 @@ class Predictions {
   bool touching(BodyId a, BodyId b, Tick tick);
 
   // Spheres in flight (flight_predictions.cpp).
-  /// Whether both are spheres in flight in a scene without slow contacts, for which there is a
+  /// Whether both bodies are spheres in flight in a scene without slow contacts. Such pairs have a
   /// closed form.
   bool free_spheres(BodyId a, BodyId b) const {
     return bodies_.flight(a).radius_m > 0 && bodies_.flight(b).radius_m > 0 && !recent_.enabled();
@@ -58,9 +58,10 @@ class Predictions {
   Prediction predict_free_spheres(BodyId a, BodyId b, Tick now) const;
   /// Closed form for b's image at a given shift.
   Prediction predict_free_spheres_at(BodyId a, BodyId b, const Vec3& shift_m) const;
-  /// Equals predict_free_spheres for some edges of a body. `changes`: change numbers of all bodies.
-  /// Returns false if some partners are not in free flight: their edges are predicted as not
-  /// colliding, and the caller must predict them again. REQUIRES: in_free_flight(body).
+  /// Equals predict_free_spheres(), but predicts some edges of a body at once. `changes`: change
+  /// numbers of all bodies. Returns false if some partners are not in free flight: their edges are
+  /// predicted as not colliding, and the caller must predict these edges again. REQUIRES:
+  /// in_free_flight(body).
   bool predict_flight(BodyId body, const PairEdges& edges, std::span<const std::uint32_t> changes,
                       Tick now) const;
 
@@ -68,7 +69,7 @@ class Predictions {
   Prediction predict_static(BodyId body, StaticId met, Tick now, std::uint32_t& search, Tick until);
   Prediction look_static(BodyId body, StaticId met, Tick now, std::uint32_t search, Tick until);
 
-  // Contacts at the event that a prediction led to.
+  // Contacts at a predicted event.
   PieceContact contact_at(BodyId a, BodyId b, const EventKey& event);
   PieceContact static_contact_at(BodyId body, StaticId met, const EventKey& event);
 
@@ -150,7 +151,7 @@ class Predictions {
   };
   Found found_;
   std::optional<GaveUp> gave_up_;
-  /// Axis data for predict_flight: beyond `half_m` another image is nearest. That image is one
+  /// Axis data for predict_flight(): beyond `half_m` another image is nearest. That image is one
   /// period away if the distance is within `sure_m` of `middle_m`.
   struct Images {
     Lanes period_m{};

@@ -26,8 +26,8 @@ Replaying::Replaying(World& world, std::shared_ptr<const History> history) : wor
   find_quiet_until();
 }
 
-/// Finds the tick at which the first segment begins that comes near changed static geometry, or at
-/// which a body may start elsewhere because of the change.
+/// Finds the first tick at which a segment that comes near changed static geometry begins, or a
+/// body may start elsewhere because of the change.
 void Replaying::find_quiet_until() {
   Replay& replay = *replay_;
   const ChangedPlaces& places = replay.changes.places;
@@ -52,8 +52,7 @@ void Replaying::find_quiet_until() {
       if (latest[body] != nullptr) look(body, event.key.tick);
       latest[body] = &event.segments[segment++];
       if (event.key.kind != EventKind::start) continue;
-      // Test whether the body drew its place again in the history, or would have to draw it again
-      // now.
+      // Test whether the body used `start_again` in the history, or would have to use it now.
       const Vec3& place_m = latest[body]->flight.position_m;
       if (place_m != bodies().scene().bodies[body].start.pose.position_m ||
           !world_.statics().solid_at(place_m).empty())
@@ -142,7 +141,7 @@ bool Replaying::play() {
 }
 
 std::span<const BodyId> Replaying::make_supporters_live() {
-  // The list grows in the loop.
+  // Iterate by index, because the list grows in the loop.
   ReplayedBodies& replayed = world_.replayed();
   for (std::size_t i = 0; i < replayed.gone_live().size(); ++i) {
     const BodyId body = replayed.gone_live()[i];

@@ -38,15 +38,15 @@ class Replaying {
   Tick skip_quiet(Tick end);
   /// Processes the start of a body. Returns whether the body is replayed from now on.
   bool starts(BodyId body, const EventKey& event);
-  /// Key of the next event of replayed bodies in the history, or the key of the history's end.
+  /// Returns the key of the history's next event of replayed bodies, or of the history's end.
   EventKey next();
   /// Replays the next event if all its participants are replayed; otherwise makes its participants
   /// live. Returns whether the event was replayed; if so, the world's changed() lists the bodies
   /// that began a segment.
   bool play();
-  /// Number of the scene's controls, from the first, that equal the history's.
+  /// Number of equal controls in the scene and the history before the first difference.
   std::size_t same_controls() const { return replay_->changes.same_controls; }
-  /// Ends the replay if no body is replayed or will be.
+  /// Ends the replay if no body is replayed or will be replayed.
   void end_if_over() {
     if (!world_.replayed().any() && replay_->awaited_count == 0) replay_ = nullptr;
   }

@@ -96,7 +96,7 @@ class Simulation {
   Twist twist(BodyId body, Tick tick) const;
   /// Current mode. REQUIRES: the body has started.
   MotionMode mode(BodyId body) const;
-  /// Sum over all bodies that have started.
+  /// Kinetic energy of all bodies that have started.
   double kinetic_energy_j() const;
   const Counts& counts() const;
   /// Collisions with the scene's surfaces up to now(), in order, including replayed ones.
@@ -104,9 +104,9 @@ class Simulation {
   /// Recording up to now(); empty if not recorded. If the simulation stores a history, this call
   /// creates or completes the recording.
   const Recording& recording() const;
-  /// Everything up to now(), for replays by other simulations. Null if `keep_history` is off, above
-  /// the memory limit, or after an error. Chunks up to the first difference are shared with the
-  /// replayed history.
+  /// The history up to now(), for replays by other simulations. Null if `keep_history` is off, if
+  /// the history exceeded the memory limit, or after an error. Chunks up to the first difference
+  /// are shared with the replayed history.
   std::shared_ptr<const History> history() const;
 
  private:

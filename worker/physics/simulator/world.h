@@ -1,16 +1,16 @@
 // A running simulation's bodies and static geometry, and the effects of events on them: collisions,
 // lasting contact, rest. World doesn't use queues or bounding volumes.
 //
-// Bodies stores how each body moves now. MetStatics finds the static geometry that a body may meet.
-// Predictions computes when bodies meet. Recorder stores what happened. World decides what happens
-// when bodies meet.
+// `Bodies` stores how each body moves now. `MetStatics` finds the static geometry that a body may
+// meet. `Predictions` computes when bodies meet. `Recorder` stores what happened. `World` computes
+// what happens when bodies meet.
 //
 // Invariants
 //   1. Whenever a body's motion changes, the recorder is notified, and contacts found by
 //      predictions become void. If all bodies are spheres, predictions find no contacts in advance
 //      (collide_plain).
-//   2. Before anything outside its history changes a replayed body (replay.h) or reads its state,
-//      the body is made live.
+//   2. A replayed body (replay.h) is made live before anything outside its history changes it or
+//      reads its state.
 // Thread safety: none.
 #pragma once
 
@@ -68,13 +68,13 @@ class World {
   /// Puts a body to rest after its segment has begun. REQUIRES: lay_down().
   void begin_at_rest(BodyId body);
 
-  // Events. After each of these functions, changed() lists the bodies that began a segment,
-  // ascending. REQUIRES: the event was predicted for its tick.
+  // Events. After each function below, changed() lists the bodies that began a segment, ascending.
+  // REQUIRES: the event was predicted for its tick.
   void collide(BodyId a, BodyId b, const EventKey& event);
   void collide_static(BodyId body, StaticId met, const EventKey& event);
   void apply(const Control& control, const EventKey& event);
-  /// Processes the body's rest event: puts the body and those it leans on to rest if the rules
-  /// allow. Returns the number of bodies that went to rest.
+  /// Processes the body's rest event: puts the body, and the bodies that it leans on, to rest if
+  /// the rules allow. Returns the number of bodies that went to rest.
   std::size_t rest(BodyId body, const EventKey& event);
   /// Processes the body's mode event: its contact with static geometry changes. REQUIRES: it stays
   /// on faces.
@@ -95,8 +95,8 @@ class World {
   }
 
   // Ticks of a body's own events; k_never if there are none.
-  /// Returns when the law of the body's contact changes, or until when its free rotation can be
-  /// computed.
+  /// Returns the tick at which the law of the body's contact changes, or the last tick for which
+  /// its free rotation can be computed.
   Tick mode_end(BodyId body) const {
     if (!has_modes_) return k_never;
     if (bodies_.is_sphere(body) || bodies_.stays_on_faces(body))
@@ -108,12 +108,12 @@ class World {
   Tick rest_due(BodyId body) const { return resting_.enabled() ? resting_.due(body) : k_never; }
 
   // Histories.
-  /// Stores an event in the history when it is over.
+  /// Stores an event in the history. Call at the end of the event.
   void keep(const EventKey& event) {
     if (recorder_.keeps_history()) append_to_history(event);
   }
-  /// Everything up to now. Returns null if the history isn't stored, exceeds the memory limit, or
-  /// after a failure.
+  /// Returns everything up to now, or null if the history isn't stored, exceeded the memory limit,
+  /// or is incomplete after a failure.
   std::shared_ptr<const History> history(Tick now);
 
   /// Prefetches data of a body's collision.

@@ -1,6 +1,6 @@
 // The world's bodies at an event, as contact_events.h uses them.
 //
-// Internal to the sources of World. Thread safety: none.
+// Only the sources of World include this header. Thread safety: none.
 #pragma once
 
 #include "worker/physics/contact/contact_events.h"

@@ -25,8 +25,8 @@ namespace {
 using math::dot;
 using math::norm;
 
-/// Friction for a test that error messages report: with this much friction, only bodies that topple
-/// or fall aren't held.
+/// Friction that holds all bodies except those that topple or fall. Error messages report whether
+/// it would help.
 constexpr double k_rough = 1e3;
 /// Maximum partners that an error message names.
 constexpr std::size_t k_named = 4;
@@ -60,14 +60,15 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
     }
     if (found.size() == before) found.push_back({body, touch, static_index});
   };
-  // If two faces overlap at an angle, corners alone are too few contacts.
+  // Corners alone are too few contacts if two faces overlap at an angle, so add the crossings of
+  // their edges.
   const auto add_crossings = [&](const MovingPiece& own, const MovingPiece& other,
                                  TouchRecord touch, StaticId static_index) {
     const Vec3 normal = touch.normal;
     for_each_crossing(own, other, normal, dot(normal, centre_m + touch.arm_m), 2 * k_at_rest_gap_m,
                       [&](const Vec3& at_m) {
                         touch.arm_m = at_m - centre_m;
-                        // Triangles of a mesh share edges.
+                        // Skip crossings found before, because triangles of a mesh share edges.
                         const bool known = std::ranges::any_of(found, [&](const RestTouch& one) {
                           return one.body == body && one.record.partner == touch.partner &&
                                  norm(one.record.arm_m - touch.arm_m) <= 2 * k_at_rest_gap_m;
@@ -188,7 +189,7 @@ std::optional<SceneError> World::lay_down() {
     if (error) return error;
   }
 
-  // Find connected bodies; the lowest body of each structure is its root.
+  // Find connected bodies; the body with the lowest id in each structure is its root.
   std::vector<BodyId> root(bodies_.size());
   for (BodyId body{}; body < bodies_.size(); ++body)
     root[body] = body;

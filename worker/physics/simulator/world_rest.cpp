@@ -14,7 +14,8 @@ namespace sleight::physics {
 namespace {
 
 /// Calls found(corner, normal) for the corners of a piece near a face of another piece, or near a
-/// round piece. The normal points out of the other piece. `direction`: from the piece to the other.
+/// round piece. The normal points out of the other piece. `direction` points from the piece to the
+/// other piece.
 template <class Found>
 void corners_near(const MovingPiece& of, const MovingPiece& near, const Vec3& direction,
                   double near_m, const Found& found) {
@@ -29,8 +30,7 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, const Vec3& di
     const Vec3 local_m = transposed_product(near.pose.rotation, corner_m - near.pose.position_m);
     const Vec3 towards = transposed_product(near.pose.rotation, direction);
     double above_m = -std::numeric_limits<double>::infinity();
-    // Among the near faces, choose the one most opposed to `direction`; flush sides are less
-    // opposed.
+    // Among the near faces, which may be side faces, choose the one most opposed to `direction`.
     std::size_t face = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < near.view->face_count && above_m <= near_m; ++k) {
