@@ -53,7 +53,7 @@ struct Extent {
   double magnitude() const { return std::max(std::fabs(least), std::fabs(most)); }
 };
 
-/// Bezier points of the same cubic.
+/// Bezier points of the B-spline cubic over four points.
 std::array<double, 4> bezier_points(double p0, double p1, double p2, double p3) {
   constexpr double k_third = 1.0 / 3.0;
   constexpr double k_sixth = 1.0 / 6.0;
@@ -107,7 +107,7 @@ double third_differences(const Points& p) {
 }
 
 /// Bounds of a Bezier patch. The patch and its derivatives stay between the minimum and maximum of
-/// their Bezier points. Derivatives have differences of the patch's points as their points: 3 times
+/// their Bezier points. A derivative's Bezier points are differences of the patch's points: 3 times
 /// first, 6 times second and 9 times mixed differences.
 SurfaceBounds bounds_over(const Points& p, double per_spacing) {
   Extent height;

@@ -1,8 +1,8 @@
 // The control points of a spline surface, on a grid, each with a height, restitution and friction.
 //
 // Point (i, j) is at x = i spacing, y = j spacing. The grid is infinite: its provider also defines
-// the points far from the relevant area, such as a flat apron. Points are read only when something
-// comes near. Thread safety: values; const functions may run concurrently.
+// the points far from the relevant area, such as a flat apron. Control points are read only when a
+// body comes near. Thread safety: values; const functions may run concurrently.
 #pragma once
 
 #include <compare>
