@@ -59,7 +59,7 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
   const bool scans_are_draws = sampler.method != request::Method::simulated_tempering &&
                                sampler.method != request::Method::annealed_importance;
   const bool is_tempered = sampler.method == request::Method::parallel_tempering;
-  // These scans aren't known in advance either if burn-ins are judged during the run.
+  // The scans to archive also aren't known in advance if burn-ins are judged during the run.
   const bool starts_by_search = sampler.start == request::Start::search;
   return {.iterations_per_scan = sampler.iterations_per_scan,
           // Each tour has one draw.
@@ -104,7 +104,7 @@ namespace {
 
 sampling::StopRule stop_of(const request::DirectionRequest& request,
                            const std::optional<request::Cut>& cut) {
-  // If a run with islands is cut, the rule of solutions stays, because under that rule not all
+  // A cut of a run with islands keeps `independent_solutions`, because under that rule not all
   // islands count.
   const bool has_islands = request.sampler.method == request::Method::sequential;
   sampling::StopRule rule{.scans = request.stop.scans,

@@ -40,17 +40,16 @@ class WorldEntry {
       const request::DirectionRequest& request, const WorkerResources& resources = {}) const = 0;
   virtual std::unique_ptr<archive::StateReader> make_reader(
       const request::DirectionRequest& request) const = 0;
-  /// Simulates a state as a run's worker does. Empty if the bytes aren't a valid state of this
-  /// world.
+  /// Simulates a state as a run's worker does. Empty if the bytes aren't a state of this world.
   virtual std::optional<SimulationEnd> simulate(const request::DirectionRequest& request,
                                                 base::BytesView state) const = 0;
-  /// By kind of proposal: whether it has a tunable scale.
+  /// For each kind of proposal: whether it has a tunable scale.
   virtual std::vector<bool> kinds_with_scale(const request::DirectionRequest& request) const = 0;
-  /// The values that judge chains from a search. Empty if the world has no search.
+  /// The values by which chains from a search are judged. Empty if the world has no search.
   virtual std::vector<sampling::BurnInValue> burn_in_values(
       const request::DirectionRequest& request) const = 0;
-  /// A sentence for display: how long solutions in the model's proportions took for similar
-  /// requests. Empty if unknown.
+  /// A sentence for display: how long similar requests took for solutions in the model's
+  /// proportions. Empty if unknown.
   virtual std::string past_effort(const request::DirectionRequest& request) const = 0;
   /// Names of stages for display, such as "ball 3 of 16". Empty if the world has no search.
   virtual std::vector<std::string> stage_names(const request::DirectionRequest& request) const = 0;
@@ -69,8 +68,7 @@ class Catalogue {
   std::vector<std::unique_ptr<WorldEntry>> worlds_;
 };
 
-/// Returns the plan of a request's sampling method. If there is a cut, the run ends at the cut
-/// instead.
+/// Returns the plan of a request's sampling method. If `cut` is set, the run ends at the cut.
 std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
                                       const WorldEntry& world,
                                       const std::optional<request::Cut>& cut = {});

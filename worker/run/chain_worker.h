@@ -1,5 +1,5 @@
 // Runs units of one world: scans and iterations of plain and tempered chains, and starts of a
-// search. States are bytes on both sides.
+// search. ChainWorker receives and returns states as bytes.
 // Invariant: run is a pure function of (world parameters, options, unit, state before). Cached
 // samples only save simulations. The caller measures the cost.
 #pragma once
@@ -38,7 +38,7 @@ concept World = sampling::Target<W> &&
   { world.owned_bytes(state, outcome) } -> std::same_as<std::size_t>;
 };
 
-/// Interval of the scans whose states below inverse temperature 1 are stored, for inspection.
+/// States below inverse temperature 1 are stored at this multiple of the request's `thin`.
 inline constexpr std::uint64_t k_hot_thin = 16;
 
 struct ChainWorkerOptions {
@@ -51,10 +51,10 @@ struct ChainWorkerOptions {
   std::uint64_t hot_thin = 0;
   /// Particles of the islands that end each scan (island_scan.h); 0: no islands.
   std::uint32_t particles = 0;
-  /// Whether chains start from a search: each tour does, or the first replicas of a ladder.
+  /// Whether chains start from a search: all tours, or the first replicas of a ladder.
   bool starts_by_search = false;
-  /// The scan that ends a find's chain; 0: finds are not relaxed. Only that scan's state is
-  /// returned. The state satisfies if its motion until rest does.
+  /// The last scan of the chain that relaxes a find; 0: finds are not relaxed. Only the state of
+  /// this scan is returned. This state must also satisfy when simulated until rest.
   std::uint32_t relax_scans = 0;
   /// Whether records have the values by which a burn-in is judged.
   bool is_judged = false;
@@ -159,7 +159,7 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// Returns a chain's start from islands or a search. Empty if islands or search fail. Also empty
+  /// Returns a chain's start from islands or a search. Returns nothing if islands or search fail,
   /// for a ladder's hottest replica, and for replicas that join later.
   std::optional<Sample> start_in_stages(Walk& walk, std::uint64_t scan, double beta,
                                         Counts& counts) const {
@@ -198,7 +198,7 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// Begins a lineage: from islands or a search if the chain starts so, otherwise from the prior.
+  /// Begins a lineage from islands, from a search, or otherwise from the prior.
   void draw_afresh(Walk& walk, std::uint64_t scan, double beta, Counts& counts) const {
     walk.lineage = plan::lineage_from(walk.streams.replica, scan);
     walk.current = start_in_stages(walk, scan, beta, counts);
@@ -221,7 +221,8 @@ class ChainWorker final : public plan::UnitWorker {
     return sample;
   }
 
-  /// Runs the unit from the sample before it. Empty `before`: the unit begins with a draw.
+  /// Runs the unit, starting from the sample before it. If `before` is empty, the unit begins with
+  /// a draw.
   plan::UnitResult go_on(const plan::Unit& unit, std::optional<Sample> before) const {
     plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
     result.scans.reserve(unit.scans);

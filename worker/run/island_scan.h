@@ -23,7 +23,8 @@ inline constexpr std::uint32_t k_free_islands = 3;
 /// Islands for starts have far greater numbers.
 inline constexpr std::uint64_t k_islands_of_scan = 1 + 2 * k_free_islands;
 inline constexpr std::uint64_t k_first_start_island = std::uint64_t{1} << 48U;
-/// Maximum number of islands for a start. If all die, the chain starts in another way.
+/// Maximum number of islands for a start. If all these islands die, the chain starts in another
+/// way.
 inline constexpr std::uint32_t k_start_islands_max = 100;
 
 template <StagedWorld W>
@@ -32,12 +33,12 @@ class IslandScan {
   using Sample = sampling::Sample<W>;
   using Told = typename sampling::Islands<W>::Told;
 
-  /// REQUIRES: world and guide outlive it.
+  /// REQUIRES: `world` and `guide` outlive this object.
   IslandScan(const W& world, const typename W::Guide& guide, std::uint32_t particles,
              const sampling::ChainStreams& streams, Told told)
       : islands_(world, guide, {.particles = particles}, streams, std::move(told)) {}
 
-  /// Returns the draw of the first island that has one. Empty if none has.
+  /// Returns the draw of the first island that has a draw. Empty if no island has a draw.
   std::optional<Sample> start(std::uint64_t scan) const {
     const std::uint64_t first = k_first_start_island + scan * k_start_islands_max;
     for (std::uint32_t nth = 0; nth < k_start_islands_max; ++nth) {

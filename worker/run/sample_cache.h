@@ -20,7 +20,7 @@
 
 namespace sleight::run {
 
-/// Default memory of a worker's cache, for some hundred thousand samples of balls that spell.
+/// Default memory of a worker's cache: some hundred thousand samples of the world `spelling`.
 inline constexpr std::size_t k_cache_bytes_max = std::size_t{256} << 20U;
 
 template <class Sample>

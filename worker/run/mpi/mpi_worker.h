@@ -8,7 +8,7 @@ namespace sleight::run {
 
 /// Sends hello, then serves. While idle, polls for messages at intervals that grow from 20 us to 2
 /// ms, which uses under 2% of a core. Passes on the worker's exceptions; the caller reports them to
-/// rank 0. REQUIRES: MPI is initialised, and this rank is not 0.
+/// rank 0. REQUIRES: initialised MPI; a rank other than 0.
 void serve(const plan::BlockWorker& worker, const schema::Hello& hello);
 
 /// Reports to rank 0 that this rank can't serve, with the reason.
