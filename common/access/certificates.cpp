@@ -129,7 +129,7 @@ class Handshake {
 
   void trust_anybody() const { ::SSL_set_verify(tls_.get(), SSL_VERIFY_NONE, nullptr); }
 
-  /// Makes connections trust certificates in PEM, or the system's, for a host name.
+  /// Requires a certificate for the host `name`, trusted by `certificates` (empty: the system's).
   void trust(const std::string& certificates, const std::string& name) const {
     X509_STORE* store = ::SSL_CTX_get_cert_store(context_.get());
     if (certificates.empty())

@@ -1,9 +1,8 @@
-// TLS certificates of a service: self-signed ones, and the fingerprints by which people verify
-// them.
+// TLS certificates of a service, and the fingerprints by which people verify self-signed ones.
 //
 // A client trusts a self-signed certificate, such as the one made by the service (k_self_name), if
-// it stored exactly this certificate (`sleight login --fingerprint`). The machine's name doesn't
-// matter then. Certificates of an authority are checked by host name as usual.
+// it stored exactly this certificate (`sleight login --fingerprint`). The host's name is checked
+// only in certificates signed by an authority.
 //
 // Thread safety: any thread.
 #pragma once
@@ -19,8 +18,8 @@ namespace sleight::access {
 
 inline constexpr const char* k_self_name = "sleight-service";
 
-/// A certificate and its key as PEM texts. The certificates of its authorities may follow the
-/// certificate.
+/// A certificate and its key as PEM texts. The certificates of the signing authorities may follow
+/// in the same text.
 struct Keypair {
   std::string certificate{};
   std::string key{};
@@ -30,11 +29,11 @@ struct Keypair {
 Keypair make_self_signed();
 
 /// Returns "SHA256:" and 64 hexadecimal digits for the first certificate of a PEM text. Throws
-/// base::Error if there is none.
+/// base::Error if the text has no certificate.
 std::string fingerprint_of(std::string_view certificate);
 
 /// Returns the first certificate's host name if it is self-signed. Returns nothing if another party
-/// signed it, or if it has no name.
+/// signed the certificate, or if the certificate has no name.
 std::optional<std::string> self_signed_name(std::string_view certificate);
 
 /// Splits a PEM text into its certificates.
@@ -50,9 +49,9 @@ void check_keypair(const Keypair& keypair);
 /// if there is no valid answer within `seconds_max`.
 std::string certificate_shown_at(const ServerAddress& address, double seconds_max);
 
-/// Returns OpenSSL's reason for not trusting a server's certificate for `name`, with the
-/// authorities in `trusted` (PEM; empty: the system's). Empty if it is trusted. Throws as
-/// certificate_shown_at.
+/// Returns OpenSSL's reason for not trusting a server's certificate for `name`; empty if OpenSSL
+/// trusts the certificate. `trusted`: PEM of the trusted authorities; empty: the system's. Throws
+/// as certificate_shown_at.
 std::string fault_of_certificate_at(const ServerAddress& address, const std::string& name,
                                     const std::string& trusted, double seconds_max);
 

@@ -1,4 +1,4 @@
-// The TCP address of a service: "render.example.org:7423", "192.0.2.7", "[2001:db8::7]:7423".
+// The TCP address of a service, such as "render.example.org:7423" or "[2001:db8::7]:7423".
 //
 // Thread safety: pure functions.
 #pragma once

@@ -1,4 +1,4 @@
-// Access tokens as text that people copy, with which clients log in over TCP.
+// Access tokens as text that people can copy. Clients log in over TCP with a token.
 //
 //   sleight_7k2m9q4x1c_<52 characters: 256 random bits><7 characters: check>
 //
@@ -6,7 +6,7 @@
 // is not secret. The check detects typing errors and truncation before the token is sent.
 // Characters are Crockford's base 32 in lower case.
 //
-// A service stores only the hash. All bits of the secret are random, so a plain SHA-256 is
+// A service stores only a token's hash. All bits of the secret are random, so a plain SHA-256 is
 // sufficient.
 //
 // Thread safety: pure functions, except `draw_token`, which gets random bits from the system.
@@ -42,7 +42,7 @@ std::optional<Token> token_of(std::string_view text);
 /// Returns whether the text has the form of a token's id.
 bool is_token_id(std::string_view id);
 
-/// Returns the hash that a service stores: SHA-256 over id and secret, hexadecimal.
+/// Returns the hash that a service stores, which is the hexadecimal SHA-256 of id and secret.
 std::string hash_of(const Token& token);
 
 /// Compares two hashes in a time that does not depend on where they differ.
