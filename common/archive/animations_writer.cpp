@@ -109,7 +109,7 @@ class AnimationTable {
   void flush() {
     rows_.flush();
     // The order of datasets determines their positions in the file. With this order, files have the
-    // same bytes as those of earlier versions.
+    // same bytes as files of earlier versions.
     for (const ElementType type : {ElementType::i32, ElementType::f64})
       std::apply([&](auto&... columns) { (columns.flush_if(type), ...); }, columns_);
   }

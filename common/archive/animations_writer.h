@@ -22,8 +22,8 @@ struct Address {
 
 class AnimationsWriter {
  public:
-  /// `in_proportion`: the animations are draws of the model, and not merely finds. REQUIRES: the
-  /// group exists.
+  /// `in_proportion`: the animations are draws of the model, not merely finds. REQUIRES: the group
+  /// exists.
   AnimationsWriter(const StateReader& reader, std::string_view group, const char* counted,
                    std::span<const Address> addresses, bool in_proportion, Sink& sink);
   ~AnimationsWriter();

@@ -91,8 +91,8 @@ std::vector<std::string> labels_of(const Source& source, const Group& group, con
   return labels;
 }
 
-/// Returns a dataset's column names: "x", or "x[0,0]", "x[0,1]", ..., where the last index changes
-/// fastest.
+/// Returns a dataset's column names, either "x" or "x[0,0]", "x[0,1]", ..., with the last index
+/// changing fastest.
 std::vector<std::string> column_names(const Source& source, const Group& group,
                                       const DatasetSpec& spec, std::size_t index_dims) {
   std::vector<std::string> suffixes{""};
@@ -150,7 +150,7 @@ class Exporter {
     for (const DatasetSpec& spec : group.datasets) {
       if (is_column(spec, index)) add_column(spec, index.size());
     }
-    // Together, the columns of a batch use as much memory as one dataset's batch.
+    // Limit a batch to k_batch_elements elements of each dataset, or to a single row.
     for (const DataColumn& column : columns_) {
       batch_rows_ = std::min<std::uint64_t>(
           batch_rows_,

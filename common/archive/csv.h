@@ -31,8 +31,8 @@ std::vector<std::string> csv_tables();
 
 /// Writes one table in batches. If `animations` is not empty, tables of animations, segments or
 /// points contain only these animations' rows, in the given order. The caller must check the
-/// stream's state afterwards. Throws base::Error: usage if csv_tables() lacks `table` or the table
-/// lacks an animation, bad_archive if the archive lacks the group or is damaged.
+/// stream's state afterwards. Throws base::Error(usage) if csv_tables() lacks `table` or the table
+/// lacks an animation, and base::Error(bad_archive) if the archive lacks the group or is damaged.
 void export_csv(const Source& source, std::string_view table, std::ostream& out,
                 std::span<const std::uint64_t> animations = {});
 

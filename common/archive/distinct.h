@@ -4,16 +4,16 @@
 // is kept if
 //   a. it is satisfied, and
 //   b. fewer than keep_per_lineage animations of its (chain, lineage) are kept so far, and
-//   c. its likeness distance from each of those is above min_distance, and
+//   c. its likeness distance from each of these animations is above min_distance, and
 //   d. fewer than keep_max animations are kept in all.
 //
 // The implementation reads a run chain by chain, with the same result. Conditions (b) and (c)
 // depend only on the animation's own chain and lineage, whose scans have the same order in both
-// cases. So without (d) both orders keep the same set. Condition (d) only truncates this set to its
-// first keep_max members in logical order, and the removed members don't affect earlier ones.
-// Hence: select chain by chain, merge by (scan, chain), truncate. For the same reason, only the
-// first keep_max members of a chain can survive. So the memory is at most 2 keep_max records for
-// runs of any length.
+// readings. So without (d) both readings keep the same set. Condition (d) only truncates this set
+// to its first keep_max members in logical order, and the removed members don't affect earlier
+// ones. So the implementation selects chain by chain, merges by (scan, chain) and truncates. For
+// the same reason, only the first keep_max selected animations of a chain can be kept. So the
+// memory is at most 2 keep_max records for runs of any length.
 //
 // The reader computes each animation's likeness for (c) once, because this may take a simulation.
 // Likenesses of kept animations are stored while their lineage may get another animation, up to

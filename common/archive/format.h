@@ -14,8 +14,8 @@
 namespace sleight::archive {
 
 inline constexpr std::string_view k_format_name = "sleight-archive";
-/// Increased if a reader of the older version would misread the newer file. Programs read only this
-/// version.
+/// The format's version, increased if programs of the older version would misread newer files.
+/// Programs read only this version.
 inline constexpr std::int64_t k_format_version = 3;
 inline constexpr std::string_view k_inference_library = "sleight";
 
@@ -33,8 +33,8 @@ inline constexpr std::string_view k_prior = "/prior";
 inline constexpr std::string_view k_sample_stats_prior = "/sample_stats_prior";
 /// Maximum number of prior draws, and the default for runs of chains.
 inline constexpr std::size_t k_prior_draws_max = 1000;
-/// Present only if a search found something. Attribute `found`: number of finds, kept or not.
-/// Attribute `relax_scans`, present if chains relaxed the finds: number of scans of each
+/// This group is present only if a search found something. Attribute `found`: number of finds, kept
+/// or not. Attribute `relax_scans`, present if chains relaxed the finds: number of scans of each
 /// relaxation.
 inline constexpr std::string_view k_finds = "/finds";
 inline constexpr std::string_view k_found = "found";
@@ -44,7 +44,7 @@ inline constexpr std::string_view k_finds_warning =
 inline constexpr std::string_view k_relax_scans = "relax_scans";
 inline constexpr std::string_view k_takes_warning =
     "relaxed from a search: proportions are the search's; do not compute averages or odds";
-/// Number of blind throws whose log densities are stored beside those of finds.
+/// Number of blind throws whose log densities are stored beside the finds' log densities.
 inline constexpr std::size_t k_throws = 100;
 inline constexpr std::string_view k_request = "request";
 

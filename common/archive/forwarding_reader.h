@@ -1,4 +1,4 @@
-// A reader that forwards all calls to another reader. Base of readers that change some of them.
+// A reader that forwards all calls to another reader. Base of readers that change some calls.
 #pragma once
 
 #include <cstddef>

@@ -159,7 +159,7 @@ class SceneReader {
   const Group& group_;
 };
 
-/// True if sorted by row, then by column, as points_about returns them.
+/// Returns whether points are sorted by row, then by column.
 bool are_in_order(std::span<const scene::ControlPoint> points) {
   return std::ranges::is_sorted(points, [](const auto& a, const auto& b) {
     return std::pair(a.j, a.i) < std::pair(b.j, b.i);

@@ -96,7 +96,7 @@ class ProposalColumns {
       proposed += record.proposed[kind];
       accepted += record.accepted[kind];
     }
-    // If there are no proposals, 0 / 0 gives NaN: "does not apply".
+    // If there are no proposals, 0 / 0 gives NaN, which means "does not apply".
     rate_->push(static_cast<double>(accepted) / static_cast<double>(proposed));
   }
 
@@ -256,7 +256,7 @@ void write_report(const plan::Report& report, const WorldLayout& layout, Sink& s
   }
 }
 
-/// Returns whether draws are weighted, so that they don't occur in the model's proportions.
+/// Returns whether draws have weights, and so don't occur in the model's proportions.
 bool has_weights(const plan::Report& report) {
   return std::ranges::any_of(report.tables,
                              [](const plan::Table& table) { return table.name == "log_weight"; });
@@ -295,7 +295,7 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
               "identifies the chain's visit to the prior from which the state descends"}};
   AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
                               in_proportion, sink);
-  // This requests each kept animation's motion again (see remembering_reader.h).
+  // Writing requests each kept animation's motion again (see remembering_reader.h).
   const std::vector<KeptAnimation> all_kept = selector.finish();
   Counted written(hear, WritingProgress::Part::animations, all_kept.size());
   for (const KeptAnimation& kept : all_kept) {

@@ -9,10 +9,10 @@ namespace sleight::archive {
 
 /// Maximum groups and datasets of a file. A world has some tens of variables in four groups.
 inline constexpr std::uint64_t k_objects_max = 2048;
-/// Attributes of an object, including those of dimension scales.
+/// Maximum attributes of an object, including the attributes of dimension scales.
 inline constexpr std::uint64_t k_attributes_max = 64;
 inline constexpr std::uint64_t k_attribute_bytes_max = 64 * 1024;
-/// A scalar text, such as the request.
+/// Maximum size of a scalar text, such as the request.
 inline constexpr std::uint64_t k_text_bytes_max = 16 * 1024 * 1024;
 /// Maximum size of a dataset's uncompressed values, for example 10^9 scans of four chains with 250
 /// proposal kinds.

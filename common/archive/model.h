@@ -72,7 +72,7 @@ struct Group {
   std::vector<DatasetSpec> datasets{};  ///< no dimension is k_growing once finished
 };
 
-/// Returns the product of the dimensions. REQUIRES: no dimension is k_growing; no overflow.
+/// Returns the product of the dimensions. REQUIRES: no k_growing dimension, and no overflow.
 std::uint64_t element_count(const DatasetSpec& spec);
 
 /// Returns a dataset's path, such as "/posterior/draw", or "/request" in the root group.
@@ -99,21 +99,19 @@ class Sink {
   virtual void set_attribute(std::string_view group, const Attribute& attribute) = 0;
   /// REQUIRES: the group exists, and the invariants hold.
   virtual DatasetHandle create_dataset(std::string_view group, const DatasetSpec& spec) = 0;
-  /// Appends elements in row-major order. REQUIRES: the dataset's type; not past its end.
+  /// Appends elements in row-major order. REQUIRES: the elements fit the dataset's type and size.
   virtual void append(DatasetHandle dataset, const ValuesView& values) = 0;
-  /// Ends the archive. REQUIRES: every dataset is complete; last call.
+  /// Ends the archive. REQUIRES: every dataset is complete, and no call follows.
   virtual void finish() = 0;
 };
 
-/// Returns an archive's content. Functions throw base::Error with ExitCode::bad_archive if the data
-/// are damaged.
+/// Returns an archive's content. Functions throw base::Error(bad_archive) if the data are damaged.
 class Source {
  public:
   virtual ~Source() = default;
   /// Returns the file's path, for messages.
   virtual std::string name() const = 0;
-  /// Returns all groups, root first. Datasets are in order of creation, as far as the order is
-  /// known.
+  /// Returns all groups, root first. Datasets are in order of creation, as far as known.
   virtual const std::vector<Group>& groups() const = 0;
   /// Returns elements first .. first+count-1 of a dataset, in row-major order. REQUIRES: the
   /// dataset exists and contains the range.

@@ -19,7 +19,7 @@ Values part_of(const Values& block, std::uint64_t first, std::uint64_t count) {
       block);
 }
 
-/// Returns the number of elements; 0 for texts, which may be long.
+/// Returns a dataset's number of elements, or 0 for texts, which may be too long to read ahead.
 std::uint64_t elements_of(const Source& source, std::string_view group, std::string_view dataset) {
   const Group* in = find_group(source, group);
   const DatasetSpec* spec = in == nullptr ? nullptr : find_dataset(*in, dataset);

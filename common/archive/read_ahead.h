@@ -2,10 +2,10 @@
 // as much as reading thousands of values (remote/remote_source.h).
 //
 // For sequential reads of a dataset, such as one animation's motion after the other, this source
-// reads a block in advance. Values and errors are those of the source. The intact parts of a
-// damaged file remain readable.
+// reads a block in advance. Values and errors are the same as without reading ahead. The intact
+// parts of a damaged file remain readable.
 //
-// Thread safety: as the source, and one thread at a time.
+// Thread safety: one thread at a time.
 #pragma once
 
 #include <cstdint>

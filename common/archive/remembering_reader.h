@@ -1,6 +1,6 @@
-// A reader that caches motions, so that each is simulated only once. Making an archive requests
-// each kept animation's motion when selecting and again when writing the animation, and the run's
-// next archive requests the motion once more.
+// A reader that caches motions, so that each is simulated only once. An archive's writer requests
+// each kept animation's motion twice, to select the animation and to write it. The run's next
+// archive requests the motion once more.
 //
 // The cache does not change an archive's content. Not thread-safe: all motions share one cache.
 #pragma once
@@ -24,8 +24,8 @@ class Motions {
 
 class RememberingReader final : public ForwardingReader {
  public:
-  /// Calls `before_each` before each motion to be simulated and each animation to be compared; an
-  /// exception from it ends the work. All arguments are borrowed.
+  /// Calls `before_each` before each simulation of a motion and before each computation of a
+  /// likeness. An exception from `before_each` ends the work. All arguments are borrowed.
   RememberingReader(const StateReader& reader, Motions& motions,
                     std::function<void()> before_each = {})
       : ForwardingReader(reader), motions_(motions), before_each_(std::move(before_each)) {}

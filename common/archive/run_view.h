@@ -23,8 +23,8 @@ class RunView {
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const = 0;
 
-  /// Returns whether a satisfying draw may become a kept animation. A lineage's draws before the
-  /// one that is its independent solution may not.
+  /// Returns whether a satisfying draw may become a kept animation. Draws of a lineage before its
+  /// independent solution may not be kept.
   virtual bool may_be_kept(base::ChainId /*chain*/, base::ScanIndex /*draw*/) const { return true; }
 
   /// Maximum replicas of a chain. A plain chain has one replica, always at inverse temperature 1.
@@ -35,7 +35,7 @@ class RunView {
       base::ChainId /*chain*/, std::uint64_t /*thin*/,
       const std::function<void(base::ReplicaId, base::ScanIndex,
                                const plan::ScanRecord&)>& /*visit*/) const {}
-  /// Number of draws from the prior. Prior draws are visited in order from 0; their records have no
+  /// Number of draws from the prior. Prior draws are visited in order from 0; records have no
   /// state.
   virtual std::uint64_t prior_draws() const { return 0; }
   virtual void for_each_prior_draw(
@@ -48,8 +48,8 @@ class RunView {
       const std::function<void(std::uint64_t start, const plan::ScanRecord&)>& /*visit*/) const {}
   /// Returns what the method learnt from these scans.
   virtual plan::Report report() const { return {}; }
-  /// Returns counts of failed simulations in these scans, including those of all replicas and those
-  /// before the first draw.
+  /// Returns counts of failed simulations in these scans, including failures in all replicas and
+  /// failures before the first draw.
   virtual plan::FailureCounts failures() const { return {}; }
 };
 

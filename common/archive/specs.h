@@ -30,7 +30,7 @@ void write_coordinate(Sink& sink, std::string_view group, const Dimension& dim,
 void write_own_coordinates(Sink& sink, std::string_view group,
                            const std::vector<Variable>& variables, Dims& written);
 
-/// Writes a dataset of words, sized for the longest.
+/// Writes a dataset of words, with elements sized for the longest word.
 void write_words(Sink& sink, std::string_view group, const std::string& name, const Dims& dims,
                  const std::string& long_name, std::span<const std::string> words);
 

@@ -30,7 +30,7 @@ std::string warning_of(const Source& source) {
   return attribute_of<std::string>(source, k_root, k_warning);
 }
 
-/// Returns the number of failures. If the attribute is absent, nothing failed.
+/// Returns the number of failures. If the attribute is absent, the number is 0.
 std::uint64_t count_of_failures(const Source& source, std::string_view group,
                                 std::string_view name) {
   if (find_attribute(group_of(source, group).attributes, name) == nullptr) return 0;

@@ -45,14 +45,14 @@ struct WorldLayout {
   std::vector<Variable> variables;          ///< of the state
   std::vector<Variable> outcomes;           ///< of each scan
   std::vector<std::string> proposal_kinds;  ///< at least one
-  /// One line that users of the samples must know; empty: none. Programs print the warning when a
-  /// run starts, and the archive stores it.
+  /// One line that users of the samples must read; empty: no warning. Programs print the warning
+  /// when a run starts, and the archive stores it.
   std::string warning = {};
   /// Logarithm of a ratio: P(satisfied) under the prior, divided by P(satisfied) of natural throws,
-  /// which a person could make blindly. Below 0 if only some draws are such throws and include all
-  /// that satisfy: the log of the probability that a draw has all balls in it. Above 0 if a draw
-  /// stands for several equally likely throws and satisfies if one of them does, as with dice whose
-  /// faces are numbered afterwards.
+  /// which a person could make blindly. If only some draws are natural throws, but all satisfying
+  /// draws are, the value is below 0, such as the log of the probability that a draw drops all
+  /// balls. The value is above 0 if a draw stands for several equally likely throws and satisfies
+  /// if one of them does, as with dice whose faces are numbered afterwards.
   double log_natural_throw = 0;
 };
 
@@ -74,12 +74,13 @@ enum class PlaysOut : std::uint8_t {
 /// early.
 struct Motion {
   PlaysOut ends = PlaysOut::yes;
-  /// Each body's segments in order of time, bodies in any order. Empty unless `ends` is yes.
+  /// All segments, with each body's segments in order of time, and bodies in any order. Empty
+  /// unless `ends` is yes.
   std::vector<motion::Segment> segments{};
 };
 
-/// Reads the opaque state bytes of one world with one request. Thread-safe. REQUIRES, for every
-/// function: this world's worker produced `state`.
+/// Reads the opaque bytes of states, which all belong to one world and one request. Thread-safe.
+/// REQUIRES, for every function: this world's worker produced `state`.
 class StateReader {
  public:
   virtual ~StateReader() = default;
@@ -97,7 +98,7 @@ class StateReader {
                          double distance) const {
     return likeness_distance(a, b) > distance;
   }
-  /// Returns the motion of a state. Only states that play out are kept as animations.
+  /// Returns the motion of a state. Only states with `ends` equal to `yes` are kept as animations.
   virtual Motion play(base::BytesView state) const = 0;
   /// Returns the scene shared by all animations of the run.
   virtual const scene::Scene& scene() const = 0;

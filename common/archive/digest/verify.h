@@ -17,8 +17,8 @@
 namespace sleight::archive {
 
 /// Returns one sentence per kind of fault, with the first place at which the fault occurs. Empty:
-/// the archive is valid. Checks values only if the structure is right. Reads the archive once or
-/// twice, in batches. If data can't be read, the source's exception is passed on.
+/// the archive is valid. Checks values only if check_structure finds no fault. Reads the archive
+/// once or twice, in batches. If data can't be read, the source's exception is passed on.
 std::vector<std::string> verify(const Source& source);
 
 }  // namespace sleight::archive

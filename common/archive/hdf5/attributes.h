@@ -1,4 +1,4 @@
-// Reads the attributes of an untrusted HDF5 object: the archive's attributes, and those of
+// Reads the attributes of an untrusted HDF5 object: the archive's attributes and the attributes of
 // dimension scales (reader.h).
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace sleight::archive::hdf5 {
 
-/// An entry of a scale's REFERENCE_LIST: a dataset, and its dimension that the scale measures.
+/// An entry of a scale's REFERENCE_LIST, which names a dataset and the dimension with this scale.
 struct ScaleUse {
   haddr_t dataset = HADDR_UNDEF;  ///< address of the dataset's header
   std::uint32_t dimension = 0;

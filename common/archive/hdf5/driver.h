@@ -2,8 +2,7 @@
 // refers to a State, which represents the file. HDF5 sees an unlimited address space and no block
 // structure.
 //
-// A State has a member `allocated`: HDF5's end of allocation. The functions are C callbacks for
-// HDF5.
+// A State has a member `allocated`, HDF5's end of allocation. The functions are C callbacks.
 #pragma once
 
 #include <hdf5.h>
@@ -13,7 +12,7 @@
 
 namespace sleight::archive::hdf5 {
 
-/// The struct for an open file that HDF5 expects: HDF5's own fields, followed by ours.
+/// HDF5's struct for an open file, followed by the driver's own field.
 template <class State>
 struct DriverFile {
   H5FD_t base;

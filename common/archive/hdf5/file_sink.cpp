@@ -16,7 +16,7 @@ namespace {
 /// Fixed-size datasets up to this size are stored uncompressed, because a chunk's overhead exceeds
 /// what compression saves.
 constexpr std::uint64_t k_contiguous_bytes_max = 64 * 1024;
-/// Deflate's level. Higher levels take three times as long and save only some percent on such data.
+/// Deflate's compression level. Higher levels take three times as long and save only some percent.
 constexpr unsigned k_deflate_level = 1;
 /// Assumed size of a growing first dimension, for splitting runs into boxes.
 constexpr std::uint64_t k_unbounded = std::uint64_t{1} << 62;

@@ -34,7 +34,7 @@ class FileSink final : public Sink {
     std::uint64_t position = 0;         ///< elements appended
     std::int32_t dimension_id = -1;     ///< if the dataset is a coordinate
   };
-  /// A scale for the width of one group's text arrays.
+  /// A dimension scale for the width of one group's text arrays.
   struct Width {
     Handle id;
     std::int32_t dimension_id = -1;

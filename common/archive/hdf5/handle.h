@@ -1,4 +1,4 @@
-// Ownership and error checks for the HDF5 C API. Included only by this folder's sources.
+// Ownership and error checks for the HDF5 C API. Only this folder's sources include this header.
 //
 // Every result is checked by Api::id, Api::ok or Api::count, which throw a base::Error with the
 // file, the object and HDF5's innermost reason on failure. HDF5 itself prints nothing. Plugins of
@@ -54,7 +54,7 @@ class Handle {
 /// Checks the results of HDF5 calls for one file.
 class Api {
  public:
-  /// Starts the library on first use. `exit_code`: for errors about this file.
+  /// Starts the library on first use. Errors about this file have `exit_code`.
   Api(std::string path, base::ExitCode exit_code);
 
   [[noreturn]] void fail(std::string_view object, std::string_view reason) const;
@@ -65,7 +65,7 @@ class Api {
   void ok(herr_t result, std::string_view object, std::string_view action) const {
     if (result < 0) fail_call(object, action);
   }
-  /// For functions that return a count, size or truth value, negative on failure.
+  /// Checks a count, size or truth value, which HDF5 returns negative on failure.
   std::uint64_t count(std::int64_t result, std::string_view object, std::string_view action) const {
     if (result < 0) fail_call(object, action);
     return static_cast<std::uint64_t>(result);

@@ -14,7 +14,7 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
-/// A dataset as it is read first, without names of dimensions.
+/// A dataset whose dimensions have no names yet.
 struct FoundDataset {
   std::string name;
   haddr_t address = HADDR_UNDEF;
@@ -90,7 +90,7 @@ class Walk {
                           by ? *by : "of an unknown version", *number, k_format_version));
   }
 
-  /// Returns links in creation order if the file tracks it, else by name.
+  /// Returns links in creation order if the file tracks creation order, else by name.
   std::vector<FoundLink> links_of(hid_t group, const std::string& path) {
     H5G_info_t info{};
     api_.ok(H5Gget_info(group, &info), path, "list");

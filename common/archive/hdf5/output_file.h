@@ -26,9 +26,9 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Makes H5Fcreate with this file-access list write to this file and ignore its name argument.
-  /// Returns a negative value on failure, like HDF5. The list may be used once, during this
-  /// object's life.
+  /// Sets the driver in a file-access list, so that H5Fcreate with this list writes this file and
+  /// ignores its name argument. Returns a negative value on failure, like HDF5. The list may be
+  /// used once, during this object's life.
   herr_t use_in(hid_t file_access_list);
 
   /// Throws base::Error with the first failed read or write since creation, if any.

@@ -81,7 +81,7 @@ class FileSource final : public Source {
     for (std::uint64_t i = 0; i < count; ++i) {
       std::string text = bytes.substr(i * width, width);
       text.resize(std::min(text.find('\0'), text.size()));
-      // Only the request may have several lines.
+      // Only the request's text may have several lines.
       const bool clean =
           path == path_of(k_root, k_request) ? is_clean_text(text) : is_clean_line(text);
       if (!clean) api_.fail(path, "the text contains control characters or is not UTF-8");

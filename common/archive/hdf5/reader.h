@@ -1,11 +1,11 @@
 // Reads archives from HDF5 files that may be damaged or hostile.
 //
 // Before reading any value, open_file walks the whole file and refuses everything that our writer
-// doesn't produce: soft and external links, objects with several names (and so cycles), nested
-// groups, committed and variable-length types, virtual datasets, external storage, filters other
-// than shuffle, deflate and fletcher32, dimensions without coordinate, and sizes beyond the limits
-// below, the limits in limits.h or the file's length. Variable-length data is never read: the names
-// of dimensions come from the scales' REFERENCE_LIST, not from DIMENSION_LIST.
+// doesn't produce. It refuses soft and external links, objects with several names (and so cycles),
+// nested groups, committed and variable-length types, virtual datasets and external storage. It
+// also refuses filters other than shuffle, deflate and fletcher32, dimensions without coordinate,
+// and sizes beyond the file's length or the limits below and in limits.h. Variable-length data is
+// never read: dimensions get their names from the scales' REFERENCE_LIST, not from DIMENSION_LIST.
 //
 // Each refusal is a base::Error with ExitCode::bad_archive that names the file, the object and the
 // reason. Damage in compressed values is detected when they are read. Damage in uncompressed values
@@ -13,7 +13,7 @@
 // any of our checks. So programs open archives through a reader process (archive/remote), which
 // calls open_descriptor.
 //
-// One thread at a time in the process (handle.h).
+// Thread safety: only one thread of the process may use this folder at a time (handle.h).
 #pragma once
 
 #include <cstdint>
@@ -25,16 +25,16 @@
 
 namespace sleight::archive::hdf5 {
 
-/// Uncompressed size of a chunk, which HDF5 reads at once.
+/// Maximum uncompressed size of a chunk, because HDF5 reads a chunk at once.
 inline constexpr std::uint64_t k_chunk_bytes_max = 64 * 1024 * 1024;
 /// Deflate's maximum ratio: a dataset's size divided by its stored size is at most this.
 inline constexpr std::uint64_t k_deflate_ratio_max = 1032;
 
-/// Starts the HDF5 library. Otherwise the first open starts it.
+/// Starts the HDF5 library. Without this call, the first open starts the library.
 void start();
 
-/// Opens an archive for reading. Throws ExitCode::environment if the file does not exist or can't
-/// be read, and bad_archive as above.
+/// Opens an archive for reading. Throws base::Error with ExitCode::environment if the file does not
+/// exist or can't be read, or with bad_archive as above.
 std::unique_ptr<Source> open_file(const std::string& path);
 
 struct OpenFile {
@@ -42,9 +42,9 @@ struct OpenFile {
   std::uint64_t bytes = 0;
 };
 
-/// Like open_file, for an open file, of which it takes ownership. `name`: for messages. REQUIRES:
-/// start() was called, and the file is regular. Makes no system calls except for reading the file
-/// and allocating memory.
+/// Like open_file, but takes ownership of a file that is already open. `name`: for messages.
+/// REQUIRES: start() was called, and the file is regular. Makes no system calls except for reading
+/// the file and allocating memory.
 std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile& open);
 
 }  // namespace sleight::archive::hdf5

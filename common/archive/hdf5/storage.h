@@ -13,7 +13,7 @@ inline constexpr const char* k_dtype_bool = "bool";
 inline constexpr const char* k_encoding_attribute = "_Encoding";
 inline constexpr const char* k_encoding_utf8 = "utf-8";
 
-/// Attributes of HDF5's dimension scales and of netCDF-4, which are not part of the content.
+/// Attributes of HDF5's dimension scales and of netCDF-4, which aren't archive content.
 inline constexpr const char* k_class_attribute = "CLASS";
 inline constexpr const char* k_class_scale = "DIMENSION_SCALE";
 inline constexpr const char* k_name_attribute = "NAME";

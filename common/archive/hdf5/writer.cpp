@@ -23,7 +23,7 @@ class Temporary {
     try {
       file_system_.remove(path_);
     } catch (const base::Error&) {
-      // Ignore this failure, and report only the one that came first.
+      // Ignore this failure, because only the first failure is reported.
     }
   }
 

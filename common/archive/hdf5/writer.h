@@ -10,7 +10,7 @@
 //  3. Dimensions are HDF5 dimension scales in netCDF-4's form. Text arrays are arrays of single
 //     characters, because netCDF-C 4.9.0 crashes on arrays of fixed-length strings.
 //
-// One thread at a time in the process (handle.h).
+// Thread safety: only one thread of the process may use this folder at a time (handle.h).
 #pragma once
 
 #include <functional>

@@ -52,7 +52,7 @@ bool refuse(std::uint32_t number, std::string_view reason,
              std::as_bytes(std::span<const char>(reason)));
 }
 
-/// Does `work`; if it throws, sends the reason as a refusal.
+/// Calls `work`. If `work` throws, sends the reason as a refusal.
 template <class Work>
 bool or_refuse(std::uint32_t number, std::uint64_t memory_bytes, const Work& work) {
   try {
@@ -92,8 +92,8 @@ bool say_values(std::uint32_t number, const Values& values) {
       values);
 }
 
-/// Answers questions. While the client processes an answer, reads ahead the part that the client
-/// will request next if it reads the whole dataset from its start.
+/// Answers questions. While the client processes an answer, reads the dataset's next part in
+/// advance, in case the client reads the whole dataset in order.
 class ForwardReader {
  public:
   explicit ForwardReader(const Source& source) : source_(source), datasets_(numbered(source)) {}
@@ -118,7 +118,7 @@ class ForwardReader {
   }
 
  private:
-  /// Maximum that is read ahead: some batches.
+  /// Maximum number of elements that are read ahead, equal to some batches.
   static constexpr std::uint64_t k_ahead_elements_max = 8 * k_batch_elements;
 
   Values read(const Question& question) const {

@@ -2,8 +2,9 @@
 //
 // Afterwards the process can compute, allocate memory up to a limit, read its archive and
 // questions, and write answers. The process can't open a file or a socket, start a program or a
-// process, or regain any privilege: any other system call kills it with SIGSYS. The parent limits
-// its processor time (archive/remote/reader_process.h), and this process can't change that limit.
+// process, or regain any privilege: any other system call kills it with SIGSYS. The parent process
+// limits this process's processor time (archive/remote/reader_process.h), and this process can't
+// change the limit.
 //
 // Under a sanitizer, memory is not limited. The sanitizer's checks and reports are also permitted
 // to open files for reading, to make pipes and to write to open descriptors.
@@ -13,8 +14,8 @@
 
 namespace sleight::archive::reader_program {
 
-/// Makes this process end as soon as the other end of its lifeline is closed, whatever it is doing.
-/// Throws base::Error if that is impossible.
+/// Makes the kernel end this process, even in an endless loop, as soon as the other end of its
+/// lifeline is closed. Throws base::Error if the kernel can't watch the lifeline.
 void end_with_lifeline(int lifeline);
 
 /// Confines the process from now on. messages.h defines the descriptors. Throws base::Error if the

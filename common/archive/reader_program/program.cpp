@@ -22,7 +22,7 @@ namespace {
 
 constexpr int k_bug = static_cast<int>(base::ExitCode::bug);
 
-/// Parses the only argument; 0 if it is invalid.
+/// Parses the only argument. Returns 0 if the argument is invalid.
 std::uint64_t memory_bytes_of(int argc, const char* const* argv) {
   std::uint64_t bytes = 0;
   if (argc != 2) return 0;

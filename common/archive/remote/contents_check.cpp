@@ -118,8 +118,8 @@ bool is_text_for(std::string_view group, std::string_view dataset, std::string_v
 
 std::string shown_text(std::string_view text) {
   std::string shown(text.substr(0, k_shown_bytes_max));
-  // Our own messages pass, except those cut inside a character, which show '?' for each non-ASCII
-  // byte.
+  // Our own messages are clean, unless the limit cut one inside a character. Such a message is
+  // shown with '?' for each non-ASCII byte.
   if (is_clean_text(shown)) return shown;
   std::ranges::replace_if(
       shown, [](char c) { return c != '\n' && (c < ' ' || c > '~'); }, '?');

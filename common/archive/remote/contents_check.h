@@ -15,11 +15,10 @@
 
 namespace sleight::archive::remote {
 
-/// Returns a description of the fault, safe for display and naming the object. Empty if there is
-/// none.
+/// Returns a description of the fault, safe for display and naming the object. Empty: no fault.
 std::string fault_of_contents(const std::vector<Group>& groups);
 
-/// Returns whether the dataset may contain this text. Only the request may have several lines.
+/// Returns whether the dataset may have this text. Only the request's text may have several lines.
 bool is_text_for(std::string_view group, std::string_view dataset, std::string_view text);
 
 /// Returns `text` without anything that could control a terminal, truncated for display.

@@ -12,10 +12,10 @@
 //                        for the first answer
 //
 // Datasets are numbered from 0 in the order of the contents. Numbers are little-endian. Reader and
-// client come from one build, so there are no versions.
+// client come from one build, so the protocol has no versions.
 //
-// A hostile file may have taken over the reader, so everything here that decodes answers accepts
-// any bytes. Thread safety: values and pure functions.
+// A hostile file may have taken over the reader, so every decoding function accepts any bytes.
+// Thread safety: values and pure functions.
 #pragma once
 
 #include <array>
@@ -35,8 +35,7 @@ namespace sleight::archive::remote {
 inline constexpr int k_questions_descriptor = 0;
 inline constexpr int k_answers_descriptor = 1;
 inline constexpr int k_archive_descriptor = 3;
-/// A pipe whose other end the client keeps open and never writes to. When the pipe closes, the
-/// reader ends.
+/// A pipe that the client keeps open without writing. The reader ends when the pipe closes.
 inline constexpr int k_lifeline_descriptor = 4;
 
 struct Question {
@@ -80,7 +79,7 @@ base::Bytes encode_contents(const std::vector<Group>& groups);
 /// can't be decoded.
 base::Result<std::vector<Group>, std::string> decode_contents(base::BytesView bytes);
 
-/// Encode and decode the texts of one answer: `count` texts of at most `text_bytes` each.
+/// Encode and decode one answer's `count` texts, each of at most `text_bytes` bytes.
 base::Bytes encode_texts(const std::vector<std::string>& texts);
 base::Result<std::vector<std::string>, std::string> decode_texts(base::BytesView bytes,
                                                                  std::uint64_t count,

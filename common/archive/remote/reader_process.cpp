@@ -32,8 +32,8 @@ constexpr int k_look_every_ms = 2;
 /// Size of the answers' pipe. A batch fits into the pipe, so that the reader need not wait for this
 /// process.
 constexpr int k_pipe_bytes = 1 << 20;
-/// Lowest number for copies of descriptors: above all descriptors of the new process, so that none
-/// of those is overwritten.
+/// Lowest number for copies of descriptors. It is above all descriptors of the new process, so that
+/// no copy is overwritten.
 constexpr int k_first_free_descriptor = 10;
 
 [[noreturn]] void fail_start(const std::string& program, int reason) {
@@ -53,7 +53,7 @@ struct Ends {
   base::Descriptor theirs;
 };
 
-/// `is_ours_first`: this process reads from the pipe, and the other process writes.
+/// If `is_ours_first`, this process reads from the pipe and the other process writes.
 Ends pipe_of(bool is_ours_first, const std::string& program) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail_start(program, errno);
@@ -213,8 +213,8 @@ void ReaderProcess::renew_limits() {
   deadline_ = std::chrono::steady_clock::now() +
               std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                   std::chrono::duration<double>(limits_.timeout_s));
-  // Don't renew the limit at each question, which would double the question's system calls. Losing
-  // one second of the limit is harmless.
+  // Don't renew the limit at each question, because that would double the system calls for a
+  // question. Losing one second of the limit is harmless.
   constexpr auto k_renewed_every = std::chrono::seconds(1);
   const auto now = std::chrono::steady_clock::now();
   if (now - renewed_ < k_renewed_every) return;

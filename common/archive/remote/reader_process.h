@@ -1,14 +1,15 @@
 // A process that reads one archive for this process (archive/reader_program), with the pipes to it.
 //
 // A damaged or hostile file can trigger known faults of HDF5 1.10.8, as early as in H5Fopen. So
-// each archive is read in a process of its own. Before that process reads anything from the file,
-// it drops all rights except reading the file and answering. So nothing that happens in that
-// process can harm this one.
+// each archive is read in a separate process. Before the reader process reads anything from the
+// file, it drops all rights except reading the file and answering. So nothing that happens in the
+// reader process can harm the calling process.
 //
-// posix_spawn starts the process, because fork is unsafe in a multi-threaded program: posix_spawn
-// runs none of our code in between. The process has only its own descriptors, a clean environment,
-// and no signals from the terminal. The process ends when this object is destroyed, or when this
-// process ends in any way, because the kernel then closes its lifeline.
+// The process is started by posix_spawn, because fork is unsafe in a multi-threaded program. With
+// posix_spawn, none of our code runs in the new process before `program`. The process has only its
+// own descriptors, a clean environment, and no signals from the terminal. The process ends when
+// this object is destroyed, or when this process ends in any way, because the kernel then closes
+// its lifeline.
 //
 // Not thread-safe; different objects are independent of each other.
 #pragma once
@@ -27,8 +28,8 @@
 namespace sleight::archive::remote {
 
 struct ReaderLimits {
-  /// Limit of the process's address space. Not enforced under a sanitizer, whose own memory maps
-  /// exceed any limit.
+  /// Limit of the process's address space. The limit is not enforced under a sanitizer, whose own
+  /// memory maps exceed any limit.
   std::uint64_t address_space_bytes = std::uint64_t{4} << 30;
   std::uint32_t cpu_s = 600;  ///< processor time per question, and for opening
   double timeout_s = 900;     ///< wall-clock time per question, and for opening
@@ -44,8 +45,8 @@ struct ReaderEnd {
 
 class ReaderProcess {
  public:
-  /// Starts `program` on the open archive descriptor, which stays the caller's. Throws base::Error
-  /// if the process can't be started.
+  /// Starts `program` with a copy of the open descriptor `archive`, which the caller still owns.
+  /// Throws base::Error if the process can't be started.
   ReaderProcess(const std::string& program, int archive, const ReaderLimits& limits);
   ReaderProcess(const ReaderProcess&) = delete;
   ReaderProcess& operator=(const ReaderProcess&) = delete;

@@ -4,14 +4,14 @@
 //  1. No file and no failure of its reader can stop the calling program. If a reader crashes,
 //     hangs, uses too much or sends an invalid answer, only its archive is lost: reading throws
 //     base::Error with ExitCode::bad_archive, "<path>: <reason>". All later reads of that archive
-//     throw the same.
+//     throw the same error.
 //  2. Answers are untrusted. The type, number and size of elements must be exactly as requested,
 //     and names, dimensions and texts must satisfy the rules of hdf5/reader.h.
 //  3. If the reader refuses only a part, such as a damaged chunk, that refusal is thrown too, but
 //     the reader continues and other parts can be read.
 //
-// Thread safety: one thread at a time uses a Source. Different Sources are independent, even of one
-// file. Opening is thread-safe.
+// Thread safety: one thread at a time uses a Source. Different Sources are independent, even if
+// they read the same file. Opening is thread-safe.
 #pragma once
 
 #include <memory>
@@ -24,12 +24,11 @@
 
 namespace sleight::archive::remote {
 
-/// Opens an archive in a process of its own. Throws base::Error: ExitCode::environment if the file
-/// can't be opened or the reader can't be started, bad_archive as above.
+/// Opens an archive in a separate reader process. Throws base::Error with ExitCode::environment if
+/// the file can't be opened or the reader can't be started, or with bad_archive as above.
 std::unique_ptr<Source> open_remote(const std::string& path, const ReaderLimits& limits = {});
 
-/// Like open_remote, but with the given reader program and without read-ahead (read_ahead.h), for
-/// tests.
+/// For tests. Like open_remote, but with the given reader program and without read-ahead.
 std::unique_ptr<Source> open_remote_by(const std::string& program, const std::string& path,
                                        const ReaderLimits& limits = {});
 
