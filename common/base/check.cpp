@@ -39,7 +39,7 @@ void tell_listener(const std::string& place, const std::string& words) {
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
   } catch (const std::bad_alloc&) {
-    // Libraries allocate memory even in functions that must not throw, so this may be mere lack of
+    // Libraries allocate memory even in functions that must not throw, so the cause may be lack of
     // memory, which is no bug.
     std::fprintf(stderr, "%s\n", k_too_little_memory);
     std::_Exit(static_cast<int>(ExitCode::environment));

@@ -1,11 +1,11 @@
 // Checks for bugs. Checks stay on in release builds, print both operands and abort the process,
-// because an "impossible" state must not reach an archive. Expected failures (bad input, full disk,
-// a lost process) are never a CHECK: see result.h and error.h.
+// because an "impossible" state must not reach an archive. A CHECK is never used for expected
+// failures such as bad input, a full disk or a lost process (see result.h and error.h).
 //
-// A bug's report should allow the bug to be reproduced. So a program's main function records the
-// data that repeat its run: the command line, the request, the seed. These notes and the bug
-// listener are this library's only global state. The notes and the listener affect only the output
-// after a failed check in any thread or an uncaught exception.
+// To make bugs reproducible, a program's main function records as notes the data that repeat its
+// run: the command line, the request, the seed. The notes and the bug listener are this library's
+// only global state. The notes and the listener affect only the output after a failed check in any
+// thread or an uncaught exception.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,8 +21,8 @@ namespace sleight::base {
 [[noreturn]] void check_failed(std::string_view condition, std::string_view operands,
                                const char* file = __builtin_FILE(), int line = __builtin_LINE());
 
-/// Adds a line to the output after a failed check. Intended for a program's main function, with a
-/// few lines, which are never freed. Thread-safe.
+/// Adds a line to the output after a failed check. A program's main function may add a few lines,
+/// which are never freed. Thread-safe.
 void add_repeat_note(std::string_view line);
 
 std::string repeat_notes();
@@ -41,7 +41,7 @@ void set_bug_listener(BugListener listener);
 std::string command_line(int argc, const char* const* argv);
 
 /// Makes uncaught exceptions print their message and the notes before aborting. An uncaught
-/// std::bad_alloc exits with ExitCode::environment. Call this first in a main function.
+/// std::bad_alloc exits with ExitCode::environment. Call this function first in a main function.
 void report_uncaught_exceptions();
 
 namespace detail {

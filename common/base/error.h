@@ -1,5 +1,5 @@
-// Failures of the environment: a file can't be written, the disk is full, another process has a
-// run.
+// Failures of the environment: a file can't be written, the disk is full, another process holds a
+// run's lock.
 //
 // Errors are caught only in shells (a program's main), which print what() and exit with exit_code.
 // The message names the attempted action, what happened and what to do.

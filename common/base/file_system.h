@@ -1,5 +1,4 @@
-// The file operations on which durability depends, as an interface in which tests can make any of
-// them fail.
+// An interface of the file operations on which durability depends. Tests can make any of them fail.
 //
 // Callers rely on this sequence: write a temporary file, then call sync_file, rename and
 // sync_directory. After a crash or power loss, the renamed file is complete or absent.
@@ -19,12 +18,12 @@
 
 namespace sleight::base {
 
-/// A file open for reading and writing at any position. File's functions return the system's error
-/// code instead of throwing, because a C library calls them (archive/hdf5). Not thread-safe.
+/// A file open for reading and writing at any position. All functions of `File` return the system's
+/// error code instead of throwing, because a C library calls them (archive/hdf5). Not thread-safe.
 class File {
  public:
   virtual ~File() = default;  ///< closes the file, ignoring errors
-  /// Writes all of `bytes`, or returns an error; then a part may have been written.
+  /// Writes all of `bytes`, or returns an error. After an error, a part may have been written.
   virtual std::error_code write_at(std::uint64_t offset, BytesView bytes) = 0;
   /// Fills `bytes`, using zeros beyond the file's end and after errors.
   virtual std::error_code read_at(std::uint64_t offset, std::span<std::byte> bytes) = 0;
@@ -38,7 +37,7 @@ class FileSystem {
  public:
   virtual ~FileSystem() = default;
   virtual bool exists(const std::string& path) const = 0;
-  /// False if the path does not exist.
+  /// Returns false if the path does not exist.
   virtual bool is_directory(const std::string& path) const = 0;
   /// Returns the sorted names in a folder.
   virtual std::vector<std::string> names_in(const std::string& folder) const = 0;
@@ -50,9 +49,9 @@ class FileSystem {
   virtual void sync_directory_of(const std::string& path) = 0;
   /// Replaces `to` atomically.
   virtual void rename(const std::string& from, const std::string& to) = 0;
-  /// Not an error if the file does not exist.
+  /// A missing file is not an error.
   virtual void remove(const std::string& path) = 0;
-  /// Not an error if the folder exists.
+  /// An existing folder is not an error.
   virtual void make_folder(const std::string& path) = 0;
 };
 
@@ -69,7 +68,7 @@ class PosixFileSystem final : public FileSystem {
   void make_folder(const std::string& path) override;
 };
 
-/// Returns the folder part of a path; "." if there is none.
+/// Returns the folder part of a path, or "." if the path has no folder.
 std::string directory_of(const std::string& path);
 
 /// Creates or overwrites a file, neither atomically nor durably. Throws base::Error.
@@ -77,7 +76,7 @@ void write_text_file(FileSystem& files, const std::string& path, std::string_vie
 
 /// Reads a text file. Throws base::Error if the file can't be read or exceeds `bytes_max`.
 std::string read_text_file(const std::string& path, std::size_t bytes_max);
-/// Reads standard input to its end, with the same errors.
+/// Reads standard input to its end, with the same errors as read_text_file.
 std::string read_standard_input(std::size_t bytes_max);
 
 }  // namespace sleight::base

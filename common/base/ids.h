@@ -18,7 +18,7 @@ struct Id {
 
 /// A distinct type for an index into arrays. An Index converts to its number implicitly. Numbers
 /// and indices of other kinds convert to an Index only explicitly: Index{n}. Indices of different
-/// kinds don't compare.
+/// kinds can't be compared.
 template <class Tag>
 struct Index {
   std::uint32_t value{};

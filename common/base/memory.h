@@ -5,7 +5,7 @@
 
 namespace sleight::base {
 
-/// Message for people, after the program's name.
+/// Error message for people, printed after the program's name.
 inline constexpr const char* k_too_little_memory =
     "too little memory; raise any memory limit that is set (ulimit -v, or a job's memory)";
 

@@ -1,4 +1,4 @@
-// Writes results completely or not at all, following links.
+// Writes output files completely or not at all, and follows symbolic links.
 //
 // Thread safety: calls for different files are independent.
 #pragma once
@@ -9,10 +9,10 @@
 
 namespace sleight::base {
 
-/// Returns the path to write for `path`. Follows links, so that links stay and their target is
-/// replaced or created. Otherwise `path` without trailing slashes. Throws Error: usage for "-",
-/// because callers that accept it for standard output don't call this; environment for circular
-/// links.
+/// Returns the path of the file to replace or create for `path`, which is the target if `path` is a
+/// link. Without links, returns `path` without trailing slashes. Throws Error(usage) for "-",
+/// because callers that write to standard output don't call this function. Throws
+/// Error(environment) for circular links.
 std::string where_links_lead(const std::string& path);
 
 /// A file that is written under a temporary name and renamed when complete. A pipe or device is
@@ -35,7 +35,7 @@ class OutputBeside {
   std::string beside_;  ///< empty: written directly, or already in place
 };
 
-/// Writes a whole file with OutputBeside. If `write` throws, the old file stays. Throws
+/// Writes a whole file with OutputBeside. If `write` throws, the old file remains. Throws
 /// Error(environment) if the file can't be written.
 void write_output(const std::string& path, const std::function<void(std::ostream&)>& write);
 

@@ -1,4 +1,4 @@
-// A value, or the reason for its absence. For failures that are expected outcomes.
+// A value, or the reason for its absence. A Result is for expected failures, not for bugs.
 #pragma once
 
 #include <utility>
