@@ -14,8 +14,8 @@ inline constexpr std::uint64_t k_bytes_max = std::uint64_t{1} << 53U;  ///< 9 PB
 inline constexpr double k_duration_s_max = 1e9;                        ///< 32 years
 
 /// Parses a number, an optional space, and B, kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB
-/// (powers of 1024), in any case; bytes without a unit. Rounds to whole bytes. Returns nothing for
-/// other text, and for sizes above k_bytes_max.
+/// (powers of 1024), in upper or lower case. A number without a unit is in bytes. Rounds to whole
+/// bytes. Returns nothing for other text, and for sizes above k_bytes_max.
 std::optional<std::uint64_t> bytes_of(std::string_view text);
 
 /// Parses "90", "90s", "5m" or "1.5h" to seconds. Returns nothing for other text, for 0, and for

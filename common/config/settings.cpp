@@ -38,7 +38,7 @@ struct Range {
 
 /// Lists each key once, with its name, member, type and help. A visitor has functions `path`,
 /// `name`, `address`, `flag`, `count`, `bytes` and `duration_s`; `count` and `bytes` also have
-/// forms for limits.
+/// overloads for limits.
 template <class AnySettings, class Visitor>
 void visit(AnySettings& s, Visitor& visitor) {
   visitor.path("state", s.state, "folder for jobs, archives and the log");

@@ -62,8 +62,8 @@ struct UserLimits {
   Setting<std::optional<std::uint64_t>> cores;       ///< of running jobs
   Setting<std::optional<std::uint64_t>> core_hours;  ///< of all jobs still stored
   Setting<std::optional<std::uint64_t>> bytes;       ///< of the folders of all jobs still stored
-  // Limits for one job. The refusal of a larger job shows the calculation
-  // (service/daemon/request_cost.h).
+  // Limits for one job. If a job exceeds a limit, the error message shows how the job's size was
+  // calculated (service/daemon/request_cost.h).
   Setting<std::optional<std::uint64_t>> states;       ///< chains x temperatures or particles
   Setting<std::optional<std::uint64_t>> simulations;  ///< as far as [stop] determines their number
   friend bool operator==(const UserLimits&, const UserLimits&) = default;
@@ -104,12 +104,12 @@ struct Settings {
 };
 
 inline constexpr std::uint64_t k_disk_reserve_bytes = 1'000'000'000;
-/// A waiting job starts when the running job's slice is over and it has stopped. Other users' short
-/// jobs should finish within 15 s, of which the slice is 10 s.
+/// A waiting job starts when the running job's slice is over and the running job has stopped. Other
+/// users' short jobs should finish within 15 s, of which the slice is 10 s.
 inline constexpr double k_slice_s = 10;
 inline constexpr std::uint64_t k_keep_days = 30;
 inline constexpr std::uint64_t k_keep_bytes = 50'000'000'000;
-/// Equal to run::k_cache_bytes_max, which is inaccessible here; tests/programs compare them.
+/// Equals run::k_cache_bytes_max, which is inaccessible here. A test compares both values.
 inline constexpr std::uint64_t k_cache_mb = 256;
 inline constexpr std::uint64_t k_jobs_of_user = 20'000;
 // Defaults for the total resources of all jobs under a batch system.
