@@ -1,5 +1,5 @@
-// A run's events in files of its folder, for watchers: other processes, other machines, or a
-// service that was not running at the time.
+// A run's events in files of its folder, for watchers in other processes, on other machines, or in
+// a service that was not running at the time.
 //
 // There are two files, `events.log` and `events.old.log`, each at most half the size limit. When
 // `events.log` is full, it replaces `events.old.log`. Each event is a line as in run_event.h,
@@ -7,9 +7,10 @@
 //
 // Nothing depends on the log, because lost events are restored from the store. So the log is not
 // synced, and a failing disk does not end a run: the failure is reported once, and writing is
-// retried after a second. If the log was deleted, writing starts a new one in the same way.
+// retried after a second. At most once per second, the writer checks whether the log was deleted,
+// and then starts a new log.
 //
-// Thread safety: one writer in one thread; any number of readers anywhere.
+// Thread safety: a log has one writer in one thread, and any number of readers anywhere.
 #pragma once
 
 #include <cstdint>

@@ -65,7 +65,7 @@ std::string scans_in_words(const Progress& progress) {
   return words;
 }
 
-/// Returns the simulation rate, and other work than scans.
+/// Returns the simulation rate and the number of prior draws.
 std::string effort_in_words(const Progress& progress) {
   const double rate = per_second(progress.session_simulations, progress);
   std::string words = fmt::format("{} sims/s", grouped(static_cast<std::uint64_t>(rate)));
@@ -76,7 +76,7 @@ std::string effort_in_words(const Progress& progress) {
   return words;
 }
 
-/// Returns the islands and the time left. An island is a scan.
+/// Returns a summary line with the number of islands and the time left. An island is a scan.
 std::string odds_line(const std::string& name, const Progress& progress) {
   std::string line = fmt::format("{}  ", name);
   if (progress.finds.wanted > 0) line += finds_in_words(progress) + "  ";

@@ -2,12 +2,12 @@
 //
 // A session is one start of a run's program. Before it exits, the session writes its record to the
 // run store and, if a supervisor requested it, as one line to a pipe (clients/cli/end_report.h).
-// The pipe is needed because after a full disk or a refusal the store has no record. A session that
-// left no record died.
+// The pipe is needed because after a full disk or a refusal the store has no record. A session
+// without a record died.
 //
-// The line is a JSON object with all fields below by name, followed by a newline. `end` is written
-// by name_of, `exit_code` as a number. The line has at most k_end_line_bytes_max bytes, so that a
-// pipe accepts it at once; longer messages lose their middle.
+// The line is a JSON object with all fields below by name, followed by a newline. The field `end`
+// is written as a name (name_of), and `exit_code` as a number. The line has at most
+// k_end_line_bytes_max bytes, so that a pipe accepts it at once; longer messages lose their middle.
 //
 // Thread safety: values.
 #pragma once

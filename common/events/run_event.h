@@ -1,8 +1,8 @@
 // The events of a run, for watchers.
 //
 // Solutions, failures, ends of rounds and ends of sessions are numbered from 1 without gaps. A
-// watcher that remembers the last number it received has missed exactly the numbered events after
-// it. Phases, progress and archives have no number, because only the newest of each matters.
+// watcher that remembers the last number it received has missed exactly the events with higher
+// numbers. Phases, progress and archives have no number, because only the newest of each matters.
 //
 // An event is a line of JSON: its `number` (0: none), its `kind`, and the kind's fields by the
 // names below.
