@@ -75,7 +75,7 @@ class Keys {
     complain(value->place, fmt::format("'{}' must be an integer from 0 to {}", key, max));
     return 0;
   }
-  /// Returns parse(text). If that is empty, records an error.
+  /// Returns parse(text). If the result is empty, records an error.
   template <class Parse>
   auto parsed(std::string_view key, const Parse& parse, std::string_view expected) {
     auto value = parse(text(key));
