@@ -60,7 +60,7 @@ class Value {
   Value(const char* text);
   Value(std::string_view text);
   Value(std::string text);
-  /// Creates an object if each element is an array of two with a text first, else an array. So
+  /// Creates an object if each element is a pair whose first value is a text, else an array. So
   /// Value{{"a", 1}, {"b", 2}} is {"a": 1, "b": 2}.
   Value(std::initializer_list<Value> elements);
   /// Creates an array of a range's elements, or an object from a map.
