@@ -15,8 +15,8 @@
 //   2. |result - exact| <= k ulp + 2 * 2^-1074, where an ulp is the spacing of doubles at the exact
 //      value and each function states its k. The second term matters only for denormals.
 //      tests/unit/common/math measures this against MPFR.
-//   3. Special values are those of C's Annex F: f(NaN) is NaN, odd functions preserve the sign of
-//      zero, poles are infinite, arguments outside the domain yield NaN. No errno, no exceptions.
+//   3. Special values follow C's Annex F: f(NaN) is NaN, odd functions preserve the sign of zero,
+//      poles are infinite, arguments outside the domain yield NaN. No errno, no exceptions.
 // Thread safety: pure functions.
 #pragma once
 
@@ -38,8 +38,8 @@ struct SinCos {
 double sin(double angle_rad);
 double cos(double angle_rad);
 double tan(double angle_rad);
-/// Sine and cosine together, cheaper than two calls. k = 1, but the bits can differ from those of
-/// sin() and cos(). To reproduce a value, call the same function again.
+/// Sine and cosine together, cheaper than two calls. k = 1, but the bits can differ from the
+/// results of sin() and cos(). To reproduce a value, call the same function again.
 SinCos sincos(double angle_rad);
 
 /// e^x. Returns 0 below -745.14, and infinity above 709.78271 (2e-6 too early). Up to there k = 1.

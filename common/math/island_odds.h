@@ -22,30 +22,30 @@ namespace sleight::math {
 
 /// Maximum share of the sum that one estimate may have for a valid error.
 inline constexpr double k_largest_share_max = 0.1;
-/// Minimum number of estimates for a valid error. Fewer estimates mostly miss the large ones. For a
-/// box of two balls, estimates by 48 islands missed the truth by three errors or more in 4 to 13%
-/// of cases, and estimates by 144 islands in 4 to 7% (docs/MEASUREMENTS, "Intervals by islands").
+/// Minimum number of estimates for a valid error. Fewer estimates mostly miss the rare large ones.
+/// For a box of two balls, estimates by 48 islands missed the truth by three errors or more in 4 to
+/// 13% of cases, and by 144 islands in 4 to 7% (docs/MEASUREMENTS, "Intervals by islands").
 inline constexpr std::uint64_t k_islands_min = 100;
 
 struct IslandOdds {
   std::uint64_t islands = 0;
-  /// Log of the mean; -infinity if all estimates are 0, NaN without estimates.
+  /// Log of the mean: -infinity if all estimates are 0, NaN without estimates.
   double log_mean = std::numeric_limits<double>::quiet_NaN();
-  /// Standard deviation of one estimate, divided by the mean. NaN for fewer than two, or if all are
-  /// 0.
+  /// Standard deviation of one estimate, divided by the mean. NaN for fewer than two estimates, or
+  /// if all estimates are 0.
   double relative_sd = std::numeric_limits<double>::quiet_NaN();
   /// The largest estimate's share of the sum, in [0, 1]. NaN if the sum is 0 or empty.
   double largest_share = std::numeric_limits<double>::quiet_NaN();
 
   /// Standard error of log_mean, in nats; NaN if relative_sd is NaN.
   double log_error() const { return log_error_of(static_cast<double>(islands)); }
-  /// The expected standard error with `count` estimates. REQUIRES: count > 0.
+  /// Returns the expected standard error of log_mean with `count` estimates. REQUIRES: count > 0.
   double log_error_of(double count) const;
   /// Whether log_error is valid.
   bool known() const;
 };
 
-/// Sums over estimates, which are not stored.
+/// Sums over estimates. The single estimates are not stored.
 class IslandSums {
  public:
   /// Adds the log of an estimate; -infinity for 0. NaN or +infinity makes all results NaN.

@@ -19,7 +19,7 @@
 
 namespace sleight::math {
 
-/// Aligned to 16 or 32 bytes depending on build flags, so never store its raw bytes.
+/// A Quat is aligned to 16 or 32 bytes depending on build flags, so never store its raw bytes.
 using Quat = Eigen::Quaterniond;
 
 /// Exponential map: the rotation by |v| radians about v (right-handed); the identity for zero. The

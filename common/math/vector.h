@@ -9,7 +9,7 @@
 //
 // Invariants
 //   1. Every function yields the same bits for the same arguments whether compiled for SSE2 or for
-//      AVX2. This requires -ffp-contract=off, which all our targets have, and no FMA, which
+//      AVX2. Equal bits require -ffp-contract=off, which all our targets have, and no FMA, which
 //      elementary.h refuses. tests/determinism/arithmetic builds both and compares.
 //   2. Results never use these members of Eigen: dot, norm, squaredNorm, normalized, cross, sum,
 //      prod, products of matrices or quaternions, inverse, and from Eigen/Geometry AngleAxis,
