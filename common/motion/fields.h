@@ -32,8 +32,8 @@ struct Field {
 template <class Record, class Value>
 Field(const char*, Value Record::*, const char*, const char* = "1") -> Field<Record, Value>;
 
-/// In the order of the archive's columns. The fields' meanings define the numbers of modes and
-/// causes.
+/// The fields in the order of the archive's columns. The texts of `mode` and `cause` define their
+/// numbers.
 inline constexpr std::tuple k_fields{
     Field{"body", &Segment::body, "feature of /scene that moves"},
     Field{"start_s", &Segment::start_s, "time at which the segment begins", "s"},

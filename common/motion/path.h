@@ -20,7 +20,7 @@ struct Pose {
   math::Quat orientation = math::Quat::Identity();  ///< from the body's frame to the scene's
 };
 
-/// One body's motion. A body that never enters has no segment.
+/// One body's motion. A body that never enters the scene has no segment.
 class Path {
  public:
   explicit Path(std::uint32_t body = 0) : body_(body) {}

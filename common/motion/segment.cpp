@@ -21,7 +21,7 @@ constexpr double k_second_term_rad = 1e-6;
 constexpr double k_straight = 0x1p-40;
 
 Quat turned(const Quat& orientation, const Vec3& w, const Vec3& a, double s) {
-  // Equal at every step: a x (w + a s) does not depend on s.
+  // The turn is equal at every step, because a x (w + a s) does not depend on s.
   const Vec3 turn_of_axis = math::cross(a, w);
   const double size = math::norm(turn_of_axis);
   double steps = 1;

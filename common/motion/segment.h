@@ -1,4 +1,4 @@
-// A piece of a body's recorded motion, as stored in archives: a closed function of time.
+// A piece of a body's recorded motion, as stored in archives: a closed-form function of time.
 //
 // Every world records motion as segments, so an animation can be shown, searched and exported
 // without the world's code or a simulator.
@@ -41,7 +41,7 @@ enum class Cause : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 4> k_cause_names{"start", "hit", "mode", "rest"};
 
-/// Partner of segments whose start no other thing caused.
+/// Value of `partner` for a segment whose start was not caused by hitting another thing.
 inline constexpr std::int32_t k_no_partner = -1;
 
 struct Segment {
@@ -64,8 +64,9 @@ bool operator==(const Segment& a, const Segment& b);
 // REQUIRES for these functions: finite numbers, t_s >= start_s, a unit orientation.
 math::Vec3 position_at(const Segment& segment, double t_s);
 math::Vec3 velocity_at(const Segment& segment, double t_s);
-/// If the axis turns too, uses Magnus' expansion to the second term (W. Magnus, Comm. Pure Appl.
-/// Math. 7, 1954), in at most k_turn_steps_max steps short enough for 1e-6 rad.
+/// If the axis turns too, orientation_at uses Magnus' expansion to the second term (Magnus 1954,
+/// Communications on Pure and Applied Mathematics 7), in at most k_turn_steps_max steps short
+/// enough for 1e-6 rad.
 math::Quat orientation_at(const Segment& segment, double t_s);
 inline constexpr double k_turn_steps_max = 100'000;
 
