@@ -29,7 +29,7 @@ struct LadderPart {
   std::vector<double> inverse_temperatures;
   std::vector<std::vector<double>> proposal_scales;
   std::uint64_t end_scan = 0;  ///< Exclusive, at most the end of the round or run.
-  /// Maximum scans of all members together; each member's first scan is made in any case.
+  /// Maximum scans of all members together. Each member always makes its first scan.
   std::uint32_t scans_max = 1;
   friend bool operator==(const LadderPart&, const LadderPart&) = default;
 };

@@ -92,8 +92,8 @@ class Plan {
  public:
   virtual ~Plan() = default;
 
-  /// Returns the next unit that can run. Empty if all such units are handed out or done. The
-  /// replica that is furthest behind comes first. REQUIRES: scans_max >= 1.
+  /// Returns the next unit that can run. Returns nothing if all such units are handed out or done.
+  /// The replica that is furthest behind comes first. REQUIRES: scans_max >= 1.
   virtual std::optional<Unit> next_unit(std::uint32_t scans_max) = 0;
 
   /// Like next_unit, for a block. Plans without swaps return blocks of one unit.
@@ -136,14 +136,14 @@ class Plan {
 
   virtual Finds finds() const { return {}; }
 
-  /// Number of starts before the first unfinished one, and finds of starts [first, end), in order.
-  /// REQUIRES: end <= starts_done().
+  /// Number of starts before the first unfinished start, and finds of starts [first, end), in
+  /// order. REQUIRES: end <= starts_done().
   virtual std::uint64_t starts_done() const { return 0; }
   virtual std::vector<Find> finds_between(std::uint64_t /*first*/, std::uint64_t /*end*/) const {
     return {};
   }
 
-  /// Draws from the prior before the first unfinished one.
+  /// Number of draws from the prior before the first unfinished draw.
   virtual std::uint64_t prior_draws() const { return 0; }
   virtual std::uint64_t prior_draws_wanted() const { return 0; }
 

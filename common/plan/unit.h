@@ -2,9 +2,9 @@
 //
 // A unit is one replica of one chain over consecutive scans, each at its own inverse temperature. A
 // replica's first scan draws its start from the prior. Every scan at inverse temperature 0 is a
-// prior draw too. Each of these draws begins a lineage. A unit's result is a pure function of
-// (request, unit, state before), so it can be computed anywhere, or again after a crash, with the
-// same bits. A unit's size may depend on measured cost, but no stored result does
+// prior draw too. Each such draw from the prior begins a lineage. A unit's result is a pure
+// function of (request, unit, state before), so it can be computed anywhere, or again after a
+// crash, with the same bits. A unit's size may depend on measured cost, but no stored result does
 // (docs/DETERMINISM).
 #pragma once
 
@@ -29,14 +29,14 @@ struct ReplicaKey {
 
 /// A search's starts are numbered over k_search_lanes lanes: start n is scan n / k_search_lanes of
 /// lane n % k_search_lanes. To workers and stores, lanes are chains with one replica, numbered from
-/// k_first_lane on. No start depends on an earlier state. Other lanes run the prior draws stored
-/// beside a run's samples, and the free islands of runs that request only the odds.
+/// k_first_lane on. No start of a search depends on an earlier state. Other lanes run the prior
+/// draws stored beside a run's samples, and the free islands of runs that request only the odds.
 inline constexpr std::uint32_t k_first_lane = 65536;
 inline constexpr std::uint32_t k_search_lanes = 64;
 inline constexpr std::uint32_t k_first_prior_lane = k_first_lane + k_search_lanes;
 inline constexpr std::uint32_t k_prior_lanes = 64;
 inline constexpr std::uint32_t k_first_island_lane = k_first_prior_lane + k_prior_lanes;
-/// More than the maximum number of islands in progress at once.
+/// Greater than the maximum number of islands in progress at once.
 inline constexpr std::uint32_t k_island_lanes = 1024;
 
 inline bool is_search_lane(base::ChainId chain) {
@@ -74,8 +74,8 @@ inline std::pair<base::ChainId, std::uint64_t> place_of_island(std::uint64_t num
 /// Greater than the number of replicas of any chain, so that lineage_from() is unique.
 inline constexpr std::uint64_t k_replicas_end = 4096;
 
-/// The lineage that begins with a replica's prior draw at a scan. Each such draw of a chain has its
-/// own lineage. The start of replica 0 has lineage 0.
+/// The lineage that begins with a replica's prior draw at a scan. Each prior draw of a chain has
+/// its own lineage. The start of replica 0 has lineage 0.
 inline std::uint64_t lineage_from(base::ReplicaId replica, std::uint64_t scan) {
   return scan * k_replicas_end + replica.value;
 }
@@ -99,11 +99,11 @@ struct Unit {
   /// below the scan's inverse temperature. Empty: no transition.
   std::vector<double> excursion{};
 
-  /// Whether each scan is a start of a search, without a state before it. Implies `starts`.
+  /// Returns whether each scan is a search's start, which has no previous state. Implies `starts`.
   bool searches() const { return is_search_lane(replica.chain); }
-  /// Whether each scan is a draw from the prior. Implies `starts`.
+  /// Returns whether each scan is a draw from the prior. Implies `starts`.
   bool draws_prior() const { return is_prior_lane(replica.chain); }
-  /// Whether each scan is a free island. Implies `starts`.
+  /// Returns whether each scan is a free island. Implies `starts`.
   bool makes_islands() const { return is_island_lane(replica.chain); }
   double inverse_temperature(std::uint32_t nth) const {
     return inverse_temperatures.size() == 1 ? inverse_temperatures.front()
@@ -168,9 +168,9 @@ class UnitWorker {
   /// REQUIRES: `state` is the replica's state before unit.first_scan. For the first scan, `state`
   /// is the result of Plan::start_state().
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
-  /// Runs the unit from the sample that this worker holds for it. Empty if the worker holds none.
+  /// Runs the unit from the sample that this worker holds for it. Empty: there is no such sample.
   virtual std::optional<UnitResult> run_from_held(const Unit&) const { return std::nullopt; }
-  /// Whether the worker holds that sample now. REQUIRES: !unit.starts.
+  /// Returns whether the worker holds the sample for the unit now. REQUIRES: !unit.starts.
   virtual bool holds(const Unit&) const { return false; }
   virtual CacheUse cache_use() const { return {}; }
 };
