@@ -24,7 +24,7 @@ struct UniformDirection3 {
 };
 
 /// A uniform rotation (Haar measure) as a unit quaternion, with density 1/(2 pi^2) by volume on the
-/// unit sphere of four dimensions. Both q and -q occur; they are the same rotation. Method: K.
+/// unit sphere of four dimensions. Both q and -q occur; they are the same rotation. Method:
 /// Shoemake, "Uniform random rotations", Graphics Gems III (1992). Three words per draw.
 struct UniformRotation {
   math::Quat draw(Stream& stream) const;

@@ -1,10 +1,10 @@
 // Includes all distributions, and states their common properties.
 //
 // Idea. A distribution is a small struct of parameters with two functions. draw(stream) returns an
-// exact draw, and log_density(x) the logarithm of the normalised density. Metropolis-Hastings needs
-// both, so a test compares them (chi-square of draws against the density's integral). The standard
-// library's distributions are not used, because their algorithms differ between implementations and
-// call libm.
+// exact draw, and log_density(x) returns the logarithm of the normalised density.
+// Metropolis-Hastings needs both, so a test compares them (chi-square of draws against the
+// density's integral). The standard library's distributions are not used, because their algorithms
+// differ between implementations and call libm.
 //
 // Invariants
 //   1. A draw's bits are a function of the parameters and of the stream's words alone.

@@ -1,5 +1,5 @@
 // Distributions on the line: uniform and normal (truncated_normal.h has the truncated normal).
-// Units: x and the parameters share one unit. Densities are per length in that unit.
+// Units: x and the parameters share one unit. Densities are per length in the unit of x.
 #pragma once
 
 #include "common/random/stream.h"
@@ -16,10 +16,10 @@ struct Uniform {
   double log_density(double x) const;
 };
 
-/// Normal, by the method of G. Box and M. Muller, "A note on the generation of random normal
-/// deviates" (1958), cosine only: sqrt(-2 log u) cos(2 pi v). Preferred to faster table methods
-/// because a draw always uses two words and its bits depend on three functions of common/math. The
-/// grid of u limits draws to 8.58 sd; the mass beyond is 1e-17.
+/// Normal, by the method of Box and Muller, "A note on the generation of random normal deviates"
+/// (1958), cosine only: sqrt(-2 log u) cos(2 pi v). This method is preferred to faster table
+/// methods, because a draw always uses two words and its bits depend on three functions of
+/// common/math. The grid of u limits draws to 8.58 sd; the probability beyond 8.58 sd is 1e-17.
 /// REQUIRES: mean finite; sd > 0 and finite.
 struct Normal {
   double mean = 0;

@@ -2,7 +2,7 @@
 //
 // Idea. There is no "next random number". Code that needs randomness names the purpose and
 // constructs a Stream. The numbers come from Philox4x64-10, a keyed bijection on 256-bit counters
-// (J. Salmon, M. Moraes, R. Dror, D. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11;
+// (Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11;
 // implementation: Random123). So a unit of work recomputed on another machine, or in another order,
 // draws the same values, and no generator state is ever stored or sent.
 //
@@ -19,7 +19,7 @@
 //   3. The map, and the order of words, are part of the archive's meaning: changing either changes
 //      every run. tests/unit/common/random pins golden values.
 // Limit: 2^66 words per address, which no program reaches; a Stream does not check for it.
-// Thread safety: distinct Streams are independent; one Stream is not shared between threads.
+// Thread safety: distinct Streams are independent; a Stream must not be shared between threads.
 #pragma once
 
 #include <array>
@@ -38,7 +38,7 @@ struct StreamKey {
   Purpose purpose{};
 };
 
-/// A value of 72 bytes, without allocation. The first draw computes the first four words.
+/// A Stream is a value of 72 bytes and allocates no memory. The first draw computes four words.
 class Stream {
  public:
   Stream(const StreamKey& key, std::uint64_t iteration);
@@ -50,7 +50,7 @@ class Stream {
   }
 
   /// Uniform on the open interval (0, 1): one of the 2^52 numbers (k + 1/2) 2^-52, all equally
-  /// likely. Never 0 or 1, and symmetric about 1/2. Uses one word.
+  /// likely. The numbers exclude 0 and 1, and are symmetric about 1/2. Uses one word.
   double uniform() {
     const auto k = static_cast<double>(bits() >> 12);
     return (k + 0.5) * 0x1p-52;
