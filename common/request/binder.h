@@ -15,8 +15,8 @@
 //
 // Invariants
 //   1. A member's value before the call is the key's default. If the file has no valid value for
-//      the key, the member keeps its default. So afterwards every member is in range, if its
-//      default was.
+//      the key, the member keeps its default. So after the call every member is in range, if its
+//      default is in range.
 //   2. Defaults do not depend on other keys, and a bind function declares the same keys every time.
 //   3. After a run without errors, keys() written as TOML and read again gives the same members and
 //      the same keys().
@@ -113,8 +113,8 @@ class Binder {
 
   void number(std::string_view key, double& value, const NumberOptions& options);
 
-  /// An angle. The file and `options` have degrees; `value_rad` is in radians. The normalised text
-  /// repeats the given degrees, because converting them back from radians could change digits.
+  /// An angle. The file and `options` use degrees, and `value_rad` is in radians. The normalised
+  /// text repeats the given degrees, because converting them back from radians could change digits.
   void angle_deg(std::string_view key, double& value_rad, const NumberOptions& options);
 
   /// An optional number. REQUIRES: `value` is empty.
@@ -143,7 +143,7 @@ class Binder {
 
   void boolean(std::string_view key, bool& value, std::string_view help);
 
-  /// UTF-8 text of at most options.characters_max characters (code points).
+  /// A UTF-8 text of at most options.characters_max characters (code points).
   void text(std::string_view key, std::string& value, const TextOptions& options);
 
   /// One of `choices` by name. REQUIRES: `value` is among them.
@@ -157,7 +157,7 @@ class Binder {
     value = choices[*read_choice(key, now, names_of(choices), Presence::defaulted, help)].value;
   }
 
-  /// One of `choices` by name, which a file must give. Without it `value` is unchanged.
+  /// A required key with one of `choices` by name. If the file omits the key, `value` is unchanged.
   template <class T>
   void required_choice(std::string_view key, T& value, std::span<const Named<T>> choices,
                        std::string_view help) {
@@ -166,8 +166,8 @@ class Binder {
   }
 
   /// `[[section.key]]`: any number of tables. `values` is resized to the number of tables, and
-  /// `bind` declares a table's keys for one element of `values`. `bind` is also called once for a
-  /// T{}, for help. Tables beyond the maximum are an error and are not bound.
+  /// `bind` declares a table's keys for one element of `values`. For help, `bind` is also called
+  /// once for a default-constructed T. Tables beyond the maximum are an error and are not bound.
   template <class T>
   void tables(std::string_view key, std::vector<T>& values, const TablesOptions& options,
               const std::function<void(Binder& table, T& value)>& bind) {
@@ -196,8 +196,8 @@ class Binder {
   /// valid() first, so that an error is not reported twice.
   bool valid(std::string_view key) const;
 
-  /// Adds an error about this key's conflict with others. Its place is the key, or the section if
-  /// the key has its default. `message` is the part after `'key' in [section]: `.
+  /// Adds an error about this key's conflict with others. The error's place is the key, or the
+  /// section if the key has its default. In the text, `message` follows `'key' in [section]`.
   void error(std::string_view key, std::string_view message);
 
   /// Returns whether all keys read so far are free of errors.
@@ -234,7 +234,7 @@ class Binder {
 
   /// Adds the key and returns its value in the file, or null if the file omits the key.
   const Value* declare(KeySpec spec);
-  /// Returns null if there are no tables, or too many.
+  /// Returns null if the file has no tables, or too many tables.
   const TableArray* declare_tables(std::string_view key, const TablesOptions& options);
   void refuse(const Value& value, std::string_view hint = "");
   void fail(std::string_view key, Place place, std::string_view message);

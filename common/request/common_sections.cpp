@@ -294,8 +294,7 @@ void let_world_choose(SectionBinders& sections, DirectionRequest& request,
   world.serve_best(of_world, request.sampler, request.stop, request.parameters);
 }
 
-/// Chooses a search if the request's only stop rules are finds or takes, or if it leaves everything
-/// open.
+/// Chooses a search if the request's only stop rules are finds or takes, or if everything is open.
 void settle_method(SectionBinders& sections, DirectionRequest& request, const WorldBinding& world) {
   const auto& rules = sections.stop.keys();
   const auto asks_for_more_than = [&](std::string_view one) {
@@ -365,7 +364,7 @@ void check_takes(SectionBinders& sections, const DirectionRequest& request) {
 }
 
 /// Applies the rules for odds. Only islands estimate P(satisfied) while they run, with an error
-/// that can be planned. With odds, a run makes only islands.
+/// that can be planned. A run with the rule `odds` makes only islands.
 void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   const Method method = request.sampler.method;
   if (!sections.sampler.valid("method")) return;
@@ -419,7 +418,7 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
   }
 }
 
-/// Checks keys with tours, which have their own burn-in and no rounds.
+/// Checks keys of requests with tours, which have a separate burn-in and no rounds.
 void check_tours(SectionBinders& sections, const DirectionRequest& request) {
   if (!request.sampler.tour_scans || !sections.sampler.valid("tour_scans")) return;
   if (sections.sampler.given("burn_in_rounds"))

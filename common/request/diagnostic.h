@@ -9,7 +9,7 @@
 //   - the section's name, if a key is missing in it, or 1:1 if the section is missing;
 //   - the unreadable character, if the file is not TOML.
 //
-// A value from the command line has no line (0). The option then replaces the file name: `--set
+// A value from the command line has line 0. The option then replaces the file name: `--set
 // sampler.sed=1: unknown key 'sed' in ...`. Messages are one line without control characters,
 // whatever the file contains.
 #pragma once
@@ -42,8 +42,8 @@ struct Diagnostic {
 /// line end.
 std::string to_string(const Diagnostic& diagnostic);
 
-/// Maximum errors that are shown. Further ones are only counted, so that a hostile file can't fill
-/// a terminal or a log.
+/// Maximum errors that are shown. Further errors are only counted, so that a hostile file can't
+/// fill a terminal or a log.
 inline constexpr std::size_t k_diagnostics_max = 200;
 
 /// Collects the errors of one file. Not thread-safe.
@@ -55,8 +55,7 @@ class Diagnostics {
   bool empty() const { return found_.empty(); }
 
   /// Returns all errors, sorted by place. Errors at the same place are in order of addition. If
-  /// there are more than k_diagnostics_max errors, the last entry reports the number of further
-  /// ones.
+  /// there are more than k_diagnostics_max errors, the last entry has the number of further errors.
   std::vector<Diagnostic> sorted() const;
 
  private:

@@ -14,8 +14,8 @@
 //
 // Invariants
 //   1. A key exists only if it may change results. Settings that can't change results (ranks,
-//      threads, cache, simulator) are command-line options. Using one as a key is an error that
-//      names the option.
+//      threads, cache, simulator) are command-line options. Using such an option as a key is an
+//      error that names the option.
 //   2. All errors of a file are reported, ordered by place. A file that is not TOML has one error.
 //   3. normalised_text is canonical: every key with its value, in a fixed order. Reading it gives
 //      an equal request and the same text. The text depends only on values, not on the file's
@@ -107,7 +107,7 @@ struct StopRule {
   /// chains and end by this rule.
   std::optional<std::uint32_t> found{};
   /// For sequential: required standard error of log P(satisfied), in nats, of the estimate from
-  /// free islands. A run with `odds` makes only islands; `scans` limits their number
+  /// free islands. A run with `odds` makes only islands, whose number is limited by `scans`
   /// (worker/sampling/odds_rule.h).
   std::optional<double> odds{};
   /// Number of takes: finds of a search, each relaxed by a separate chain. Excludes other rules.
@@ -130,9 +130,9 @@ struct WorldBinding {
   std::function<std::any(WorldSections& sections)> bind;
   /// True if the world supports searches and islands (worker/sampling/stages.h).
   bool acts_in_stages = false;
-  /// Chooses the sampler if a request leaves it open (except the seed): sets parameters and settles
-  /// their keys. The choice may depend on which stop rules are given, but not on their numbers, so
-  /// that a longer run can resume a shorter one. Empty: every key has its own default.
+  /// If a request leaves the sampler open (except the seed), chooses the sampler: sets parameters
+  /// and settles their keys. The choice may depend on which stop rules are given, but not on their
+  /// numbers, so that a longer run can resume a shorter one. Empty: every key has its own default.
   std::function<void(WorldSections& sections, SamplerParameters& sampler, const StopRule& stop,
                      std::any& parameters)>
       serve_best{};
@@ -151,7 +151,7 @@ WorldBinding bind_world(std::string name, std::string summary,
           }};
 }
 
-/// Like bind_world above, for a world that acts in stages and chooses its sampler.
+/// Like bind_world above, but for a world that acts in stages and chooses its sampler.
 template <class Parameters>
 WorldBinding bind_world(std::string name, std::string summary,
                         void (*bind)(WorldSections& sections, Parameters& parameters),
@@ -206,7 +206,7 @@ struct DirectionRequest {
   }
 };
 
-/// REQUIRES: Parameters is the type of the request's world.
+/// REQUIRES: `Parameters` is the parameter type of the request's world.
 template <class Parameters>
 const Parameters& parameters_of(const DirectionRequest& request) {
   const auto* parameters = std::any_cast<Parameters>(&request.parameters);
@@ -219,7 +219,7 @@ inline constexpr std::uint32_t k_replicas_max = 256;
 inline constexpr std::uint32_t k_ladder_power_max = 12;
 /// Maximum number of temperatures chosen from the barrier.
 inline constexpr std::uint32_t k_chosen_replicas_max = 64;
-/// Limit for one tempered transition (exclusive).
+/// Exclusive limit for the number of iterations of one tempered transition.
 inline constexpr std::uint64_t k_excursion_iterations_max = std::uint64_t{1} << 20U;
 inline constexpr std::uint32_t k_burn_in_rounds = 4;
 inline constexpr std::uint32_t k_lanes = 8;
@@ -264,8 +264,8 @@ base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
     std::optional<Asked> asked = {});
 
-/// Returns the whole request in canonical form. An archive stores this text if the run ended by one
-/// of its own rules.
+/// Returns the whole request in canonical form. An archive stores this text if the run was ended by
+/// a rule of the request.
 std::string normalised_text(const DirectionRequest& request);
 
 /// The place in a run at which an archive's results end. If finds are relaxed, an archive contains
@@ -279,22 +279,22 @@ struct Cut {
 
 /// Returns normalised_text with [stop] and prior_draws set to `cut`: the request that reproduces
 /// the archive exactly. Without scans and takes the text describes a search. If there are islands,
-/// the text retains the rules odds and independent_solutions besides their scans, because these
-/// rules end runs by their islands. An archive needs them to decide whether its islands count, and
-/// a run that ended by one of them before the cut ends there again. REQUIRES: scans, found or
-/// relaxed is not 0; scans <= k_scans_max, found <= k_found_max.
+/// the text retains the rules `odds` and `independent_solutions` besides the scans, because results
+/// of islands decide when these rules end a run. An archive needs the rules to decide whether its
+/// islands count. A run that was ended by such a rule before the cut ends at the same scan again.
+/// REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max, found <= k_found_max.
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 
 /// Returns [world], [constraint] and [sampler] of the normalised text. Requests with equal text
-/// have the same chains, so one can resume the other's run.
+/// have the same chains, so each can resume the other's run.
 std::string identity_text(const DirectionRequest& request);
 
 /// Returns the request with another seed, as if the request's file had that seed. REQUIRES: seed <=
 /// k_seed_max.
 DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
 
-/// Returns a request for only the search that precedes the request's chains. The search has the
-/// same finds. REQUIRES: stop.found or stop.takes.
+/// Returns a request for only the search that precedes the request's chains. The returned search
+/// has the same finds. REQUIRES: stop.found or stop.takes.
 DirectionRequest search_of(DirectionRequest request);
 
 struct SectionKeys {

@@ -11,8 +11,9 @@
 #include "common/request/text.h"
 
 // toml++ is compiled here from its headers, because Debian's shared library throws exceptions and
-// has fixed limits. The assertions of toml++ are neither checked nor assumed, as NDEBUG would do.
-// Some of them fail for hostile input, which then leads to an error anyway.
+// has fixed limits. The assertions of toml++ are not checked, but unlike with NDEBUG they are not
+// assumed to hold either. Some assertions fail for hostile input, which then leads to an error
+// anyway.
 #ifdef NDEBUG
 #undef NDEBUG
 #endif
@@ -37,7 +38,7 @@ namespace sleight::request {
 namespace {
 
 /// Characters that may follow a dot in the string of a bitmap, which the normalised text writes on
-/// one line. In a dotted key, they can't follow a dot.
+/// one line. In a dotted key, these characters can't follow a dot.
 constexpr std::string_view k_never_after_a_keys_dot = ".#\\";
 
 constexpr std::size_t k_value_characters_max = 40;

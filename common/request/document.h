@@ -63,9 +63,9 @@ struct Document {
 };
 
 inline constexpr std::size_t k_request_bytes_max = std::size_t{1} << 20;
-/// Maximum number of dots on one line. Only dots that may be inside a dotted key count. Such a key
-/// nests once per dot, and toml++ 3.3 frees nested tables by unlimited recursion, so a megabyte of
-/// `a.a.a` would overflow the stack.
+/// Maximum number of dots on one line. Only dots that may be part of a dotted key are counted. Such
+/// a key nests once per dot, and toml++ 3.3 frees nested tables by unlimited recursion, so a
+/// megabyte of `a.a.a` would overflow the stack.
 inline constexpr std::size_t k_dots_per_line_max = 100;
 
 /// Reads TOML 1.0. Stops at the first error: invalid UTF-8, invalid TOML, duplicate keys, more than

@@ -14,12 +14,12 @@
 
 namespace sleight::request {
 
-/// Rules of [stop] for the longer run, at least one. The first that holds ends the run.
+/// Rules of [stop] for the longer run, at least one. The first rule that holds ends the run.
 struct Extension {
   std::optional<std::uint64_t> scans{};
   std::optional<std::uint32_t> rounds{};
-  /// Number of independent solutions, and of finds if [stop] has `found`. For a search: number of
-  /// finds.
+  /// Number of independent solutions, and also number of finds if [stop] has `found`. For a search:
+  /// number of finds.
   std::optional<std::uint32_t> solutions{};
   std::optional<double> odds{};  ///< standard error of log P, in nats
   friend bool operator==(const Extension&, const Extension&) = default;
@@ -31,7 +31,7 @@ struct NotLonger {
 };
 
 /// Returns the normalised text of the longer request, for read_request, which checks the values.
-/// The extension's rules replace those of [stop], except `found` for a search before chains.
+/// The extension's rules replace the rules of [stop], except `found` for a search before chains.
 /// Refuses an empty extension, and one that requests no more than [stop] did.
 base::Result<std::string, NotLonger> extended_text(const DirectionRequest& request,
                                                    const Extension& extension);

@@ -26,7 +26,7 @@ NormalisedSection& section_of(DirectionRequest& request, std::string_view name) 
   return *at;
 }
 
-/// Returns whether a rule of [stop] ends a run depending on its islands' results.
+/// Returns whether results of islands decide when this rule of [stop] ends a run.
 bool hangs_on_islands(std::string_view rule) {
   return rule == "independent_solutions" || rule == "odds";
 }

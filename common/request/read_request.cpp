@@ -294,8 +294,7 @@ void ask_for(Document& document, const Asked& asked, std::span<const WorldBindin
   document.sections.push_back(std::move(stop));
 }
 
-/// An error without a place in the file belongs to a set, and the set's text replaces the file
-/// name.
+/// An error without a place in the file belongs to a `--set`, whose text replaces the file name.
 std::vector<Diagnostic> named_by_sets(std::vector<Diagnostic> errors,
                                       std::span<const KeySet> sets) {
   for (Diagnostic& error : errors) {

@@ -24,7 +24,7 @@ Diagnostic wrong(std::string_view text, std::string message) {
   return {printable(option_of(text), k_text_characters_max), k_no_place, std::move(message)};
 }
 
-/// A set as given, whose ranges are not expanded yet.
+/// A `--set` as given, with ranges that are not expanded yet.
 struct Written {
   std::string section;
   std::string key;
@@ -58,7 +58,7 @@ base::Result<Value, std::string> value_of(std::string_view text) {
   auto document = parse_document(fmt::format("{} = {}\n", name, text), "");
   if (document) {
     const std::vector<Entry>& entries = document.value().loose;
-    // If there is more than one value, the text continues after a line end.
+    // If the document has more than one entry, `text` has several lines.
     if (entries.size() == 1 && entries.front().key == name && document.value().sections.empty())
       return Value{entries.front().value.held, k_no_place};
     if (entries.empty()) return Value{Unwanted::table, k_no_place};
@@ -199,7 +199,7 @@ base::Result<ReadSets, std::vector<Diagnostic>> read_sets(std::span<const std::s
       if (same.section == first.section && same.key == first.key)
         errors.push_back(wrong(text, "the key is set twice; remove one of the two"));
     }
-    // Neither number of combinations exceeds the limit, so the product can't overflow.
+    // The product can't overflow, because neither factor exceeds the limit for combinations.
     read.combinations *= set.value().choices.size();
     if (read.combinations > k_combinations_max) {
       errors.push_back(wrong(text, too_many()));

@@ -1,9 +1,9 @@
 // Keys given on the command line instead of in a request's file: `--set sampler.seed=7`.
 //
 // A set is SECTION.KEY=VALUE. VALUE is a TOML value. A word that is no TOML value counts as a
-// string, so `--set world.word=HI` needs no nested quotes. Each set replaces or adds its key before
-// the request is read. So the same errors are reported for a set as for a file, with `--set
-// sampler.sed=1` as their place.
+// string, so `--set world.word=HI` needs no nested quotes. Each `--set` replaces or adds its key
+// before the request is read. So a `--set` is checked like a file, and errors have a place such as
+// `--set sampler.sed=1`.
 //
 // A range makes a group of requests, one per value: `sampler.seed=1..20` (integers, both ends
 // included), or a list `sampler.chains={1,4,16}` of values and ranges. Several ranges yield all
@@ -41,17 +41,17 @@ inline constexpr std::size_t k_combinations_max = 10'000;
 inline constexpr std::size_t k_sets_max = 100;
 
 /// Returns the sets of each request described by `texts`, or the errors. Without ranges there is
-/// one combination. Without texts, that combination is empty.
+/// one combination. Without texts, the only combination is empty.
 base::Result<std::vector<std::vector<KeySet>>, std::vector<Diagnostic>> expand_sets(
     std::span<const std::string> texts);
 
-/// Like expand_sets, for a single request. A range is an error that names the commands that accept
-/// ranges.
+/// Like expand_sets, but for a single request. A range is an error that names the commands that
+/// accept ranges.
 base::Result<std::vector<KeySet>, std::vector<Diagnostic>> plain_sets(
     std::span<const std::string> texts);
 
 /// Returns the set of SECTION.KEY, or of any key of the section if `key` is empty. Null: there is
-/// no such set. Used to detect conflicts with options that set the same key.
+/// no such set. Callers use this to detect conflicts with options that set the same key.
 const KeySet* find_set(std::span<const KeySet> sets, std::string_view section,
                        std::string_view key = {});
 
@@ -59,8 +59,8 @@ const KeySet* find_set(std::span<const KeySet> sets, std::string_view section,
 /// error outside the file.
 void apply_sets(Document& document, std::span<const KeySet> sets);
 
-/// Like read_request, for the text with these sets. Errors in a set have the set's text as their
-/// file, and k_no_place. `asked` replaces [stop] even if sets change [stop].
+/// Like read_request, for the text with these sets. An error in a set has the set's text as its
+/// file name, and k_no_place as its place. `asked` replaces [stop] even if sets change [stop].
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request_with(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
     std::span<const KeySet> sets, std::optional<Asked> asked = {});
