@@ -88,8 +88,8 @@ struct Client::Impl final : Link {
     }
   }
 
-  /// Like wait(), but interrupt() ends it. A server that is silent for `silence_s_max` counts as
-  /// lost.
+  /// Like wait(), but interrupt() ends the wait. A server that is silent for `silence_s_max` counts
+  /// as lost.
   template <class T>
   T wait_interruptibly(kj::Promise<T> promise, double silence_s_max) {
     if (take_interrupt()) throw Interrupted();
@@ -318,7 +318,7 @@ struct Client::Impl final : Link {
 
   base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) override {
     auto& files = connected().files;
-    // If the file is missing, an earlier connection opened it.
+    // If the file is missing, it was opened over an earlier connection, which was lost.
     if (file >= files.size()) throw Lost("lost the connection to the server");
     auto request = files[file].readRequest();
     request.setOffset(offset);

@@ -3,11 +3,11 @@
 // If a call's connection breaks, the client reconnects and repeats the call. Repeating a call has
 // no further effect (service.h). `watch` and `fetch` continue after lost connections and killed
 // daemons, unless the service has been away for too long. A watcher receives every numbered event
-// once and in order, and a fetched file is complete or absent.
+// once and in order. A fetched file is complete or absent.
 //
 // A service on another machine is called over TLS, with a token. Before the client sends anything,
-// it checks the server's certificate: either the certificate is the known one, or an authority
-// vouches for it and for the host's name.
+// it checks the server's certificate: the certificate must equal the stored one, or an authority
+// must vouch for the certificate and the host's name.
 //
 // Exceptions, all base::Error or RefusedError:
 //
@@ -66,8 +66,8 @@ struct ClientOptions {
 struct RemoteService {
   access::ServerAddress address{};
   std::string token{};
-  /// The service's own certificate as PEM (certificates.h), or those of authorities that vouch for
-  /// it. Empty: the system's trusted authorities.
+  /// PEM of the service's own certificate (certificates.h), or of the authorities that vouch for
+  /// the service. Empty: the system's trusted authorities.
   std::string certificate{};
   /// If `certificate` is the service's own: the host name in it. Empty: it is an authority's.
   std::string own_name{};
@@ -89,11 +89,11 @@ class WatchSink {
   virtual ~WatchSink() = default;
   virtual bool changed(JobId job, const StateChange& change) = 0;
   virtual bool happened(const WatchedEvent& event) = 0;
-  /// The job has ended, and all its events have been delivered.
+  /// Called when the job has ended and all its events have been delivered.
   virtual bool settled(JobId) { return true; }
-  /// The job was deleted or never existed. Watching the other jobs continues.
+  /// Called if the job was deleted or never existed. Watching the other jobs continues.
   virtual bool refused(JobId job, const Refusal& refusal) = 0;
-  /// The connection is lost and the client tries to reconnect. `words` give the reason.
+  /// Called when the connection is lost and the client tries to reconnect. `words` give the reason.
   virtual bool lost(const std::string& /*words*/) { return true; }
   virtual bool found_again() { return true; }
 };
@@ -104,13 +104,13 @@ enum class Waited : std::uint8_t {
   interrupted,
 };
 
-/// Reports a fetch's progress and returns whether to continue. If it returns false, the received
-/// bytes are stored for the next attempt.
+/// Reports a fetch's progress and returns whether to continue. If the function returns false, the
+/// received bytes are stored for the next attempt.
 using FetchProgress = std::function<bool(const FileView& file, std::uint64_t bytes)>;
 
 /// Checks a received file at `path` before the file is moved to its place; the service's own copy
-/// may be damaged. Throws base::Error to refuse the file. The file is then removed, and its place
-/// isn't changed.
+/// may be damaged. Throws base::Error to refuse the file, which is then removed. Its place isn't
+/// changed.
 using FetchCheck = std::function<void(const std::string& path)>;
 
 /// How to treat an existing file at a fetched file's place, even if it appeared during the fetch.
@@ -150,8 +150,7 @@ class Client {
   /// Watches each job from its WatchPoint until all jobs are settled or refused. REQUIRES: at most
   /// k_watch_jobs_max different jobs.
   Waited watch(const std::vector<WatchPoint>& points, WatchSink& sink);
-  /// Watches one job: its events from number `from_number` on (1: all events), and all state
-  /// changes.
+  /// Watches one job: all state changes, and the events from number `from_number` on (1: all).
   Waited watch(JobId job, std::uint64_t from_number, WatchSink& sink);
 
   /// Fetches the only file of `ask`: writes a temporary file, checks it and renames it to `path`.

@@ -43,8 +43,8 @@ class Fetching {
         check_(check),
         other_(other) {}
 
-  /// `place_of` maps a file's name to its path. `is_one`: expect exactly one file. Otherwise fetch
-  /// all pages of files.
+  /// `place_of` maps a file's name to its path. If `is_one`, expects exactly one file; otherwise
+  /// fetches all pages of files.
   FetchedFiles run(bool is_one, const std::function<std::string(const std::string&)>& place_of) {
     try {
       while (!is_over_) {

@@ -66,9 +66,9 @@ void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
   }
 }
 
-// Each struct lists its fields once, in `fields`, for both Writer and Reader. A field has two
-// functions. The first sets the field in a builder, or initialises a list or struct. The second
-// gets the field from a reader.
+// Each struct lists its fields once, in `fields`, for both Writer and Reader. Each field has two
+// functions: one sets the field in a builder, or initialises a list or struct, and the other gets
+// the field from a reader.
 
 #define SLEIGHT_GET(Name) [](auto from) { return from.get##Name(); }
 #define SLEIGHT_SET(Name) [](auto to, auto value) { to.set##Name(value); }

@@ -2,8 +2,7 @@
 //
 // `put` writes a value and truncates texts and lists beyond their limits, so that an answer stays
 // readable. `get` reads a value from an untrusted message: it throws kj::Exception if the message
-// is malformed, and reads unknown enumeration values as `unknown`. limits.h has the limits of
-// requests.
+// is malformed, and reads unknown enumeration values as `unknown`. limits.h checks requests.
 //
 // Thread safety: free functions.
 #pragma once

@@ -19,8 +19,8 @@ kj::Exception refusal(kj::StringPtr words) {
 
 }  // namespace
 
-// A message being received. It starts with 32-bit numbers: the number of segments minus one, then
-// each segment's size in words, padded to a whole word. The segments follow.
+// A message being received. A message starts with 32-bit numbers: the number of segments minus one,
+// then each segment's size in words, padded to a whole word. The segments follow.
 struct GuardedMessages::Incoming {
   std::uint32_t head[2] = {0, 0};         ///< number of segments minus one, size of the first
   kj::Array<std::uint32_t> more_sizes{};  ///< of the other segments, with padding

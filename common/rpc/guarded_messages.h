@@ -14,7 +14,7 @@
 //      about capabilities end the connection, because some of them make Cap'n Proto 0.9 leak the
 //      connection's memory (found by tests/attacks).
 //
-// Thread safety: all on the loop's thread.
+// Thread safety: everything happens on the loop's thread.
 #pragma once
 
 #include <capnp/serialize-async.h>

@@ -4,10 +4,10 @@
 // the handler, on the loop's thread. Each call comes with a Reply. The handler answers the Reply at
 // once, or stores it and answers later, for example when a change is durable.
 //
-// Watching is pull-based. The server requests the events that a watcher lacks, and answers as soon
-// as there are any. The daemon calls Server::news(job) when there may be more. After reading an
-// answer, the watcher calls again. So a slow watcher receives every numbered event, but only the
-// newest unnumbered ones, and the service needs no queue for the watcher.
+// Watching is pull-based. The server queries the handler for events that a watcher lacks, and
+// answers as soon as it gets events. The daemon calls Server::news(job) when the job may have new
+// events. After reading an answer, the watcher calls again. So a slow watcher receives every
+// numbered event, but only the newest unnumbered ones, and the service needs no queue for watchers.
 //
 // Invariants
 //   1. A Reply is answered at most once. If a Reply is destroyed without an answer, the call is
@@ -19,7 +19,7 @@
 //   4. The user of a call is the peer's uid as reported by the kernel, or over TCP the user of the
 //      peer's token.
 //
-// Thread safety: all on the loop's thread.
+// Thread safety: everything happens on the loop's thread.
 #pragma once
 
 #include <cstdint>
@@ -107,16 +107,16 @@ class Authority {
   /// Returns the token's user. A refusal does not reveal what is wrong with the token.
   virtual base::Result<Caller, Refusal> login(const std::string& token,
                                               const std::string& address) = 0;
-  /// Returns whether a session may continue: its token is neither revoked nor expired. Called at
-  /// each call and several times per second.
+  /// Returns whether a session may continue: its token is neither revoked nor expired. The server
+  /// calls this function at each call and several times per second.
   virtual bool lets_go_on(const Caller& caller) = 0;
 };
 
 /// A job's events and state changes that a watcher lacks.
 struct Batch {
   std::vector<StateChange> changes{};  ///< consecutive, from WatchPoint::change + 1 on
-  /// Numbered events, consecutive from WatchPoint::event + 1. Among them may be unnumbered events
-  /// that the watcher's mark does not cover, at most the newest of each kind.
+  /// Numbered events, consecutive from WatchPoint::event + 1. The list may also contain unnumbered
+  /// events that the watcher's mark does not cover, at most the newest of each kind.
   std::vector<events::RunEvent> events{};
   std::uint64_t mark = 0;  ///< covers this batch's unnumbered events
   /// True if the job is settled and this batch completes the watcher's numbered events. False if
@@ -154,8 +154,8 @@ class Handler {
   virtual void list(const Caller&, ListAsk, Reply<JobPage>) = 0;
   /// Answers with the job's history.
   virtual void status(const Caller&, JobId, Reply<JobView>) = 0;
-  /// Returns the news that a watcher lacks, with at most `events_max` events. Called often, so an
-  /// empty result must be cheap.
+  /// Returns the news that a watcher lacks, with at most `events_max` events. The server calls this
+  /// function often, so an empty result must be cheap.
   virtual base::Result<Batch, Refusal> events_after(const Caller&, const WatchPoint&,
                                                     std::size_t events_max) = 0;
   virtual void logs(const Caller&, LogAsk, Reply<LogPiece>) = 0;
@@ -163,7 +163,7 @@ class Handler {
   virtual void change(const Caller&, ChangeAsk, Reply<std::vector<Touched>>) = 0;
   virtual void fetch(const Caller&, FetchAsk, Reply<Fetched>) = 0;
 
-  /// The server then fills in the numbers of connections and watchers.
+  /// After the answer, the server fills in the numbers of connections and watchers.
   virtual void info(const Caller&, Reply<ServerView>) = 0;
   /// Starts no more jobs and stops running jobs cleanly. Answered at once.
   virtual void drain(const Caller&, Reply<Nothing>) = 0;

@@ -14,8 +14,7 @@
 
 namespace sleight::rpc {
 
-/// Thrown if the connection broke, or if a running server could not accept it. The caller tries
-/// again.
+/// Thrown if the connection broke, or if a running server could not accept it. The caller retries.
 class Lost : public std::exception {
  public:
   explicit Lost(std::string words) : words_(std::move(words)) {}
@@ -50,7 +49,7 @@ class Link {
   virtual std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>& points) = 0;
   /// The files stay open until the next fetch(), or until the connection is lost.
   virtual ArrivedFiles fetch(const FetchAsk& ask) = 0;
-  /// Reads from a file of the last fetch. REQUIRES: `file` < number of those files.
+  /// Reads from a file of the last fetch. REQUIRES: `file` is an index into its files.
   virtual base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) = 0;
   virtual void pause(double seconds) = 0;
   virtual double now_s() const = 0;
@@ -60,7 +59,7 @@ class Link {
 class Patience {
  public:
   Patience(Link& link, const ClientOptions& options);
-  /// Call after a failed attempt: pauses, or throws NoServer with `words`.
+  /// Call after a failed attempt. Pauses, or throws NoServer if the service was away too long.
   void again(const std::string& words);
   /// Call after a successful attempt.
   void reset();

@@ -21,7 +21,7 @@ namespace sleight::rpc {
 
 class Loop {
  public:
-  /// Keeps a timer or a watched file active while it lives. Movable, not copyable.
+  /// A timer or a watched file is active as long as its Handle lives. Movable, not copyable.
   class Handle {
    public:
     Handle();

@@ -4,8 +4,8 @@
 // The part's name includes the start of the digest: `.ball.h5.0123456789abcdef.part`. So a later
 // attempt resumes a part only if the content is the same.
 //
-// Thread safety: belongs to one thread. If two processes fetch the same file, the second is
-// refused.
+// Thread safety: a PartFile belongs to one thread. If two processes fetch the same file, the second
+// is refused.
 #pragma once
 
 #include <cstdint>

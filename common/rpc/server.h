@@ -1,26 +1,26 @@
 // Listens on a Unix socket, optionally also over TLS, and passes calls to a Handler.
 //
-// Peers are not trusted. Whatever they send or leave unread, ServerLimits bounds what the server
-// stores for all of them together, and other peers are still served:
+// Peers are not trusted. Whatever peers send or leave unread, ServerLimits bounds what the server
+// stores for all peers together, and other peers are still served:
 //   1. A connection ends if a message is too large, too deeply nested, or not complete in time, or
 //      if the peer does not read an answer in time.
-//   2. A connection has at most `calls_max` calls at once; more are refused. While its peer leaves
-//      answers unread, the server reads nothing more from the connection.
+//   2. A connection has at most `calls_max` calls at once; further calls are refused. While its
+//      peer leaves answers unread, the server reads nothing more from the connection.
 //   3. If the messages and answers of all connections exceed `held_bytes_max`, the server ends the
 //      connection that has held its bytes longest.
 //   4. If there are too many connections, the server ends the one that has been idle longest. If
 //      none has been idle for `idle_grace_s`, the new connection is closed.
 //   5. Over TLS a peer is a stranger until it has shown a token. A stranger has `login_s_max` for
 //      handshake and login, messages of at most `stranger_bytes_max`, and one try. There are at
-//      most `strangers_max` strangers, counted apart from other connections; the oldest stranger
-//      makes room for a new one, as in 4. A session ends as soon as its token is revoked or
-//      expires.
+//      most `strangers_max` strangers, counted apart from other connections; a new stranger
+//      replaces the oldest stranger, or is refused if that one is too recent, as in 4. A session
+//      ends as soon as its token is revoked or expires.
 // Ending a connection does a client no harm, because the client reconnects (client.h).
 //
 // Errors are answered as a Refusal. If a handler throws, the call is refused as a bug. `complain`
 // receives the exception's message, the client doesn't.
 //
-// Thread safety: all on the loop's thread.
+// Thread safety: everything happens on the loop's thread.
 #pragma once
 
 #include <cstddef>
@@ -55,7 +55,7 @@ struct ServerOptions {
   ServerLimits limits{};
   std::function<void(const std::string&)> complain{};
   std::optional<std::uint32_t> group{};  ///< group that may use the socket besides its owner
-  /// Called until the last reply is destroyed, possibly after the server was destroyed.
+  /// `audit` is called until the last reply is destroyed, perhaps after the server's destruction.
   Audit audit{};
 };
 
@@ -71,9 +71,9 @@ struct ServerCounts {
 
 class Server {
  public:
-  /// Starts listening. Only its owner can use the socket (mode 0600), or also a group (0660). The
-  /// kernel reports each peer's uid. Replaces the socket file of a server that has exited. Throws
-  /// base::Error with ExitCode::conflict if another server is listening, and with
+  /// Starts listening. Only the socket's owner can use the socket (mode 0600), or also a group
+  /// (mode 0660). The kernel reports each peer's uid. Replaces the socket file of a server that has
+  /// exited. Throws base::Error with ExitCode::conflict if another server is listening, and with
   /// ExitCode::environment if the socket can't be created. `handler` and `loop` must outlive the
   /// server.
   Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerOptions options = {});
@@ -88,7 +88,7 @@ class Server {
   access::ServerAddress listen(const access::ServerAddress& address, const access::Keypair& keypair,
                                Authority& authority);
 
-  /// Call when a job may have news for its watchers. Cheap if nobody watches the job.
+  /// Call this when a job may have news for its watchers. Cheap if nobody watches the job.
   void news(JobId job);
 
   ServerCounts counts() const;

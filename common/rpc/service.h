@@ -1,8 +1,8 @@
 // The values that a service and its clients exchange.
 //
 // The schema common/schema/service.capnp specifies the calls. This header has the schema's structs
-// as C++ values, so that no code outside common/rpc uses Cap'n Proto. handler.h is the service's
-// side of the calls, client.h the client's.
+// as C++ values, so that no code outside common/rpc uses Cap'n Proto. handler.h has the service's
+// side of the calls, and client.h the client's side.
 //
 // Invariants
 //   1. Repeating a call has no further effect, because submissions have a client's key, and all
@@ -91,7 +91,7 @@ struct Submission {
   /// Random key, drawn by the client, at most k_key_bytes_max. If the service already has a
   /// submission of this user with the same key, it returns the first answer and submits nothing.
   std::string key{};
-  /// A single job stands alone, several form a group. The service accepts either all jobs or none.
+  /// One job stands alone; several jobs form a group. The service accepts either all jobs or none.
   std::vector<JobAsk> jobs{};
   bool is_group = false;  ///< true also for a group of one, as with --set sampler.seed=1..1
   bool operator==(const Submission&) const = default;
@@ -231,8 +231,7 @@ struct Touched {
 
 enum class ExtendBy : std::uint8_t { unknown, scans, rounds, solutions, odds };
 
-/// A new, absolute [stop] limit of the normalised request. For `odds`, the limit is the relative
-/// error.
+/// A new, absolute limit in the normalised request's [stop]; for `odds`, the relative error.
 struct Extension {
   ExtendBy by = ExtendBy::unknown;
   double to = 0;  ///< whole number, except for odds

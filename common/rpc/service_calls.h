@@ -2,7 +2,7 @@
 // audits calls. A table in the source lists which scope each call requires and whether it is
 // audited.
 //
-// Thread safety: all on the loop's thread.
+// Thread safety: everything happens on the loop's thread.
 #pragma once
 
 #include <service.capnp.h>
@@ -18,8 +18,8 @@
 
 namespace sleight::rpc {
 
-/// State shared by the calls of all connections. A call may outlive the server; `handler` is then
-/// null.
+/// State shared by the calls of all connections. A call may outlive the server, and `handler` is
+/// then null.
 struct Calls {
   Handler* handler = nullptr;
   Watchers* watchers = nullptr;

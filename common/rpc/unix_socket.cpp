@@ -131,7 +131,7 @@ base::Result<int, Unconnected> connect_to(const std::string& path) {
   Descriptor socket(make_socket());
   const sockaddr_un address = address_of(folder.get(), path);
   if (::connect(socket.get(), as_address(address), sizeof address) == 0) return socket.take();
-  // On ECONNREFUSED, no process listens, or the file is not a socket.
+  // ECONNREFUSED means that no process listens, or that the file is not a socket.
   if (errno == ENOENT || errno == ECONNREFUSED) return Unconnected::nobody;
   if (errno == EAGAIN) return Unconnected::busy;
   if (errno == EACCES) {

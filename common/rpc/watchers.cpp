@@ -9,7 +9,7 @@
 namespace sleight::rpc {
 namespace {
 
-/// Maximum size of one answer. The next answer has the rest.
+/// Maximum size of one answer. The next answer contains the remaining news.
 constexpr std::size_t k_answer_bytes_max = 1U << 20U;
 
 std::size_t bytes_in(const Batch& batch) {

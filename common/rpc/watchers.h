@@ -3,7 +3,7 @@
 // A watch call names several jobs. At first, the handler is queried for all of these jobs, and
 // later only for those with news. The call is answered once, as soon as any of its jobs has news.
 //
-// Thread safety: all on the loop's thread.
+// Thread safety: everything happens on the loop's thread.
 #pragma once
 
 #include <kj/async.h>
@@ -56,7 +56,7 @@ class Watchers final : kj::TaskSet::ErrorHandler {
   std::size_t waiting_ = 0;
   std::unordered_map<std::uint64_t, std::vector<Place>> by_job_;
   std::vector<Waiter*> due_;  ///< waiters with news
-  /// Waiters' access to this object. Null once this object is destroyed.
+  /// Waiters' access to this object. The pointer is null after this object was destroyed.
   std::shared_ptr<Watchers*> self_ = std::make_shared<Watchers*>(this);
   kj::TaskSet tasks_;
 };
