@@ -35,7 +35,7 @@ Surface::Surface(std::span<const ControlPoint> points, double spacing_m)
     : points_(points.begin(), points.end()), spacing_m_(spacing_m) {
   CHECK_GT(spacing_m, 0);
   for (const ControlPoint& point : points_) {
-    // A point has the index of the patch whose second point it is on both axes.
+    // Patch (i, j) is whole if all points from (i - 1, j - 1) to (i + 2, j + 2) are present.
     const auto [i, j] = std::pair(point.i, point.j);
     bool is_whole = true;
     for (std::int32_t row = j - 1; is_whole && row <= j + 2; ++row) {

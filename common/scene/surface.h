@@ -1,8 +1,8 @@
 // A surface from control points. An archive stores only the points that an animation needs.
 //
-// Formula: a uniform bicubic B-spline, e.g. L. Piegl and W. Tiller, "The NURBS Book" (2nd edition,
-// 1997), chapter 2. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise y, and depends
-// on the sixteen points from (i - 1, j - 1) to (i + 2, j + 2).
+// Formula: a uniform bicubic B-spline, see Piegl and Tiller, "The NURBS Book" (2nd edition, 1997),
+// chapter 2. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise y, and depends on the
+// sixteen points from (i - 1, j - 1) to (i + 2, j + 2).
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
