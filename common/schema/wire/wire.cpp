@@ -166,7 +166,7 @@ bool fits(const plan::Unit& unit) {
   return unit.scans > 0 && (given == 1 || given == unit.scans);
 }
 
-/// Members must be at their levels, and the levels within the ladder.
+/// Returns whether members are at their levels and the levels are within the ladder.
 bool fits(const plan::Block& block) {
   if (!std::ranges::all_of(block.members, [](const auto& unit) { return fits(unit); }))
     return false;

@@ -14,12 +14,12 @@
 
 namespace sleight::schema::wire {
 
-/// Both sides refuse larger messages; units are cut long before.
+/// Both sides refuse larger messages. Units are split long before their messages reach this size.
 inline constexpr std::size_t k_message_bytes_max = std::size_t{1} << 30U;
 
 inline constexpr int k_message_tag = 1;
 /// A waiting rank polls at intervals that double from the minimum to the maximum. A blocking
-/// receive would use a whole core; polling uses less than 2% of one.
+/// receive would use a whole core; polling uses less than 2% of a core.
 inline constexpr double k_poll_interval_s_min = 20e-6;
 inline constexpr double k_poll_interval_s_max = 2e-3;
 
