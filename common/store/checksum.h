@@ -28,7 +28,7 @@ struct SessionKey {
   std::uint64_t epoch = 0;
 };
 
-/// Covers a session's row; `end` is its JSON line, or empty.
+/// Covers a session's row. `end`: JSON line of the session's end; empty: no end is recorded.
 std::int64_t checksum_of(const SessionKey& session, std::string_view program_version,
                          std::uint64_t scans_before, std::string_view end);
 
@@ -38,7 +38,7 @@ std::int64_t checksum_of_event(std::uint64_t salt, std::uint64_t number, std::st
 /// Covers the progress of event numbering.
 std::int64_t checksum_of(std::uint64_t salt, const ToldFrontier& told);
 
-/// Covers a cached motion. `salt`: of the request and program version to which the motion belongs.
+/// Covers a cached motion. `salt` belongs to the motion's request and program version.
 std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::int64_t ends,
                                 std::uint64_t columns, base::BytesView numbers);
 

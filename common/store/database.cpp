@@ -45,8 +45,8 @@ DatabaseError::Kind kind_of(int basic_code) {
   throw DatabaseError(fmt::format("{}: {}{}", path, reason, advice), kind_of(basic), reason);
 }
 
-/// Returns whether the database can be read as unchangeable: it has no log, and this process can't
-/// create one, which SQLite would otherwise need even for reading.
+/// Returns whether the database must be opened as immutable, because it has no log and this process
+/// can't create the log that SQLite otherwise needs even for reading.
 bool nobody_can_write(const std::string& path) {
   const std::string folder = base::directory_of(path);
   return ::access((path + "-wal").c_str(), F_OK) != 0 && ::access(folder.c_str(), W_OK) != 0;
@@ -192,7 +192,7 @@ Database::Database(const std::string& path, Access access)
 
 void Database::set_write_mode() {
   if (is_exclusive_) {
-    // Set this before the first access to the log, whose index would otherwise be in shared memory.
+    // Set the mode before accessing the log, whose index would otherwise be in shared memory.
     execute("PRAGMA locking_mode=EXCLUSIVE");
     sqlite3_db_config(connection_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   }

@@ -41,7 +41,7 @@ class Statement {
   std::int64_t integer(int column) const;
   double real(int column) const;
   std::string text(int column) const;
-  /// Valid until the next step() or reset().
+  /// The bytes are valid until the next step() or reset().
   base::BytesView blob(int column) const;
 
  private:
@@ -73,10 +73,10 @@ class Database {
  public:
   /// Opens a file in WAL mode with synchronous=FULL: after COMMIT returns, the rows survive kill -9
   /// and power loss. read_write creates a missing file. On a network disk, a read_write connection
-  /// must be the file's only one in all processes, because SQLite then uses no shared memory; if
-  /// the disk lacks file locks (fcntl), only the caller's lock ensures this. Closing such a
-  /// connection leaves the log, because a process that has lost its lock could otherwise delete its
-  /// successor's log by name.
+  /// must be the file's only connection in all processes, because SQLite then uses no shared
+  /// memory. If the disk lacks file locks (fcntl), only the caller's lock excludes other
+  /// connections. Closing a connection on a network disk leaves the log, because a process that has
+  /// lost its lock could otherwise delete its successor's log by name.
   Database(const std::string& path, Access access);
   /// Returns whether this connection must be the file's only one.
   bool is_exclusive() const { return is_exclusive_; }

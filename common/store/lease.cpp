@@ -160,7 +160,7 @@ bool Lease::renew() {
 
 void Lease::release() {
   if (!may_act()) return;
-  // Set this before writing, because the next holder may read the file before write() returns.
+  // Stop acting before writing, because the next holder may read the file before write() returns.
   is_lost_ = true;
   text_.is_released = true;
   own_->write(text_.to_text());

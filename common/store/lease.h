@@ -1,5 +1,5 @@
-// A lock for disks that several machines share. On these, flock works only within one machine, or
-// not at all. The lock is a file with a lease that its holder renews.
+// A lock for disks that several machines share. On such disks, flock works only within one machine,
+// or not at all. The lock is a file with a lease that its holder renews.
 //
 // Each time a process takes the lock, the lease has a new number, its generation N, and a file
 // `lease.N`. The process that creates this file has the lock. Creating the file, as with link(2),
@@ -29,13 +29,13 @@
 //      allow for clocks that run at different rates.
 //   2. An expired lease is never renewed: its holder stops permanently.
 //   3. The newest file is never removed, so generations only grow. Older files are removed.
-//   4. Processes of one machine see each other. So they notice a dead holder at once, and a live
-//      holder keeps the lock even after its lease has expired.
+//   4. Processes of one machine can see whether the others are running. So they notice a dead
+//      holder at once, and a live holder keeps the lock even after its lease has expired.
 // The disk must guarantee that a read that begins after a write has ended sees the write (NFS:
 // close to open). A folder's list is up to date after a change by the same machine.
 //
-// Pure except for LeaseFiles and the clock. Thread safety: may_act from any thread, the rest from
-// one thread at a time.
+// This code accesses disk and time only through LeaseFiles and the clock. Thread safety: `may_act`
+// may be called from any thread, and all other functions from one thread at a time.
 #pragma once
 
 #include <atomic>
@@ -83,12 +83,12 @@ struct LeaseText {
 };
 inline constexpr std::size_t k_lease_text_bytes = 1024;
 
-/// The operations of a lease on the disk and the machine. Tests replace them; lease_files.h has the
-/// real ones. Functions throw base::Error if the disk fails.
+/// The operations of a lease on the disk and the machine. Tests replace these operations;
+/// lease_files.h has the real operations. Functions throw base::Error if the disk fails.
 class LeaseFiles {
  public:
-  /// The file that a lease created, open for writing. Never another lease's file that has the same
-  /// name.
+  /// The file that a lease created, open for writing. The object never writes another lease's file
+  /// that has the same name.
   class Own {
    public:
     virtual ~Own() = default;
@@ -117,7 +117,7 @@ class Lease {
   Lease(LeaseFiles& files, const base::Clock& clock, LeaseText text);
 
   struct Taken {};
-  /// Another process has the lease. That process renewed it, or runs on this machine.
+  /// Another process has the lease. That process renewed the lease, or runs on this machine.
   struct Held {
     std::optional<LeaseText> by{};  ///< empty: the file can't be parsed
   };
@@ -127,13 +127,13 @@ class Lease {
     double left_s = 0;  ///< until the holder counts as dead unless it renews
   };
   using Outcome = std::variant<Taken, Held, Unsure>;
-  /// Tries to take the lease. Call again while the answer is Unsure. REQUIRES: not taken yet.
+  /// Tries to take the lease. Call this again while the result is Unsure. REQUIRES: not taken yet.
   Outcome try_take();
 
   /// Returns true if a holder on another machine never released the lock, so that it may still
   /// write its open files, and nobody has replaced these files since.
   bool owes_copies() const { return text_.owes_copies; }
-  /// Marks the files as replaced. The next renewal writes the mark.
+  /// Marks the protected files as replaced. The next renewal writes the mark to the lease's file.
   void set_copied() { text_.owes_copies = false; }
 
   /// Renews the lease, and returns whether the holder may continue. If the disk fails, later calls
@@ -164,7 +164,7 @@ class Lease {
   std::atomic<double> end_s_ = 0;
   std::atomic<bool> is_lost_ = false;
 
-  /// The last content seen of another's lease, and since when.
+  /// The last content seen of another process's lease, and the time when it was first seen.
   struct Seen {
     std::uint64_t generation = 0;
     std::string text{};

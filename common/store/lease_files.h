@@ -2,8 +2,8 @@
 // processes of this machine are alive.
 //
 // A lease's file is written completely under a temporary name, then linked to `lease.N`. link(2) is
-// exclusive on every network disk with links, and O_EXCL on those without (some FUSE and SMB). The
-// server's answer may be lost, so the process reads the file's content to find out who created it.
+// exclusive on every network disk that has links. On other disks (some FUSE and SMB), O_EXCL is
+// exclusive. The server's answer may be lost, so the file's content decides who created the file.
 //
 // Thread safety: as Lease.
 #pragma once

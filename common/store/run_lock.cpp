@@ -117,7 +117,7 @@ void RunLock::Leased::renew_now() {
   try {
     (void)lease.renew();
   } catch (const base::Error&) {
-    // The disk failed. Renewing is retried until the lease ends. check() then reports that.
+    // The disk failed. Renewing is retried until the lease ends. After the end, check() throws.
   }
 }
 

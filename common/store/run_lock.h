@@ -3,11 +3,12 @@
 // On a local disk the lock is flock on the file `lock`, which the kernel releases however the
 // process ends. On a network disk (base/network_disk.h) it is a lease (lease.h). A lease may end
 // during the process's life, because the disk or the process stalled for too long. Then another
-// process may have the run, and this one must not write. So `check` is called before and after
+// process may have the run, and this process must not write. So `check` is called before and after
 // every commit. A folder with a lease file is always locked by a lease, so that processes that
 // disagree about the disk use the same lock.
 //
-// Thread safety: check from any thread, set_epoch from one; the rest belongs to the owner.
+// Thread safety: `check` may be called from any thread, and `set_epoch` from one thread. The owner
+// calls all other functions.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@
 namespace sleight::store {
 
 struct RunLockOptions {
-  /// Polled while the lock waits for a dead holder's lease to end. If true, throws
+  /// The lock polls this function while it waits for a dead holder's lease to end. If true, throws
   /// base::Error(interrupted).
   std::function<bool()> stop_requested{};
   /// False: don't wait, and treat the lease of a holder on another machine as held, whether the
@@ -35,25 +36,25 @@ class RunLock {
  public:
   /// Locks the folder, creating it if missing. Throws base::Error(conflict) naming the holder if
   /// the lock is held. On a network disk, this takes the time of one renewal if the holder is alive
-  /// on another machine, and the time of a whole lease if it died there.
+  /// on another machine, and the time of a whole lease if the holder died there.
   explicit RunLock(const std::string& folder, RunLockOptions options = {});
-  /// Releases the lock. REQUIRES: nothing is written any more.
+  /// Releases the lock. REQUIRES: this process no longer writes the run.
   ~RunLock();
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
 
   /// Starts a thread that renews the lease. Before this call the process may fork safely, but must
-  /// call keep or renew in time, before the lease ends. No effect on a local disk, or if already
-  /// started.
+  /// call `keep` or `renew` before the lease ends. The call has no effect on a local disk, or if
+  /// the thread runs already.
   void keep();
-  /// Renews the lease now if that is due. For long work before keep.
+  /// Renews the lease now if a renewal is due. For long work before keep.
   void renew();
   /// Throws base::Error(conflict) if another process may have the run now.
   void check() const;
   /// Sets the session's number, which processes that are refused will report.
   void set_epoch(std::uint64_t epoch);
   /// Returns whether a holder on another machine never released the lock. Even without the lock,
-  /// that process may still write files that it has open, so they must be replaced (take_over.h).
+  /// that holder may still write its open files, so these files must be replaced (take_over.h).
   bool owes_copies() const;
   void set_copied();
 

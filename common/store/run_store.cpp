@@ -16,7 +16,7 @@ namespace sleight::store {
 namespace {
 
 // The columns of densities have no type, because a REAL column would return a stored -0 as 0.
-// Failures are NULL if there are none, so that their index is empty in most runs.
+// `failures` is NULL for scans without failures, so that its index is empty in most runs.
 constexpr const char* k_schema = R"(
   CREATE TABLE IF NOT EXISTS run(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
   CREATE TABLE IF NOT EXISTS scan(

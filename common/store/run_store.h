@@ -9,8 +9,8 @@
 //   3. A store belongs to one request and one results version. Every session that writes takes a
 //      new epoch, and writers of older epochs are refused (fencing).
 //   4. Each replica's scans from its first, usually 0, to next_scan-1 are present without gaps, and
-//      so is the state after the last of them. All scans of a unit become visible in one
-//      transaction.
+//      the state after the last of these scans is present. All scans of a unit become visible in
+//      one transaction.
 //   5. Every row has a checksum. Reading refuses a row that a disk or a person changed.
 //   6. On a network disk a commit counts only if this process still holds the run's lock
 //      afterwards.
@@ -18,7 +18,8 @@
 //      without that record is running or died.
 //   8. Events are numbered from 1 without gaps in the order of put(), and each is committed with or
 //      after all results put before it (told_events.h). A session's end is an event.
-// Thread safety: put, flush and committed may be called from any thread; the rest from one.
+// Thread safety: `put`, `flush` and `committed` may be called from any thread, and all other
+// functions from one thread.
 #pragma once
 
 #include <cstdint>
@@ -65,7 +66,7 @@ class RunStore {
  public:
   /// Opens or creates the store in a folder, with a new epoch. Throws base::Error(conflict) if the
   /// store belongs to another request or results version. REQUIRES: the caller holds the folder's
-  /// RunLock, which is borrowed. The lock may be null only if it wouldn't be a lease (run_lock.h).
+  /// RunLock, which is borrowed. `lock` may be null if the folder needs no lease (run_lock.h).
   RunStore(const std::string& folder, const RunIdentity& identity, RunLock* lock = nullptr);
   /// Commits pending results if possible, without reporting failures; call flush() first.
   ~RunStore();
@@ -90,7 +91,7 @@ class RunStore {
   void flush();
   /// Returns the progress of event numbering in earlier sessions.
   const ToldFrontier& told() const { return told_; }
-  /// Queues events, with the frontier that is reached with them. The events are numbered and
+  /// Queues events, and the frontier that is reached with these events. The events are numbered and
   /// committed after all results put before. Throws like put.
   void put(PutEvents events);
   /// Sets the function that receives events with their numbers right after their commit, in the

@@ -66,7 +66,7 @@ class RowReplay {
   std::vector<plan::ScanRecord> batch_{};
 };
 
-/// Replays all replicas to their ends. The next batch is always that of the replica that is
+/// Replays all replicas to their ends. The next batch is always read for the replica that is
 /// furthest behind. So if replicas depend on each other, as in a ladder, a plan never has to store
 /// more than some batches.
 void replay_together(std::span<RowReplay> replays,

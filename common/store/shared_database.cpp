@@ -61,7 +61,7 @@ std::shared_ptr<SharedDatabase> open_to_read(const std::string& folder) {
   if (!disk || !base::PosixFileSystem().exists(path))
     return std::make_shared<SharedDatabase>(path, Access::read_only);
 
-  // Become the run's writer meanwhile, because recovering the log may require writing.
+  // Hold the run's lock while reading, because recovering the log may require writing.
   std::unique_ptr<RunLock> lock;
   try {
     lock = std::make_unique<RunLock>(folder, RunLockOptions{.waits = false});

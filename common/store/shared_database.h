@@ -45,7 +45,7 @@ class SharedDatabase {
   };
   [[nodiscard]] Turn turn() { return Turn(*this); }
   const std::string& path() const { return database_.path(); }
-  /// For an owner that takes turns itself or has the only access.
+  /// For an owner that takes turns explicitly or is the only user.
   Database& only_database() { return database_; }
 
  private:

@@ -57,8 +57,8 @@ std::optional<std::vector<motion::Segment>> segments_of(base::BytesView bytes) {
   return is_sound ? std::optional(std::move(segments)) : std::nullopt;
 }
 
-/// Returns the bytes as a map key. The key is no vector of bytes, because GCC 12 warns wrongly
-/// about comparing those.
+/// Returns the bytes as a map key. The key is a string instead of a vector of bytes, because GCC 12
+/// warns wrongly about comparisons of such vectors.
 std::string text_of(base::BytesView bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

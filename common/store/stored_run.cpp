@@ -16,7 +16,7 @@ namespace {
 
 /// Number of a chain's scans that are read at once for draws.
 constexpr std::uint64_t k_scans_at_a_time = 256;
-/// Number of rows per turn. Few, because their states may be large.
+/// Number of rows per turn. The number is small, because the rows' states may be large.
 constexpr std::uint64_t k_rows_at_a_time = 64;
 constexpr std::uint64_t k_failures_at_a_time = 1024;
 /// Starts per turn. Only their success is read.
@@ -84,8 +84,8 @@ void StoredRun::for_each_draw(
   };
   std::uint64_t draw = 0;
   for (const auto& [first, end] : draw_ranges()) {
-    // Read some scans of all replicas, then visit them in order. Visiting may take long, so no
-    // statement must be active meanwhile, so that a writer can truncate its log.
+    // Read some scans of all replicas, then visit them in order. No statement may be active during
+    // the visits, because it would keep a writer from truncating its log for long.
     for (std::uint64_t scan = first; scan < end; scan += k_scans_at_a_time) {
       read_some(scan, std::min(end, scan + k_scans_at_a_time));
       std::ranges::sort(some, {}, [](const Draw& one) { return std::pair(one.scan, one.replica); });
@@ -315,8 +315,8 @@ plan::FailureCounts StoredRun::failures() const {
       scans = std::uint64_t{cut_.relax_scans} + 1;
     }
   }
-  // The order is that of the index: (scan, chain, replica). Each batch starts after the end of the
-  // previous one.
+  // The rows are in the index's order, (scan, chain, replica). Each batch starts after the end of
+  // the previous one.
   const std::string rows = fmt::format(
       "SELECT chain, replica, scan, {} FROM scan INDEXED BY scan_failures "
       "WHERE failures IS NOT NULL AND (chain>=?2 OR (scan<?1 AND chain<?7)) AND scan>=?3 "

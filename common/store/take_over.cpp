@@ -61,7 +61,7 @@ void copy_file(const std::string& from, const std::string& to, base::FileSystem&
 void replace_files_of_run(const std::string& folder, RunLock& lock) {
   base::PosixFileSystem files;
   const std::string database = RunStore::database_path(folder);
-  // Copy in the order that the header requires.
+  // Copy the files in the order that take_over.h requires.
   const std::array<std::string, 2> names{database, database + "-wal"};
   if (files.exists(database)) {
     logging::info(

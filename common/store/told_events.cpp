@@ -26,8 +26,7 @@ namespace sleight::store {
 namespace {
 
 constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
-/// Maximum attempts to read both log files, because the writer may rotate the log between two
-/// reads.
+/// Maximum attempts to read both log files. An attempt fails if the writer rotates the log.
 constexpr int k_looks_max = 100;
 /// Number of bytes that are read from a file at once, far more than a line has.
 constexpr std::uint64_t k_told_piece_bytes = 256U << 10U;

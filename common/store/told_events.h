@@ -9,7 +9,7 @@
 // Reading never delays the writer. The store is opened only if events are missing in the log; on a
 // network disk only the writer's process can do so.
 //
-// Thread safety: one reader in one thread; any number of readers per run.
+// Thread safety: each reader belongs to one thread; a run may have any number of readers.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +38,7 @@ class ToldEvents {
   std::vector<events::RunEvent> next(std::size_t numbered_max);
 
   /// Like next(), but also returns events that are only in the store because the log couldn't be
-  /// written. Call after a program has ended, and from time to time.
+  /// written. Call this after a run's program has ended, and from time to time.
   std::vector<events::RunEvent> rest(std::size_t numbered_max);
 
   std::uint64_t number() const { return number_; }
