@@ -1,7 +1,7 @@
-// The boxes of bodies, plain and coded, which every broad phase stores.
+// The bodies' boxes, as floats and as integer codes (periodic.h), which every broad phase stores.
 //
-// Invariant: coded(b) is the code of box(b) for every present b. A code's fourth numbers belong to
-// the structure, and `set` doesn't change them. Thread safety: none.
+// Invariant: coded(b) is the code of box(b) for every present b. A broad phase may store its own
+// data in a code's fourth numbers, which `set` doesn't change. Thread safety: none.
 #pragma once
 
 #include <span>

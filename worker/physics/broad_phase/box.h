@@ -1,7 +1,8 @@
 // Axis-aligned boxes that contain a body for a time: temporal bounding volumes (thesis 3.2.1).
 //
-// Corners are floats, rounded outwards by the maker. Floats suffice because boxes only select pairs
-// to watch, never what happens. Boxes are closed, so touching boxes overlap. Thread safety: values.
+// Callers round corners outwards to floats. Floats suffice, because boxes only select which pairs
+// are watched and never affect results. Boxes are closed, so touching boxes overlap. Thread safety:
+// values.
 #pragma once
 
 #include <array>

@@ -2,21 +2,21 @@
 //
 // Idea. A simulator watches only pairs of bodies whose temporal bounding volumes overlap (thesis
 // 3.2.1). A broad phase stores the boxes, and at each change of a box reports to a sink which
-// overlaps begin and end. The simulator stores the lists of neighbours, which it needs anyway, and
-// lends them to structures that don't store their pairs.
+// overlaps begin and end. The simulator needs each body's list of neighbours anyway, so a broad
+// phase that stores no pairs reads these lists (`neighbours()`).
 //
-// The simulator uses HierarchicalGrid, a hash of cells per box size. Tests compare other structures
-// with it (tests/engines).
+// The simulator uses HierarchicalGrid, a hash of cells per box size. Tests compare HierarchicalGrid
+// with other broad phases (tests/engines).
 //
 // Invariants
-//   1. At every moment, the pairs that have begun and not ended are the pairs of present bodies
-//      whose boxes overlap by periodic.h. So all structures report the same pairs at the same
+//   1. At every moment, the reported pairs (begun and not ended) are the pairs of present bodies
+//      whose boxes overlap (periodic.h). So all broad phases report the same pairs at the same
 //      calls.
 //   2. Each call reports each pair at most once, so a continuing overlap is never reported.
 //   3. The order of a call's reports depends only on the calls so far. The order differs between
-//      structures, so results must not depend on it.
-//   4. No allocation once lists have grown to the scene's needs.
-// A sink does not call the broad phase from begin or end. Thread safety: none; one structure
+//      broad phases, so results must not depend on the order.
+//   4. Nothing is allocated once lists have grown to the scene's needs.
+// A sink must not call the broad phase from `begin` or `end`. Thread safety: none; a broad phase
 // belongs to one simulation.
 #pragma once
 
@@ -37,8 +37,8 @@ struct BroadPhaseOptions {
   double size_m = 1;
 };
 
-/// A body and an end of its box together fit 29 bits, which sorted lists of ends need
-/// (tests/engines/extent_ring.h).
+/// A body's id fits 28 bits, because sorted lists of box ends (tests/engines/extent_ring.h) store
+/// an id and one more bit in 29 bits.
 inline constexpr std::uint32_t k_bodies_max = std::uint32_t{1} << 28;
 
 /// Receives the reports about one body. `neighbours()` returns the bodies that overlap this body,
@@ -71,12 +71,12 @@ struct NoPairSink {
 };
 static_assert(OverlapSink<NoOverlapSink> && PairSink<NoPairSink>);
 
-/// insert    REQUIRES: the body is absent. Reports the begin of each overlap.
-/// move      REQUIRES: the body is present. Replaces its box; reports what begins and ends.
-/// remove    REQUIRES: the body is present. Reports the end of each overlap.
-/// move_all  Replaces the boxes of all present bodies at once, like a synchronous simulator
-///           (thesis, Algorithm 3.4). REQUIRES one box per id; boxes of absent bodies aren't read.
-/// box       Returns the last given box. REQUIRES: the body is present.
+/// `insert`    REQUIRES: the body is absent. Reports each overlap that begins.
+/// `move`      REQUIRES: the body is present. Replaces its box; reports overlaps that begin or end.
+/// `remove`    REQUIRES: the body is present. Reports that each of its overlaps ends.
+/// `move_all`  Replaces the boxes of all present bodies at once, like a synchronous simulator
+///             (thesis, Algorithm 3.4). REQUIRES: one box per id. Absent bodies' boxes are ignored.
+/// `box`       Returns the box last passed for the body. REQUIRES: the body is present.
 /// Boxes have low <= high. Boxes may be points, and may be infinite.
 template <class T>
 concept BroadPhase = std::constructible_from<T, const BroadPhaseOptions&> &&

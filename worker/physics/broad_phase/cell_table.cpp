@@ -7,8 +7,8 @@
 namespace sleight::physics {
 namespace {
 
-/// With some five bodies in a cell (hierarchical_grid.cpp), over half of the cells are empty, which
-/// keeps shared numbers rare.
+/// A cell that isn't empty has some five bodies (hierarchical_grid.cpp). So over half of the cell
+/// numbers are free, and cells rarely share a number.
 constexpr std::uint32_t k_bodies_per_cell = 2;
 constexpr std::uint32_t k_cells_least = 64;
 
@@ -30,7 +30,7 @@ CellTable::CellTable(std::uint32_t bodies)
 
 void CellTable::link(std::uint32_t body, std::uint32_t cell, const Sketch& sketch) {
   const std::uint32_t first = cell & mask_;
-  // A full first block becomes a further block, so that only first blocks have free slots.
+  // If the first block is full, copy it to a further block: only first blocks have free slots.
   if (filled_[first] == 0xFF) {
     const std::uint32_t further = free_.back();
     free_.pop_back();
@@ -48,7 +48,7 @@ void CellTable::link(std::uint32_t body, std::uint32_t cell, const Sketch& sketc
 }
 
 void CellTable::unlink(std::uint32_t body) {
-  // The last body of the first block fills the hole.
+  // Move the last body of the cell's first block to the removed body's slot.
   const std::uint32_t hole = place_[body];
   const std::uint32_t first = cell_[hole / k_slots];
   const auto last = static_cast<std::uint32_t>(std::countr_one(filled_[first])) - 1;
@@ -62,7 +62,7 @@ void CellTable::unlink(std::uint32_t body) {
   place_[bodies_[first][last]] = hole;
   filled_[first] = static_cast<std::uint8_t>(filled_[first] >> 1);
 
-  // An empty first block takes over a further block.
+  // If the first block is empty now, move a further block of the cell there.
   const std::uint32_t further = blocks_[first].next;
   if (filled_[first] != 0 || further == k_none) return;
   copy_block(further, first);

@@ -1,21 +1,22 @@
 // The bodies in each cell of a grid, in a layout that compares eight boxes at once.
 //
 // Idea. A grid query spends its time on memory and mispredicted branches, not on arithmetic. So a
-// cell stores sketches of its bodies' boxes: per axis 8 bits for the start and 8 for the width, in
-// units and modulo 2^8 of a ring (periodic.h explains the idea). Eight sketches fit one cache line,
-// and some 12 SSE2 instructions compare them with a query. Bodies' ids are stored elsewhere,
-// because a query of a gas finds at most one body in four blocks. Sketches are rounded outwards;
-// the caller compares the bodies that pass exactly.
+// cell stores sketches of its bodies' boxes. A sketch has 8 bits per axis for the start and 8 bits
+// for the width, in units on a ring of 2^8 units (periodic.h explains rings). Eight sketches fit
+// one cache line, and some 12 SSE2 instructions compare them with a query. Body ids are stored
+// separately, because a query in a gas finds at most one body per four blocks. Sketches are rounded
+// outwards; the caller compares the exact boxes of the bodies found.
 //
 // Cells are numbered modulo a power of two, so several cells may share a number. Sharing a number
-// costs time and changes no result, but a query that lists a number twice finds its bodies twice.
+// costs time and changes no result, but a query that lists a cell number twice finds its bodies
+// twice.
 //
 // Invariants
 //   1. Block c is the first block of cell c, for c < cells(). The block's bodies fill its slots
-//      from the first one on. A block is empty only if its cell is. Further blocks of a cell are
-//      full.
-//   2. place_[b] is block * 8 + slot of each body in a cell.
-//   3. So there are at most bodies / 8 further blocks; all memory is allocated at the start.
+//      from the first one on. The first block is empty only if the cell is empty. Further blocks
+//      are full.
+//   2. For each body b in a cell, place_[b] is block * 8 + slot.
+//   3. So the table has at most bodies / 8 further blocks; all memory is allocated at the start.
 // Thread safety: none.
 #pragma once
 
@@ -41,7 +42,7 @@ inline constexpr RingPoint k_whole_ring = UINT8_MAX;
 
 class CellTable {
  public:
-  /// No block: the end of a cell's chain.
+  /// Marks the end of a cell's chain of blocks.
   static constexpr std::uint32_t k_none = UINT32_MAX;
   static constexpr std::uint32_t k_slots = 8;
 
@@ -70,8 +71,8 @@ class CellTable {
     return blocks_[place / k_slots].width[axis][place % k_slots];
   }
 
-  /// Appends a cell's first block at `to` if the cell isn't empty, and returns the end. REQUIRES:
-  /// room for one block number, which may be written in either case.
+  /// Writes the number of a cell's first block to `to`, and returns the address after it; returns
+  /// `to` if the cell is empty. REQUIRES: room for one block number, even if the cell is empty.
   std::uint32_t* add_if_any(std::uint32_t cell, std::uint32_t* to) const {
     *to = cell & mask_;
     return to + (filled_[*to] & 1U);  // invariant 1
@@ -120,14 +121,14 @@ class CellTable {
   std::uint32_t overlapping(std::uint32_t block, const Query& query) const {
     const Block& members = blocks_[block];
 #if defined(__SSE2__)
-    // x and y share a register; z's start is in the lower half of another.
+    // The x and y axes share a register; the z axis uses the lower half of another one.
     const auto load = [](const auto& eights) {
       return _mm_loadu_si128(reinterpret_cast<const __m128i*>(&eights));
     };
     const auto load_half = [](const auto& eight) {
       return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(&eight));
     };
-    // Distance beyond both widths, saturated at 0.
+    // Compute by how much the distance exceeds the sum of both widths, saturated at 0.
     const __m128i beyond_xy = _mm_subs_epu8(_mm_sub_epi8(query.last_xy_, load(members.start[0])),
                                             _mm_adds_epu8(query.width_xy_, load(members.width[0])));
     const __m128i beyond_z =

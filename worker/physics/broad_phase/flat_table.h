@@ -5,7 +5,7 @@
 //
 // Invariants
 //   1. At most 5/8 of the slots are taken.
-//   2. No free slot is between an entry's home and its slot.
+//   2. The hash selects an entry's home; no slot between the home and the entry is free.
 // The entries can't be iterated, because their order would depend on the hash. Thread safety: none.
 #pragma once
 
@@ -31,7 +31,6 @@ concept TableSlot = std::default_initializable<T> && requires(T slot) {
 template <TableSlot Slot>
 class FlatTable {
  public:
-  /// Reserves room for `entries` entries.
   explicit FlatTable(std::size_t entries = 0) {
     slots_.resize(std::bit_ceil(entries * 8 / 5 + 16));
     set_shift();
@@ -39,7 +38,7 @@ class FlatTable {
 
   std::size_t size() const { return size_; }
 
-  /// Returns the entry, or null. Valid until the next insert or erase.
+  /// Returns the entry, or null. The pointer is valid until the next insert or erase.
   Slot* find(std::uint64_t key) {
     Slot& slot = slots_[place_of(key)];
     return slot.key == key ? &slot : nullptr;
@@ -82,8 +81,8 @@ class FlatTable {
 
  private:
   std::size_t next(std::size_t place) const { return (place + 1) & (slots_.size() - 1); }
-  // Two odd multipliers (the golden ratio's 64 bits, and one of SplitMix64's) with a shift between.
-  // High and low parts of the key both reach the top bits, which choose the slot.
+  // Multiplies by two odd numbers (the golden ratio's 64 bits, and one of SplitMix64's) with a
+  // shift between. High and low parts of the key both affect the top bits, which select the slot.
   std::size_t home_of(std::uint64_t key) const {
     key *= 0x9e3779b97f4a7c15U;
     key ^= key >> 32;

@@ -5,25 +5,27 @@
 namespace sleight::physics {
 namespace {
 
-/// Longest edge on the typical level, in typical sizes, and edge of a cell, in longest edges of its
-/// level. Measured in gases of hard spheres at packings 0.1 and 0.4, whose longest boxes are just
-/// below that edge. Half to twice of either value costs 5 to 30% of a simulation.
+/// k_longest is the typical level's longest edge, in typical box sizes. k_cell is the edge of a
+/// cell, in longest edges of its level. Both values were measured in gases of hard spheres at
+/// packings 0.1 and 0.4, whose longest boxes are just below the typical level's longest edge.
+/// Halving or doubling either value costs 5 to 30% of a simulation's time.
 constexpr double k_longest = 2.1;
 constexpr double k_cell = 1.0;
 
-/// Minimum units per cell. A query passes some 1 + 3 / units more boxes than necessary. Rings of
-/// sketches have 2^8 units, and boxes should be much shorter.
+/// Minimum units per cell. A query finds some 1 + 3 / units more boxes than necessary. A sketch's
+/// ring has 2^8 units, and boxes should be much shorter than the ring.
 constexpr int k_unit_bits = 4;
 constexpr int k_sketch_bits = 8;
 
 /// Maximum cells per period, so that products with them fit 64 bits.
 constexpr double k_cells_max = 0x1p16;
-/// All places beyond this count as one unit.
+/// Coordinates beyond this many units are clamped.
 constexpr double k_unit_limit = 0x1p40;
 
-/// Steps in the table per cell along each axis, if the axes have more cells than the table. Bodies
-/// near in space should not share a number. For table sizes from 2^6 to 2^20, the shortest step in
-/// space that leads to the same number is nearly as long as possible (found by search).
+/// Differences between the numbers of neighbouring cells along each axis, if the grid has more
+/// cells than the table. Cells near each other should not share a number. A search found these
+/// values: for table sizes from 2^6 to 2^20, the shortest distance between cells with the same
+/// number is nearly as long as possible.
 constexpr std::array<std::uint32_t, 3> k_strides = {1, 0x25CEA933U, 0xDA92657BU};
 /// Offset between levels in the table.
 constexpr std::uint32_t k_level_stride = 0xC2B2AE3DU;
@@ -36,7 +38,7 @@ std::int64_t unit_at(double place) {
   return whole - (static_cast<double>(whole) > place ? 1 : 0);
 }
 
-/// Returns the edge in metres; infinite rather than NaN.
+/// Returns the box's edge in metres; infinite if the difference is NaN.
 double edge_m(const Box& box, std::size_t axis) {
   const double edge = double{box.high_m[axis]} - double{box.low_m[axis]};
   return edge >= 0 ? edge : std::numeric_limits<double>::infinity();
@@ -91,7 +93,7 @@ void HierarchicalGrid::divide(Level& level, double edge_m, std::uint32_t number)
 
 std::uint32_t HierarchicalGrid::level_of(const Box& box) const {
   const double sizes = std::max({edge_m(box, 0), edge_m(box, 1), edge_m(box, 2)}) * sizes_per_m_;
-  // log2, rounded up, from the bits: the exponent, plus one if any fraction bit is set.
+  // Compute log2, rounded up, from the bits: the exponent, plus one if any fraction bit is set.
   const auto bits = std::bit_cast<std::uint64_t>(sizes);
   const int exponent = static_cast<int>(bits >> 52) - 1023;
   const bool more = (bits & ((std::uint64_t{1} << 52) - 1)) != 0;
@@ -147,7 +149,7 @@ bool HierarchicalGrid::Span::add(std::uint32_t stride, std::int64_t first, std::
   return true;
 }
 
-// Finds the cells, on an axis, of low corners of the level's boxes that may overlap the query.
+// Finds, on one axis, the cells that may contain low corners of boxes that overlap the query.
 bool HierarchicalGrid::span_of(const Level& level, std::size_t axis, const Extent& extent,
                                Span& span) const {
   const Axis& divided = level.axes[axis];
@@ -157,7 +159,7 @@ bool HierarchicalGrid::span_of(const Level& level, std::size_t axis, const Exten
     return divided.reach != k_whole_ring &&
            span.add(divided.stride, low >> k_unit_bits, high >> k_unit_bits);
   }
-  // Lay a ring out as a line, then wrap the cells into the period as one stretch or two.
+  // Compute the cells as on a line, then wrap them into the period as one or two ranges.
   const std::int64_t cells = divided.cells;
   const int period_bits = 32 - divided.shift;
   const std::int64_t first = low * cells >> period_bits;
@@ -192,7 +194,7 @@ std::optional<std::size_t> HierarchicalGrid::cells_near(const Level& level, cons
 void HierarchicalGrid::begin_query() {
   begun_.count = 0;
   if (++query_ != 0) return;
-  // After 2^32 queries the numbers start again.
+  // After 2^32 queries, the numbers of queries start again at 1.
   for (BodyId body{}; body < boxes_.bodies(); ++body)
     boxes_.coded(body).width[3] = 0;
   query_ = 1;

@@ -1,26 +1,27 @@
-// Grids of cells, one per size of box. A move's cost depends only on what is near, even in
+// Grids of cells, one per size of box. A move's cost depends only on nearby boxes, even in
 // clusters.
 //
-// Idea. Spatial hashing by levels (Mirtich 1996; thesis 3.4 names it as the alternative where
-// sorted lists degrade). A box's longest edge determines its level; levels are a factor of four
-// apart. In its level a box belongs to the one cell that contains its low corner. If a box overlaps
-// a query, its low corner is between the query's low corner minus the level's greatest extent and
-// the query's high corner. So a query visits those cells on each level that has boxes. Big and
-// small boxes mix freely: big boxes are not spread over many cells, and small ones not crowded into
-// few. All levels share one dense table of cells (cell_table.h).
+// Idea. The method is spatial hashing by levels (Mirtich 1996), which the thesis (3.4) names as the
+// alternative where sorted lists degrade. A box's longest edge determines its level; levels are a
+// factor of four apart. In its level a box belongs to the one cell that contains its low corner. If
+// a box overlaps a query, the box's low corner is at most the query's high corner, and at least the
+// query's low corner minus the level's greatest extent. So on each level that has boxes, a query
+// visits only the cells in this range. Big and small boxes mix freely: big boxes are not spread
+// over many cells, and small boxes are not crowded into few. All levels share one dense table
+// (cell_table.h).
 //
-// If the cells to visit outnumber the level's boxes (a huge box among small ones), the query
-// compares with all boxes of the level instead. Boxes beyond the highest level are always compared.
+// If the cells to visit outnumber the level's boxes, the query is compared with all these boxes
+// instead. Boxes beyond the highest level are always compared.
 //
-// A move finds ended overlaps among the sink's neighbours. To find begun overlaps, the move queries
-// with the new box and ignores bodies that the old box overlapped. A new box inside the old one
-// needs no query.
+// A move finds the ended overlaps among the neighbours that the sink lists. To find begun overlaps,
+// the move queries with the new box and ignores bodies that the old box overlapped. A new box
+// inside the old one needs no query.
 //
-// Each level measures in whole units, a small part of its cells, rounded down:
+// Each level rounds coordinates down to whole units, which are a small part of a cell:
 //
-//   a repeating axis        A unit is a power of two of ring points (periodic.h); cells divide
-//                           the period evenly.
-//   a non-repeating axis    A unit is 2^-k_unit_bits of a cell.
+//   - On a repeating axis, a unit is a power of two of ring points (periodic.h), and cells divide
+//     the period evenly.
+//   - On a non-repeating axis, a unit is 2^-k_unit_bits of a cell.
 //
 // Rounding preserves order, so boxes that overlap also overlap in units. All other steps are exact.
 //
@@ -60,12 +61,13 @@ class HierarchicalGrid {
  private:
   static constexpr std::uint32_t k_levels = 16;
   static constexpr int k_bits_per_level = 2;
-  /// Level of boxes as long as options.size_m. Bounded levels cover 4^-6 to 4^8 times this size.
+  /// Level of boxes as long as options.size_m. Bounded levels cover 4^-6 to 4^8 times
+  /// options.size_m.
   static constexpr int k_level_typical = 6;
   static constexpr std::uint32_t k_level_unbounded = k_levels - 1;
   /// Maximum cells that a query may visit on an axis before it compares with all boxes instead.
   static constexpr std::uint32_t k_span_max = 32;
-  /// Number of hits that are judged together: those of 8 blocks.
+  /// Number of slots whose hits are judged together: 8 blocks of 8 slots.
   static constexpr std::size_t k_batch = 64;
 
   struct Axis {
@@ -113,21 +115,22 @@ class HierarchicalGrid {
   void change(BodyId body, const Box& box, const CodedBox& code, const Placement& to);
   void widen_reach(Level& level, const Sketch& sketch);
 
-  /// Writes the first blocks of all cells that may hold bodies of the level overlapping the box to
-  /// near_, and returns their number. Returns nothing if comparing the whole level is cheaper.
+  /// Writes to near_ the first block of each cell that may contain bodies of this level that
+  /// overlap the box. Returns the number of blocks, or nothing if comparing the whole level is
+  /// cheaper.
   std::optional<std::size_t> cells_near(const Level& level, const Extent& extent);
-  /// Stores in begun_ each body for which test(body, its coded box) holds, once. REQUIRES: test
-  /// holds only for bodies that overlap this box.
+  /// Stores in begun_, once, each body for which test(body, its coded box) returns true. REQUIRES:
+  /// `test` returns true only for bodies that overlap this box.
   template <class Test>
   void find_begun(const Box& box, const CodedBox& code, const Placement& at, const Test& test);
-  /// find_begun for the first `cells` cells of near_.
+  /// Does the same as find_begun(), for the first `cells` entries of near_.
   template <class Test>
   void find_in_cells(std::size_t cells, const CellTable::Query& query, const Test& test);
   void begin_query();
-  /// Drops bodies of begun_, from this index on, that the query has already found.
+  /// Removes from begun_, from this index on, the bodies that the query has already found.
   void drop_repeated(std::size_t from);
 
-  /// A list of bodies with conditional appends that need no branch, so that none is mispredicted.
+  /// A list of bodies whose conditional appends need no branch, since branches may be mispredicted.
   struct Chosen {
     std::vector<BodyId> ids;
     std::size_t count = 0;
@@ -155,8 +158,8 @@ class HierarchicalGrid {
 template <class Test>
 void HierarchicalGrid::find_in_cells(std::size_t cells, const CellTable::Query& query,
                                      const Test& test) {
-  // Collect possible overlaps as bits, eight blocks at a time, and then loop over the bits. So only
-  // the ends of few loops are mispredicted.
+  // Collect possible overlaps as bits, eight blocks at a time, and then loop over the bits. So the
+  // processor mispredicts only the ends of a few loops.
   std::array<std::uint32_t, k_batch / CellTable::k_slots> blocks{};
   std::size_t count = 0;
   std::uint64_t bits = 0;
@@ -168,7 +171,6 @@ void HierarchicalGrid::find_in_cells(std::size_t cells, const CellTable::Query& 
       begun_.add_if(test(other, boxes_.coded(other)), other);
     }
     count = 0;
-    // Make room for the next batch.
     if (begun_.count + k_batch < begun_.ids.size()) return;
     drop_repeated(from);
     from = begun_.count;
@@ -225,7 +227,7 @@ void HierarchicalGrid::move(BodyId body, const Box& box, Sink& sink) {
   const CodedBox after = boxes_.periods().coded(box);
   const Placement to = placement_of(box, after);
 
-  // Overlaps with neighbours that the new box doesn't overlap have ended.
+  // An overlap with a neighbour has ended if the new box doesn't overlap the neighbour.
   ended_.count = 0;
   const std::span<const BodyId> neighbours = sink.neighbours();
   for (const BodyId other : neighbours)
@@ -269,7 +271,7 @@ void HierarchicalGrid::move_all(std::span<const Box> boxes, Sink& sink) {
   }
   for (BodyId body{}; body < boxes_.bodies(); ++body) {
     if (!boxes_.contains(body)) continue;
-    // The lower body of each pair reports it.
+    // Report each pair only for its body with the lower id.
     const CodedBox after = boxes_.coded(body);
     const CodedBox before = before_[body];
     ended_.count = 0;

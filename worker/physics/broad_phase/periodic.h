@@ -4,20 +4,19 @@
 // floating point requires wrapped copies, and each wrap rounds. So boxes are coded as integers on a
 // ring of 2^32 points, on which unsigned arithmetic wraps by itself:
 //
-//   a repeating axis        The ring is one period; the box is rounded outwards to its points.
-//   a non-repeating axis    The ring holds all floats in order (their bits, signs inverted), so the
-//                           code is exact; the codes of NaNs separate the two infinities.
+//   - On a repeating axis, the ring is one period, and a box is rounded outwards to ring points.
+//   - On a non-repeating axis, the ring contains all floats in order (their bits, signs inverted),
+//     so the code is exact. The codes of NaNs separate the two infinities.
 //
 // A box covers the points start, start + 1, ..., start + width of each ring. Two boxes overlap on
 // an axis if one of them contains the other's start. The test takes two subtractions and two
 // comparisons on either kind of axis.
 //
 // Invariants
-//   1. `overlap` of coded boxes is the only predicate: every broad phase reports exactly the pairs
-//      for which it holds.
-//   2. `overlap` never misses an overlap of the plain boxes. On non-repeating axes it equals
-//      box.h's overlap. On repeating axes it may report boxes that are apart by up to 2^-29 of a
-//      period.
+//   1. Every broad phase reports exactly the pairs whose coded boxes satisfy `overlap`.
+//   2. `overlap` never misses an overlap of the plain boxes. On non-repeating axes, `overlap` of
+//      coded boxes equals `overlap` of plain boxes (box.h). On repeating axes, `overlap` may accept
+//      boxes that are apart by up to 2^-29 of a period.
 // Thread safety: values.
 #pragma once
 
@@ -53,8 +52,8 @@ constexpr bool holds(Arc outer, Arc inner) {
   return offset <= outer.width && inner.width <= outer.width - offset;
 }
 
-/// A box as three arcs, in half a cache line. The fourth numbers belong to the owner, and the
-/// predicates don't read them.
+/// A box as three arcs, in half a cache line. Functions here ignore the fourth numbers, which the
+/// owner may use.
 struct alignas(32) CodedBox {
   std::array<std::uint32_t, 4> start{};
   std::array<std::uint32_t, 4> width{};
@@ -89,7 +88,7 @@ constexpr bool holds(const CodedBox& outer, const CodedBox& inner) {
 /// Number of points of a ring.
 inline constexpr double k_ring = 0x1p32;
 
-/// Returns a float's place in the order of all floats; -0 and 0 share one. REQUIRES: not NaN.
+/// Returns a float's place in the order of all floats; -0 and 0 share a place. REQUIRES: not NaN.
 constexpr std::uint32_t ordered(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value + 0.0F);  // + 0 makes 0 of -0
   return bits ^ (bits >> 31 != 0 ? UINT32_MAX : 0x80000000U);
@@ -97,8 +96,8 @@ constexpr std::uint32_t ordered(float value) {
 
 class Periods {
  public:
-  /// `length_m`: each axis's period, 0 if it doesn't repeat. REQUIRES: 0, or finite and >= 2^-100
-  /// m.
+  /// `length_m`: each axis's period; 0 if the axis doesn't repeat. REQUIRES: 0, or finite and >=
+  /// 2^-100 m.
   explicit Periods(const std::array<double, 3>& length_m) : length_m_(length_m) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (length_m[axis] == 0) continue;
@@ -113,8 +112,8 @@ class Periods {
   double points_per_m(std::size_t axis) const { return points_per_m_[axis]; }
 
   /// Returns a box's code. On repeating axes, a box may be in any period. A box as long as the
-  /// period, or more than 2^20 periods from the origin, covers the whole ring. REQUIRES: low is at
-  /// most high on each axis. This order is CHECKed, because a NaN would otherwise hide overlaps.
+  /// period, or more than 2^20 periods from the origin, covers the whole ring. REQUIRES: low_m <=
+  /// high_m on each axis. This order is CHECKed, because a NaN would otherwise hide overlaps.
   CodedBox coded(const Box& box) const {
     CodedBox made;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -135,8 +134,8 @@ class Periods {
   }
 
  private:
-  // Both arguments have two roundings of at most 2^-52 of their size, which is one point at 2^20
-  // periods. A point on each side covers this; truncation towards zero takes another.
+  // Two roundings change each argument by at most 2^-52 of its size, which is one ring point at
+  // 2^20 periods. One extra point on each side covers this; another covers truncation to zero.
   static Arc wrapped(double low, double high) {
     constexpr double k_limit = k_ring * 0x1p20;
     if (!(low >= -k_limit && high <= k_limit)) return {0, UINT32_MAX};
@@ -150,7 +149,7 @@ class Periods {
   std::array<double, 3> points_per_m_{};
 };
 
-/// The predicate of invariant 1 for plain boxes.
+/// Returns whether the codes of two plain boxes overlap (invariant 1).
 inline bool overlap(const Box& a, const Box& b, const Periods& periods) {
   return overlap(periods.coded(a), periods.coded(b));
 }
