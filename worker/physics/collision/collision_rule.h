@@ -1,18 +1,18 @@
-// When do two things collide? This header evaluates the simulator's only rule at one tick:
+// When do two things collide? This header evaluates, at one tick, the simulator's only rule:
 //
-//   touch     gap <= k_touch.
-//   approach  rate < -k_approach; rate is the gap's rate of change along the contact normal.
-//   region    (static geometry only) The closest point is on the given feature, not on a neighbour.
+//   - Touch: gap <= k_touch.
+//   - Approach: rate < -k_approach; `rate` is the gap's rate of change along the contact normal.
+//   - Region (static geometry only): the closest point is on the given feature, not on a neighbour.
 //
 // Two things collide at the first tick, from a given tick on, at which all these conditions hold.
 // The functions below compute gap and rate from scratch, from both positions and motions at that
 // tick. A search may skip ticks at which it can show that a condition fails. At all other ticks the
-// search calls these functions. One search (sphere_search.h) evaluates the conditions itself, to
-// find how long one keeps failing; a test checks that it agrees with this rule. So a verdict
-// doesn't depend on the search, and all searches and engines give the same bits. Changing a
-// constant, or the order of the sums below, changes trajectories.
+// search calls these functions. The search for spheres (sphere_search.h) evaluates the conditions
+// itself, to find how long a condition keeps failing; a test checks that this search agrees with
+// the rule. So a verdict doesn't depend on the search, and all searches and engines give the same
+// bits. Changing a constant, or the order of the sums below, changes trajectories.
 //
-// One case doesn't use these functions: two balls in free flight meet in closed form
+// The collision of two balls in free flight doesn't use these functions, but a closed form
 // (approach_of_free_spheres in sphere_search.h). A test checks that the closed form agrees with
 // this rule.
 //
@@ -42,7 +42,6 @@ inline bool collides(double gap_m, double rate_mps, double touch_m = k_touch_m) 
   return touches(gap_m, touch_m) && approaches(rate_mps);
 }
 
-/// The gap between two things at a tick, and its rate of change.
 struct GapAndRate {
   double gap_m = 0;
   double rate_mps = 0;
@@ -116,8 +115,8 @@ inline GapAndRate gap_at_distance(double distance_m, double from_dot_velocity, d
 }
 /// Returns gap and rate of a sphere and a round object: a vertex, an edge or another sphere. For
 /// another sphere, `radius_m` is the sum of both radii. `from_m` leads from the object to the
-/// sphere's centre. `velocity_mps` is the centre's, relative to the object. For an edge, pass only
-/// the components of both vectors perpendicular to the edge. REQUIRES: `from_m` is not 0.
+/// sphere's centre. `velocity_mps` is the centre's velocity relative to the object. For an edge,
+/// pass only the components of both vectors perpendicular to the edge. REQUIRES: `from_m` is not 0.
 inline GapAndRate gap_to_round(const Vec3& from_m, const Vec3& velocity_mps, double radius_m) {
   return gap_at_distance(math::norm(from_m), math::dot(from_m, velocity_mps), radius_m);
 }
@@ -148,8 +147,8 @@ inline bool collides(const SphereFeature& feature, std::span<const RegionSide> s
 
 // ---- two convex pieces --------------------------------------------------------------------------
 
-/// A convex piece at a tick. The bounds on its motion must hold from this tick on. A sphere is a
-/// piece with one vertex and a radius.
+/// A convex piece at a tick. The bounds on the piece's motion must hold from this tick on. A sphere
+/// is a piece with one vertex and a radius.
 struct MovingPiece {
   const ConvexView* view = nullptr;
   double radius_m = 0;  ///< added all around the vertices' hull
@@ -190,7 +189,7 @@ inline bool collides(const PieceContact& contact, double touch_m = k_touch_m) {
 PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
 /// Returns contact_of()'s result, given closest points found from scratch (closest_cold).
 PieceContact contact_from(const Closest& closest, const MovingPiece& a, const MovingPiece& b);
-/// Returns the contact of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
+/// Returns the contact of a piece and the half-space dot(normal, x) <= offset_m, which is at rest.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
 /// Returns two spheres' contact without its rate. `between_m`: from the first centre to the second.

@@ -41,8 +41,8 @@ double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& se
     const Line line = sum_of(base, a, b);
     return first_touch_s(line.place_m, line.rate_mps, fall, since_s);
   };
-  // The lines that are lowest now bound the result from above. Only lines that pass below them
-  // before `until_s` can lower it; usually there are none.
+  // The lines that are lowest now bound the result from above. Only lines that pass below these
+  // before `until_s` can lower the result; usually no line does.
   const double until_s =
       touch_s(first != nullptr ? first->first() : k_no_line, second.first(), from_s);
   const bool first_changes = first != nullptr && first->keep_until(until_s);
@@ -103,8 +103,8 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   const std::span<const Line> of_a =
       first != nullptr ? first->keep_near_until(until_s, margin_m) : std::span(&k_no_line, 1);
   const std::span<const Line> of_b = second.keep_near_until(until_s, margin_m);
-  // Vertices with similar motion may stay equally low for long, so the bound uses the one that
-  // falls fastest.
+  // Vertices with similar motion may stay equally low for long, so use the vertex that falls
+  // fastest.
   constexpr double k_alike_mps = 0.25 * k_approach_mps;
   double falls_mps = base.rate_mps;
   double takes_over = k_forever_s;
@@ -142,7 +142,7 @@ double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
   return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest_m();
 }
 
-/// An axis's angular velocity, and how much faster its turning makes the separation fall.
+/// An axis's angular velocity, and by how much the turning accelerates the fall of the separation.
 struct AxisTurn {
   Vec3 angular_velocity_radps = Vec3::Zero();
   double fall_mps2 = 0;
@@ -183,8 +183,8 @@ Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& clo
   const bool with_b = closest.feature_b.kind == FeatureKind::face;
   const Vec3& spin_a = a.angular_velocity_radps;
   const Vec3& spin_b = b.angular_velocity_radps;
-  // Choose the face that turns more slowly. If the axis turned with the faster one, far vertices
-  // would move more relative to it.
+  // Choose the face that turns more slowly. If the axis turned with the faster face, far vertices
+  // would move more relative to the axis.
   if (with_a && with_b)
     return math::dot(spin_a, spin_a) <= math::dot(spin_b, spin_b) ? spin_a : spin_b;
   if (with_b) return spin_b;
@@ -262,15 +262,15 @@ struct Shadows {
   }
 };
 
-/// The separation of two pieces along an axis, without their vertices' places, and bounds on its
-/// fall.
+/// Two pieces' separation along an axis, to which the vertices' places are still to be added, and
+/// bounds on its fall.
 struct Separation {
   Line base;
   double fall_mps2;
   double bend_mps2;  ///< the part of fall_mps2 in which vertices differ
   double pull_mps2;  ///< relative acceleration of the centres
 };
-/// Computes the separation. Sets the turn of the shadows' axis.
+/// Computes the separation, and sets the angular velocity of the shadows' axis.
 Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows& shadows,
                             double touch_m, const AxisTurn& turn) {
   const Vec3& axis = shadows.axis;
@@ -278,7 +278,7 @@ Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows&
   const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
   const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
   const double pull = math::dot(axis, pull_mps2);
-  // As the axis turns, its angle to the acceleration changes; at worst they are opposite.
+  // As the axis turns, its angle to the acceleration changes; at worst the two are opposite.
   double towards = pull;
   if (!is_zero(turn.angular_velocity_radps)) {
     const double turns = math::norm(turn.angular_velocity_radps) * turn.valid_s;
@@ -306,7 +306,7 @@ double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, 
   const double span_s = std::min(
       turn.valid_s, comes_down_s(base, separation.fall_mps2, &shadows.of_a, shadows.of_b, 0));
   if (!is_zero(turn.angular_velocity_radps)) return span_s;
-  // Turning pieces stay inside their spheres; a fixed piece stays behind its plane.
+  // Turning pieces stay inside their bounding spheres; a fixed piece stays behind its plane.
   const double apart_m =
       base.place_m + (nearest_m(a, shadows.of_a) + nearest_m(b, shadows.of_b)) - k_touch_m;
   return apart_m > 0 ? std::max(span_s, first_zero_s(apart_m, base.rate_mps, separation.pull_mps2))

@@ -5,10 +5,10 @@
 // along n are known now, and its acceleration has a bound D. The separation therefore stays above
 // the lower envelope of one line per vertex, minus D h^2 / 2 after time h. Pieces that are apart
 // must touch before they collide, so the search skips to the time at which this bound reaches the
-// touch. If n is the line of the closest points, the bound is tight to second order, and a few
-// looks find the collision's exact tick.
+// touch distance. If n is the line of the closest points, the bound is tight to second order, and a
+// few looks (examinations of one tick) find the collision's exact tick.
 //
-// Pieces that touch collide once their gap shrinks. The gap's rate is that of the lowest vertex
+// Pieces that touch collide once their gap shrinks. The gap's rate is the rate of the lowest vertex
 // along the normal. The axis must therefore turn with the touching features. For each vertex, the
 // search computes the earliest time at which it may be both lowest and falling.
 //
@@ -25,16 +25,16 @@
 //   2. If the pieces are apart, a look may start from results of the pair's earlier looks. Earlier
 //      results decide which of several certified answers the look finds; the answers are equal up
 //      to rounding. The choice affects only which ticks are skipped, never what collides or when.
-//      So all searches find the same collision, however they are divided, except in the cases that
-//      invariant 3 excludes.
+//      So all searches find the same collision, however they are divided into looks, except in the
+//      cases that invariant 3 excludes.
 //   3. A look is skipped only under the bounds above, lowered by the rounding error of gaps at that
 //      distance from the origin. For touching pieces the bounds hold while the normal turns with
 //      the same face, whichever vertices touch. The bounds also hold while the normal turns with
 //      the same two edges, if the edges cross at a sine of 0.01 or more. For pieces within
-//      k_touch_m of each other, the bounds don't cover the turn of three normals: between more
-//      nearly parallel edges, between two vertices, and between a vertex and an edge (about the
-//      edge). Normals of spheres are covered. In the uncovered cases a collision may be late, by at
-//      most comes_deeper_s (piece_motion.h).
+//      k_touch_m of each other, the bounds don't cover some turns of the normal: between two edges
+//      that are more nearly parallel, between two vertices, and, about the edge, between a vertex
+//      and an edge. Normals of spheres are covered. In the uncovered cases a collision may be late,
+//      by at most comes_deeper_s() (piece_motion.h).
 // Thread safety: pure functions, except for the cache passed in.
 #pragma once
 

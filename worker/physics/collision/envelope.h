@@ -104,8 +104,7 @@ class Envelope {
     line_count_ = 1;
   }
 
-  /// Returns the line that is lowest now. After keep_until(), a tie goes to the line that falls
-  /// fastest.
+  /// Returns the line that is lowest now. After keep_until(), the fastest-falling line wins a tie.
   const Line& first() const { return lines_[0]; }
 
   /// Keeps the lines that pass below the first line within a time. Returns whether there are any.

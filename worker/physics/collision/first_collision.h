@@ -19,14 +19,15 @@ inline constexpr double k_skip_margin = 0x1p-20;
 inline double first_touch_s(double place_m, double rate_mps, double fall, double from_s) {
   const double excess_m = place_m - k_touch_m;
   if (excess_m + from_s * (rate_mps - 0.5 * fall * from_s) <= 0) return from_s;
-  // The bound reaches the touch at the later root.
+  // The bound reaches the touch distance at the later root.
   if (fall <= 0) return rate_mps < 0 ? excess_m / -rate_mps : k_forever_s;
   const double root = std::sqrt(std::max(0.0, rate_mps * rate_mps + 2 * fall * excess_m));
   const double down_s = rate_mps < 0 ? 2 * excess_m / (root - rate_mps) : (root + rate_mps) / fall;
   return std::max(from_s, down_s);
 }
 
-/// Returns the first h >= from at which also rate - fall h < -k_approach. REQUIRES: fall >= 0.
+/// Returns the first h >= from at which first_touch_s()'s condition holds and rate - fall h <
+/// -k_approach. REQUIRES: fall >= 0.
 inline double first_collision_s(double place_m, double rate_mps, double fall, double from_s) {
   double h = from_s;
   if (rate_mps - fall * h >= -k_approach_mps) {

@@ -3,10 +3,10 @@
 //
 // Idea. Bodies in a heap bounce by micrometres, thousands of times a second. Each bounce changes
 // the predictions for some twenty neighbours, although most of them are further away than the
-// bounces ever reach. So a body has a numbered place. The body keeps its place while no point has
-// moved further from its initial position than the place's room. A pair once found further apart
-// than both rooms allow can't collide while both bodies keep their places, however their motions
-// change.
+// bounces ever reach. So a body has a numbered place, which allows its points to move by a
+// distance, the place's room. The body keeps its place while no point has moved further than that.
+// If a pair was once found further apart than both rooms allow, it can't collide while both bodies
+// keep their places, however their motions change.
 //
 // Invariants
 //   1. While a body has a place (up to and including the tick `until`), each of its points is
@@ -39,7 +39,7 @@ class NearPlaces {
     bool stays = false;            ///< the body doesn't move at all
   };
 
-  /// Clears all places. A place that would last for fewer than `least` ticks is not given. With 0
+  /// Clears all places. No body gets a place that would last for fewer than `least` ticks. With 0
   /// bodies, places are off.
   void reset(std::size_t bodies, TickCount least) {
     of_body_.assign(bodies, {});
@@ -78,8 +78,8 @@ class NearPlaces {
   /// Returns the last tick at which both bodies surely have these places. REQUIRES: both have a
   /// place.
   Tick until(BodyId a, BodyId b) const { return std::min(of_body_[a].until, of_body_[b].until); }
-  /// Returns a distance: a pair that is ever further apart than this can't meet while it has its
-  /// places. REQUIRES: both bodies have a place.
+  /// Returns a distance. If a pair is ever further apart than this, it can't meet while both bodies
+  /// keep their places. REQUIRES: both bodies have a place.
   double clear_m(BodyId a, BodyId b) const {
     // Each body may have come nearer by its room, and may still come nearer by twice its room.
     return 2 * (of_body_[a].room_m + of_body_[b].room_m) + k_margin_m;

@@ -56,8 +56,9 @@ void for_each_crossing(const MovingPiece& a, const MovingPiece& b, const Vec3& n
     for_each_edge(b, [&](const Line& other) {
       const Vec3 across = math::cross(normal, other.along_m);
       const double crosses = math::dot(one.along_m, across);
-      // If two edges run along each other within `near_m`, rounding decides where they cross. No
-      // point is lost: a crossing so near an edge's end coincides with a corner.
+      // If two edges run along each other within `near_m`, rounding decides where they cross.
+      // Skipping such edges loses no point: a crossing so near an edge's end coincides with a
+      // corner.
       if (!(std::abs(crosses) > near_m * std::max(one.length_m, other.length_m))) return;
       const Vec3 between_m = other.start_m - one.start_m;
       const double share_of_one = math::dot(between_m, across) / crosses;

@@ -13,7 +13,6 @@
 
 namespace sleight::physics {
 
-/// Marks a pair that has no search (yet).
 inline constexpr std::uint32_t k_no_search = UINT32_MAX;
 
 struct PieceSearch {

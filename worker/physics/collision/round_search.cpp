@@ -42,7 +42,7 @@ double error_m(const MovingPiece& a, const MovingPiece& b) {
                                                  math::norm(b.pose.position_m - a.pose.position_m));
 }
 
-/// Lower bound of two pieces' separation minus the touch, as a function of time.
+/// Lower bound of two pieces' separation minus the touch distance, as a function of time.
 class Bound {
  public:
   Bound(const MovingPiece& a, const MovingPiece& b, const Vec3& axis, double touch_m)
@@ -64,7 +64,7 @@ class Bound {
   TurningReach of_b_;
 };
 
-/// Lower bound of a piece's height above a half-space minus the touch.
+/// Lower bound of a piece's height above a half-space minus the touch distance.
 class PlaneBound {
  public:
   PlaneBound(const HalfSpace& below, const MovingPiece& b, double touch_m)
@@ -142,7 +142,7 @@ Vec3 middle_of(const MovingPiece& piece) {
 
 Examined examine_round(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                        SeparationCache& cache, PieceContact& contact) {
-  // First try an earlier look's axis, in case it shows them apart for long enough.
+  // First try an earlier look's axis, in case it shows that the pieces stay apart for long enough.
   if (cache.filled) {
     const Bound earlier(a, b, math::product(a.pose.rotation, cache.axis), touch_m);
     const double span_s = stays_above_for_s(earlier);

@@ -1,27 +1,28 @@
 // Finds when two moving pieces meet, at least one of which is round.
 //
 // Idea. As for polyhedra, the gap is at least the separation along any fixed axis. The pieces'
-// extents along the axis are known now, and their curvature in time has a bound. Apart from its
-// points' acceleration, a body turning with angular velocity w reaches as far along the axis n
-// after time h as it reaches now along n + h n x w. A support function is convex, and these
+// extents along the axis are known now, and their curvature in time has a bound. Let a body turn
+// with angular velocity w. Apart from its points' acceleration, the body's reach along the axis n
+// after time h equals its present reach along n + h n x w. A support function is convex, and these
 // directions lie on a straight line, so the reach is convex in h (for rings too). The separation is
 // therefore at least a concave function of h:
 //
 //   separation(h) >= n.(place + h velocity + h^2/2 pull) - reach_a(h) - reach_b(h) - bend h^2/2.
 //
-// No collision is possible before this function falls to the touch. Each chord of the function is
-// below it, so a search with chords approaches that time from the safe side.
+// No collision is possible before this function falls to the touch distance. Each chord of the
+// function is below it, so a search with chords approaches that time from the safe side.
 //
 // Pieces that touch without colliding are examined again before any of their points can come
 // k_touching_depth_m nearer at its present speed, and after at most k_touching_s_max. A bounce
-// leaves the touch within a few ticks, so such looks are rare. The repeated looks bound how late a
-// touching pair's collision can be; for polyhedra there is no such bound.
+// separates touching pieces within a few ticks, so such looks are rare. The repeated looks bound
+// how late a touching pair's collision can be; for polyhedra, k_touching_s_max is not among the
+// bounds.
 //
 // Invariants
-//   1. A look at touching pieces depends only on their poses and motion. So does the first tick at
-//      which separate pieces touch. The axis stored by earlier looks decides only which ticks are
-//      skipped, so all searches find the same collision.
-//   2. While pieces are apart, no tick at which they touch is skipped. While they touch, a
+//   1. The result of a look at touching pieces depends only on their poses and motion, and so does
+//      the first tick at which separate pieces touch. The axis stored by earlier looks decides only
+//      which ticks are skipped, so all searches find the same collision.
+//   2. While pieces are apart, no tick at which they touch is skipped. While pieces touch, a
 //      collision is late by at most the bounds above.
 // Internal to worker/physics/collision: examine_pieces and examine_plane call this search. Thread
 // safety: pure functions.

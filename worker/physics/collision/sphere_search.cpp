@@ -13,7 +13,7 @@ double first_rise_s(double distance, double rate, double curvature) {
   if (discriminant < 0) return k_forever_s;
   const double root = std::sqrt(discriminant);
   if (curvature > 0) {
-    // The only positive root, in the form without cancellation.
+    // Compute the only positive root, in the form without cancellation.
     return rate >= 0 ? -2 * distance / (rate + root) : (root - rate) / curvature;
   }
   // The function rises, turns and falls, so the first root counts, if there is one.
@@ -25,8 +25,8 @@ Tick later(Tick tick, double span_s) {
   return tick + std::max<TickCount>(1, ticks_before(span_s));
 }
 
-/// Returns the state of a centre relative to a line or a point. `c`: from there to the centre,
-/// perpendicular to the line.
+/// Returns the state of a centre relative to a line or a point. `c` leads from the line or point to
+/// the centre, perpendicular to the line.
 GapState round_state(const Vec3& c, const Vec3& velocity_mps, const Vec3& acceleration_mps2,
                      double radius_m, double coordinates_m) {
   const double c_v = math::dot(c, velocity_mps);

@@ -21,9 +21,10 @@
 // For two balls in free flight A is 0, and the time of their touch is computed in closed form.
 //
 // Invariants
-//   1. A tick is skipped only under such a bound, lowered by the rounding of the bound's inputs.
+//   1. A tick is skipped only if such a bound, lowered by its inputs' rounding, excludes a
+//      collision.
 //   2. The verdict at a tick depends only on the two segments and the tick. The tick at which a
-//      search starts, and its limit, don't change its result.
+//      search starts, and the search's limit, don't change the result.
 // Thread safety: pure functions.
 #pragma once
 
@@ -79,13 +80,13 @@ inline double first_fall_s(double place, double rate, double curvature) {
   return rate < 0 ? 2 * place / (root - rate) : (rate + root) / -curvature;
 }
 
-/// More than the rounding of a gap at coordinates of up to a kilometre.
+/// This margin exceeds the rounding of a gap at coordinates of up to a kilometre.
 inline constexpr double k_clear_margin_m = 1e-9;
 
 /// Quick check: returns true if a sphere certainly doesn't collide with a feature within `span_s`,
 /// because one of the three conditions fails throughout. False means unknown. The check costs a
-/// fifth of examine. The function is inline because spheres in a box of many features rarely need
-/// more.
+/// fifth of examine(). The function is inline, because it usually suffices in a box of many
+/// features.
 inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide> sides,
                         const MovingPoint& centre, double radius_m, double span_s) {
   const double half_square = 0.5 * span_s * span_s;

@@ -74,13 +74,13 @@ inline Pace pace_of(SplineSurface& surface, const MovingPiece& box) {
   const Vec3& v = box.velocity_mps;
   pace.past_mps = std::sqrt(v.x() * v.x() + v.y() * v.y()) + turning_mps + gained_mps;
   pace.turning_radps = std::max(math::norm(box.angular_velocity_radps), turning_mps / box.reach_m);
-  // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x'; x'' is the centre's acceleration plus that of
-  // turning.
+  // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x'; x'' is the centre's acceleration plus the
+  // acceleration of turning.
   pace.fall_mps2 = std::max(0.0, (bounds.slope * aside_mps2 - pull_mps2.z()) +
                                      pace.stretch * box.turning_acceleration_mps2 +
                                      bounds.hollow_per_m * (pace.past_mps * pace.past_mps));
   if (box.turns_evenly) {
-    // d3/dt3 (z - S) = (-grad S, 1) . j of the point, and -3 v^T H a - T v^3 of the surface.
+    // The point adds (-grad S, 1) . j to d3/dt3 (z - S); the surface adds -3 v^T H a - T v^3.
     pace.jerk_mps3 =
         pace.stretch * pace.turning_radps * box.turning_acceleration_mps2 +
         pace.past_mps * (3 * pace.bend_per_m * (aside_mps2 + box.turning_acceleration_mps2) +

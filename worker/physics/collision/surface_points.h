@@ -216,8 +216,8 @@ void split(Points& points, const Cell& cell, const Note& note, const Visit& visi
 }
 
 /// Calls note(point) for all points whose gap is at most limit() above their allowed move, and for
-/// some others. S + bump |x|^2 / 2 is convex, where S is the surface's height. So at a weighted
-/// mean of points, S is at most the mean of S plus bump / 2 times their variance.
+/// some other points. S + bump |x|^2 / 2 is convex, where S is the surface's height. So at a
+/// weighted mean of points, S is at most the mean of S plus bump / 2 times their variance.
 template <class Part, class Limit, class Note>
 void visit_low(Points& points, const Part& part, double bump_per_m, const Limit& limit,
                const Note& note) {

@@ -17,21 +17,22 @@ using namespace surface_points;
 
 /// A face counts as a parallelogram if rounding leaves a gap of at most this share of its size.
 constexpr double k_parallel = 1e-9;
-/// The search margins below affect only speed. A part that is clear for this share of the other
-/// parts' time isn't split. A short time is an exception, because the collision is then near.
+/// The search margins below affect only speed. A part isn't split if it is clear for this share of
+/// the time for which the other parts are clear. If that time is short, the part is split anyway,
+/// because a collision is then near.
 constexpr double k_long_enough = 0.7;
 constexpr double k_long_s = 3e-4;
-/// A point's second, tighter bound is computed for this factor times its first bound.
+/// A point's second, tighter bound is computed for this many times its first bound's time.
 constexpr double k_a_bit_more = 1.1;
-/// Near points are checked for this factor times the look's span.
+/// Near points are checked for this many times the span of the present look.
 constexpr double k_clear_ahead = 4;
-/// Below this span, the near points are gathered again.
+/// If points that aren't stored stay clear for less than this span, gather the near points again.
 constexpr double k_worth_s = 1e-4;
 /// Points are near if they may touch within this many spans of the present look.
 constexpr double k_looks_ahead = 3;
 constexpr double k_ahead_s_max = 2e-3;
-/// Points closer than k_near_m_min are near. If the distance for near points would be a large part
-/// of the box, near points aren't used.
+/// Points closer than k_near_m_min always count as near. If points further away than k_near_share
+/// of the box's reach would count as near, near points aren't used.
 constexpr double k_near_m_min = 5e-6;
 constexpr double k_near_share = 0.1;
 
@@ -71,7 +72,7 @@ class Look {
 
  private:
   /// Returns whether only the lowest corner can collide within the time that the corners allow.
-  /// Examines all corners unless the lowest one settles it.
+  /// Examines all corners, unless the lowest corner settles the question.
   bool lowest_corner_counts() {
     best_s_ = pace_.valid_s;
     if (is_above_least_height()) return true;
@@ -182,7 +183,8 @@ class Look {
     const Vec3 arm_m = place_m - box_.pose.position_m;
     return box_.velocity_mps.z() + math::cross(box_.angular_velocity_radps, arm_m).z();
   }
-  /// Stores the points that this look and a few similar ones need. Returns false if too many.
+  /// Stores the points that this look and a few similar ones need. Returns false if they are too
+  /// many.
   bool gather(NearPoints& near) {
     near.known = false;
     const double span_s = k_looks_ahead * std::min(best_s_, k_ahead_s_max);
@@ -258,8 +260,8 @@ class Look {
   double needed_m(std::int32_t steps, double gap_m) const {
     return steps * (2 * k_touch_m + std::max(0.0, -std::min(gap_m, lowest_m_)));
   }
-  /// Returns whether the point at `d` from a given point stays higher than it by `by_m` up to
-  /// `until_s`. Meanwhile `d` turns, and the slopes at the moving point change.
+  /// Returns whether the point at `d` from a given point stays at least `by_m` higher than that
+  /// point up to `until_s`. Meanwhile `d` turns, and the slopes at the moving point change.
   bool rises_until(const Vec3& d, double slope_x, double slope_y, double hollow_per_m, double by_m,
                    double until_s) const {
     const double across2 = d.x() * d.x() + d.y() * d.y();
@@ -406,7 +408,7 @@ std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing
   for (std::size_t e = 0; e < lattice.edges.size(); ++e) {
     const auto [one, other] = piece.edges[e].vertex;
     const double length_m = math::norm(piece.vertices_m[other] - piece.vertices_m[one]);
-    // A whole number of steps stays whole, however the length is rounded.
+    // The factor keeps a whole number of steps whole, however the length is rounded.
     const double steps = std::ceil(length_m / spacing_m * (1 - k_parallel));
     if (!(steps <= k_steps_max)) return std::nullopt;
     lattice.edges[e] = {{one, other}, std::max(1, static_cast<std::int32_t>(steps))};

@@ -15,11 +15,12 @@
 // Cells that these bounds don't settle are split. A box that settles, or rolls over a bump, is
 // examined repeatedly while it hardly moves, and points far from the surface stay far for a while.
 // So a search stores the few near points and a lower bound on the distance of all others. Later
-// looks examine only some of the near points. The box is rigid with plane faces, so a point uses up
-// no greater share of its room than some corner does. While the motion is unchanged, each point
-// also stays clear for as long as its own bound allows.
+// looks examine only some of the near points. A corner's room is how far it may come down before a
+// point that isn't stored can touch; other points' rooms are interpolated. The box is rigid with
+// plane faces, so no point uses up a greater share of its room than the corners do. While the
+// motion is unchanged, each point also stays clear for as long as its own bound allows.
 //
-// Gaps are vertical; contact normals and rates are those of the surface.
+// Gaps are vertical. Contact normals are the surface's, and contact rates are measured along them.
 //
 // Invariants
 //   1. If the box touches, a look's verdict and contact depend only on the box's pose and motion.
@@ -46,7 +47,8 @@ struct EdgeLattice {
   std::int32_t steps = 1;
 };
 
-/// Lattice points of a face: corner[0] + i/along of the way to corner[1] + j/across to corner[3].
+/// Lattice points of a face. Point (i, j) is corner[0], plus i/along of the way to corner[1], plus
+/// j/across of the way to corner[3].
 struct FaceLattice {
   std::array<std::uint16_t, 4> corner{};  ///< vertices of the box, in order around the face
   std::int32_t along = 1;                 ///< number of steps, at least 1
@@ -57,8 +59,8 @@ struct BoxLattice {
   std::array<EdgeLattice, 12> edges;
   std::array<FaceLattice, 6> faces;
   std::int32_t steps_most = 1;  ///< maximum over all edges
-  /// Builds a lattice with points at most `spacing_m` apart. Empty unless the piece has eight
-  /// vertices and six parallelograms, with at most k_steps_max steps to a side.
+  /// Builds a lattice with points at most `spacing_m` apart. Returns nothing unless the piece has
+  /// eight vertices and six parallelograms as faces, with at most k_steps_max steps to a side.
   static std::optional<BoxLattice> of(const ConvexView& piece, double spacing_m);
   static constexpr std::int32_t k_steps_max = 1024;
 };
@@ -90,8 +92,8 @@ struct NearPoints {
 /// does, returns the corner or lattice point with the least gap.
 PieceContact contact_of(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box);
 
-/// Examines one tick. If they collide, `contact` is contact_of()'s result. `near`: from an earlier
-/// look, or new. If the motion has changed since then, call forget_motion first.
+/// Examines one tick. If box and surface collide, `contact` is contact_of()'s result. `near`: from
+/// an earlier look, or new. If the motion has changed since then, call forget_motion first.
 Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box,
                          Tick tick, NearPoints& near, PieceContact& contact);
 
