@@ -1,9 +1,9 @@
 // The interface that contact_events.h requires of a table of bodies at an event.
 //
-// An engine wraps its table and the event in one object: an Event with the operations of
-// SpheresAtEvent and, if some bodies may not be spheres, those of AnyAtEvent. World::AtEvent has
-// all operations (world_at_event.h); Marbles::AtEvent has the operations for spheres
-// (marbles_contacts.cpp).
+// An engine wraps its table and the event in one object, an Event with the operations of
+// SpheresAtEvent. If some bodies may not be spheres, the object also has the operations of
+// AnyAtEvent. World::AtEvent has all operations (world_at_event.h); Marbles::AtEvent has the
+// operations for spheres (marbles_contacts.cpp).
 //
 // Thread safety: none.
 #pragma once
@@ -55,24 +55,23 @@ concept SpheresAtEvent = std::derived_from<T, Event> &&
   // Whether a sphere that stands still on these contacts would remain there (stands_on()).
   { at.stands(b, contacts) } -> std::same_as<bool>;
 
-  // The next motion. flight_after() returns the free flight with a twist. Both begin functions add
-  // the body to `changed` and clear its supports.
+  // The next motion. flight_after() returns the free flight with a twist. begin_after() and
+  // begin_segment() add the body to `changed` and clear its supports.
   { at.flight_after(b, twist) } -> std::same_as<FreeFlight>;
   at.begin_after(b, twist);
   at.begin_segment(b, segment);
 
-  // Counts a collision of b.
   { at.count(b) } -> std::same_as<const CollisionCount&>;
   // Records the gap of a colliding pair.
   at.meets(b, other, gap_m);
   // Records a touch of b for rest decisions.
   at.touches(b, touch, bool{});
 
-  // For histories: b may change from now on for reasons that its history doesn't contain.
+  // goes_live() notes that b may change from now on for reasons that its history doesn't contain.
   at.goes_live(b);
-  // For histories: the event's result for b depends on the other body's state.
+  // reads() notes, for histories, that the event's result for b depends on the other body's state.
   at.reads(b, other);
-  // For histories: b's contact state changes by more than a touch.
+  // learns() notes, for histories, that b's contact state changes by more than a touch.
   at.learns(b);
 };
 
@@ -85,7 +84,8 @@ concept AnyAtEvent = SpheresAtEvent<T> &&
   { at.rigid_body(b) } -> std::same_as<RigidImpactBody>;
   // How a body with this twist would stay on a face of static geometry. Empty: it doesn't stay.
   { at.lying(b, met, face, twist) } -> std::same_as<std::optional<PlaneStay>>;
-  // Records corners that carry the body besides those that touched (Resting::still_touches).
+  // Records further corners that carry the body, besides the corners that touched
+  // (Resting::still_touches).
   at.notes_corners(b);
 };
 

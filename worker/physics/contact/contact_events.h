@@ -96,8 +96,8 @@ Twist impact_on_static(At& at, BodyId body, const Twist& before, const PieceCont
       .b;
 }
 
-/// Returns a body's twist as it leaves something that doesn't move. A rolling round body hops: it
-/// has no slip whose energy could keep its bounces going.
+/// Returns a body's twist as it leaves something that doesn't move. A rolling round body hops,
+/// because it has no slip whose energy could keep its bounces going.
 template <SpheresAtEvent At>
 Twist leaving(At& at, BodyId body, const PieceContact& contact, const Twist& twist) {
   const double speed_mps = hop_speed_mps(at.scene.slow);
@@ -162,15 +162,16 @@ void wake_on_those_that_left(At& at) {
 // ---- lasting contact of spheres -----------------------------------------------------------------
 
 // A sphere loses its bounce on a face if the bounce would be slower than separation_speed_mps. The
-// sphere then stays if gravity presses it onto one face, into a valley of two or into a corner of
-// three. At an edge, a fast sphere hops (contact_motion.h), and a slow sphere moves round the edge
-// piece by piece (edge_motion.h). A vertex, or an edge together with another feature, counts as a
-// face as long as the sphere moves by no more than a few micrometres. So a sphere can come to rest
-// between a face and an edge.
+// sphere then stays if gravity presses it onto one face, into a valley between two faces, or into a
+// corner of three faces. At an edge, a fast sphere hops (contact_motion.h), and a slow sphere moves
+// round the edge piece by piece (edge_motion.h). A vertex, or an edge together with another
+// feature, counts as a face as long as the sphere moves by no more than a few micrometres. So a
+// sphere can come to rest between a face and an edge.
 //
-// A sphere stays only if it has met no other body for some bounces. A sphere that leans on another
-// body bounces off both the face and the body. If the sphere stayed on the face instead, nothing
-// would separate it from the other body, and the two would collide endlessly without time passing.
+// A sphere stays only if it has met no other body for the duration of some bounces. A sphere that
+// leans on another body bounces off both the face and the body. If the sphere stayed on the face
+// instead, nothing would separate it from the other body, and the two would collide endlessly
+// without time passing.
 
 struct FewContacts {
   std::array<FeatureId, 3> features{};
@@ -244,9 +245,9 @@ void begin_caught(At& at, BodyId body, FeatureId feature, const Twist& twist) {
 
 // A body that isn't a sphere stays on a flat surface if the points that carry it bounce there no
 // faster than slow bounces do (plane_stay.h). As for spheres, the body's own bounce must be slower
-// than separation_speed_mps, and it must have met no other body for some bounces. The body also
-// must not have hit two static pieces shortly after each other; otherwise staying on one piece
-// would press the body into the other.
+// than separation_speed_mps, and the body must have met no other body for the duration of some
+// bounces. The body also must not have hit two static pieces shortly after each other; otherwise
+// staying on one piece would press the body into the other.
 
 /// Begins a segment in which a body stays on a flat surface.
 template <AnyAtEvent At>
@@ -293,8 +294,7 @@ void change_lying(At& at, BodyId body) {
   }
   at.learns(body);
   at.resting.flies(body, at.tick);
-  // Make the body hop. If it flew from rest at the touch distance, it would bounce again at every
-  // tick.
+  // Make the body hop, because from rest at the touch distance it would bounce again at every tick.
   const Vec3 normal = flat_at(at.scene.statics, index, face).normal;
   RigidImpactBody leaver = at.rigid_body(body);
   leaver.twist = twist;
@@ -318,7 +318,7 @@ void change_mode(At& at, BodyId body) {
   const bool rolled = at.mode(body) == MotionMode::rolling;
   const Twist twist = at.twist(body);
   // Drop the feature whose border the centre crossed. The sphere meets the feature beyond the
-  // border like any other, at once if the surface continues level.
+  // border as it meets any other feature, at once if the surface continues level.
   FewContacts few;
   for (const StaticId met : at.supports(body).all()) {
     const FeatureId feature{met};

@@ -60,12 +60,12 @@ struct CollisionCount {
     return at_tick > k_events_at_a_tick_max || in_window > k_collisions_in_window_max;
   }
 };
-/// Describes too many collisions for an error message. `slow_contacts_end`: the scene sets
-/// SlowContacts.
+/// Returns the words of an error message about too many collisions. `slow_contacts_end`: the scene
+/// sets SlowContacts.
 std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_end);
 
-/// A body's contact state, except its touches, which are in a list of TouchRecord (rest_log.h), and
-/// its collision counts and times, which follow from the event itself (World::restore).
+/// A body's contact state, without its touches, collision counts and times. Touches are in a list
+/// of TouchRecord (rest_log.h); counts and times follow from the event itself (World::restore).
 struct ContactState {
   RestState rest;
   Supports supports;

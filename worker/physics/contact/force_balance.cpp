@@ -31,7 +31,7 @@ Vec3 in_cone(const HoldingContact& contact, const Vec3& force) {
   return load * contact.normal + (mu * load / size) * across;
 }
 
-/// A contact's three columns of A for one of its two sides: force and torque.
+/// One side's part of a contact's three columns of A: force and torque.
 struct Columns {
   std::size_t row;
   double sign;
@@ -65,7 +65,7 @@ void ForceBalance::factor(std::span<const HeldBody> bodies,
                           std::span<const HoldingContact> contacts) {
   const std::size_t size = 6 * bodies.size();
   lower_.assign(size * size, 0);
-  // Each contact adds G G^T, with G = +-(1; [lever]) for both sides.
+  // Each contact adds G G^T to A A^T, with G = +-(1; [lever]) for both sides.
   for (const HoldingContact& contact : contacts) {
     for_each_side(bodies, contact, [&](const Columns& a) {
       for_each_side(bodies, contact, [&](const Columns& b) {

@@ -63,7 +63,8 @@ class ForceBalance {
   double worst_missing(std::span<const HeldBody> bodies, std::span<const HoldingContact> contacts);
 
   double unit_n_ = 0;  ///< greatest weight; the unit of all forces below
-  // Cholesky's factor L of A A^T: by rows below the diagonal, by columns, and inverse diagonal.
+  // Cholesky's factor L of A A^T, in three parts: rows below the diagonal, columns below the
+  // diagonal, and the inverse diagonal.
   std::vector<double> lower_;
   std::vector<double> upper_;
   std::vector<double> inverse_;

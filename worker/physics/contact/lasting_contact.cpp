@@ -64,8 +64,8 @@ struct Carried {
   ContactMotion motion{};
 };
 
-/// Returns the largest set of contacts that all carry a sphere while it doesn't press on the
-/// others.
+/// Returns the largest set of contacts that all carry a sphere while it doesn't press on the other
+/// contacts.
 std::optional<Carried> carried_by(const RoundBody& round, std::span<const LastingContact> contacts,
                                   const Twist& twist, const Vec3& gravity_mps2) {
   for (std::size_t count = contacts.size(); count > 0; --count) {
@@ -183,7 +183,7 @@ std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const F
     if ((stay.subset >> i & 1U) == 0) continue;
     const SphereFeature& feature = scene.statics.feature(on.features[i]);
     if (const FrictionMap* map = scene.statics.friction_map({on.features[i]})) {
-      // The centre is directly above the contact, so it has the same map coordinates.
+      // The centre is directly above the contact, so both have the same map coordinates.
       const Tick border = meets_border(*map,
                                        {.place_m = flight.position_m,
                                         .velocity_mps = flight.velocity_mps,

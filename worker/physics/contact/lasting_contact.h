@@ -16,7 +16,7 @@
 
 namespace sleight::physics {
 
-/// Returns the tick after a span, at least the next tick; k_never if beyond a simulation's end.
+/// Returns the tick after a span, at least the next tick; k_never if after a simulation's end.
 Tick tick_after(Tick tick, double span_s);
 
 /// Height of the slowest bounces.
@@ -63,15 +63,15 @@ struct ContactScene {
   const Vec3& gravity_mps2;
 };
 
-/// Returns how a sphere stays from a tick on: on the largest set of features that all carry it
-/// while it doesn't press on the others. Empty: no feature carries it. On a single edge the sphere
-/// moves piece by piece (edge_motion.h), or straight on for a few micrometres if no piece is
-/// possible. `now`: the sphere's free flight from this tick.
+/// Returns how a sphere stays from a tick on. The sphere stays on the largest set of features that
+/// all carry it while it doesn't press on the other features. Empty: no feature carries it. On a
+/// single edge the sphere moves piece by piece (edge_motion.h), or straight on for a few
+/// micrometres if no piece is possible. `now`: the sphere's free flight from this tick.
 std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const FreeFlight& now,
                             const ContactScene& scene);
 
 /// The next motion of a sphere that has just lost its bounce on the first of some contacts, while
-/// it stayed on the others.
+/// it stayed on the other contacts.
 struct Caught {
   std::size_t count = 1;  ///< the sphere may stay on the first `count` contacts
   Twist twist{};
@@ -81,13 +81,13 @@ struct Caught {
   Twist otherwise{};
 };
 
-/// Keeps the previous contacts too, unless the sphere moves fast across them: then it rolls up the
-/// new feature. REQUIRES: one to three contacts; the sphere doesn't approach the first one.
+/// Keeps the previous contacts too, unless the sphere moves fast across them; then the sphere rolls
+/// up the new feature. REQUIRES: one to three contacts; the sphere doesn't approach the first.
 Caught caught_by(const RoundBody& round, std::span<const LastingContact> contacts,
                  const Twist& twist, const SlowContacts& slow);
 
-/// Returns a sphere's twist on a piece over an edge with normal `half_way`: the twist of the
-/// segment, corrected for the work that the load has done (without_lift).
+/// Returns a sphere's twist during a piece of motion over an edge with normal `half_way`. This is
+/// the segment's twist, corrected for the work that the load has done (without_lift).
 Twist twist_over_edge(const RoundBody& round, const Segment& segment, const Vec3& half_way,
                       const Vec3& gravity_mps2, Tick tick);
 

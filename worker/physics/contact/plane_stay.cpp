@@ -13,7 +13,7 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Whether the motion that the plane removes from a body is at most that of a slow bounce.
+/// Whether the motion that the plane removes from a body is at most the motion of a slow bounce.
 /// settles() tests the normal velocity at each support and, for a body that touches along a line,
 /// the slip along the line and the turn about the normal.
 bool settles(const BodyOnPlane& body, const FreeFlight& now, const PlaneMotion& motion,

@@ -20,8 +20,8 @@
 
 namespace sleight::physics {
 
-/// Distance from a plane within which a point of a body may carry it: the height of a bounce at
-/// k_settling_bounces times the slowest speed.
+/// A point of a body may carry the body if it is within this distance of a plane: the height of a
+/// bounce at k_settling_bounces times the slowest speed.
 inline double near_plane_m(const SlowContacts& slow, const Vec3& gravity_mps2) {
   return k_settling_bounces * k_settling_bounces * bounce_m(slow, gravity_mps2);
 }

@@ -1,5 +1,5 @@
-// For each body, its last collision partners and the gaps at collision, for the refractory time
-// (tolerances.h).
+// Stores each body's last collision partners and the gaps at these collisions, for the refractory
+// time (tolerances.h).
 //
 // Thread safety: none.
 #pragma once
@@ -39,7 +39,7 @@ class RecentContacts {
   void reset(std::size_t bodies) { of_body_.assign(bodies, {}); }
   bool enabled() const { return !of_body_.empty(); }
 
-  /// Maximum stored partners, more than can press on a body within a microsecond.
+  /// Maximum stored partners of a body: more than can press on a body within a microsecond.
   static constexpr std::size_t k_partners = 16;
   struct Entry {
     BodyId partner{UINT32_MAX};
@@ -79,7 +79,7 @@ class RecentContacts {
     if (!enabled()) return {};
     for (const Entry& entry : of_body_[body].entries) {
       if (entry.partner != partner) continue;
-      // Half of the distance left to k_sink_m, but not below the accuracy of distances.
+      // The gap must shrink by half of the distance left to k_sink_m (k_sink_step_m_min or more).
       const double left_m = std::max(entry.gap_m + k_sink_m, k_sink_step_m_min);
       return {.until = entry.tick + k_refractory, .touch_m = entry.gap_m - 0.5 * left_m};
     }

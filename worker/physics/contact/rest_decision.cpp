@@ -99,8 +99,8 @@ bool RestDecision::find_set() {
 void RestDecision::ask_later() {
   RestLog& log = log_of(body_);
   const Note& note = notes_[body_];
-  // A sliding body is tested again when its sliding changes (stays). If other bodies can't hold the
-  // body that leans on them, they all keep moving for a while.
+  // A sliding body is tested again when its sliding changes (Resting::stays). If other bodies can't
+  // hold the body that leans on them, they all keep moving for a while.
   const bool unheld = note.unheld || !overloaded_.empty();
   const bool later = unheld || note.slides;
   log.due = now_ + std::max<TickCount>(1, later ? 4 * logs_->rest_span : logs_->rest_span / 2);
@@ -204,7 +204,7 @@ Contacts RestDecision::supporting(BodyId body) const {
 // ---- the set ------------------------------------------------------------------------------------
 
 bool RestDecision::settle_set() {
-  // Check again those members that lean on a body that isn't carried.
+  // Check members again if they lean on a body that isn't carried.
   const auto leans_on_others = [&](BodyId member) {
     const RestLog& log = log_of(member);
     const auto contacts = log.touches();

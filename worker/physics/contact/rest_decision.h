@@ -7,19 +7,19 @@
 // can carry its weight, even if its centre moves a little to any side. Other bodies that a member
 // touches may still move, so a heap into which grains fall comes to rest from below.
 //
-// Spheres needn't be balanced with a moved centre. The same holds for bodies that have been slow
-// for 64 rest times: by then a body balancing on an edge has toppled, but a cube rocking on two
-// opposite corners has not. A body that has been slow for 64 rest times without leaving its place
-// is taken to stand on all contacts that push it up, even if they don't balance it. For example, a
-// ball on a ledge that leans on another ball may lack a thousandth of its weight, yet bounce by
-// micrometres for ever.
+// For spheres, balance with a moved centre is not required. The same holds for bodies that have
+// been slow for 64 rest times: by then a body balancing on an edge has toppled, but a cube rocking
+// on two opposite corners has not. A body that has been slow for 64 rest times without leaving its
+// place counts as standing on all contacts that push it up, even if they don't balance it. For
+// example, a ball on a ledge that leans on another ball may lack a thousandth of its weight, yet
+// bounce by micrometres for ever.
 //
 // The balance test keeps slow bodies that are about to topple or slide from being frozen. The test
-// includes loads: one system of contact forces (force_balance.h) must hold the set, all resting
-// bodies that it leans on, those that lean on these, and so on, in structures of up to
-// k_held_together_max bodies. If the forces can't hold the set, it goes to rest without its least
-// balanced members, and resting bodies that can't bear it wake. In larger structures, and for a
-// body that has been slow for 64 rest times, each body is tested alone.
+// includes loads. One system of contact forces (force_balance.h) must hold the set and all resting
+// bodies that are connected with it by leaning, in structures of up to k_held_together_max bodies.
+// If the forces can't hold the set, the set goes to rest without its least balanced members, and
+// resting bodies that can't bear the set wake. In larger structures, and for a body that has been
+// slow for 64 rest times, each body is tested alone.
 //
 // A decision requests the state of one body after another from the caller, and then returns an
 // outcome:
@@ -101,7 +101,7 @@ class RestDecision {
   void note_stay(RestLog& log, const Note& note, double reach_m) const;
   /// Whether the body rests regardless of its balance with others.
   bool holds_anyhow(const RestLog& log) const;
-  /// Returns the touches that a body leans on; none if they don't carry it.
+  /// Returns the touches that a body leans on; an empty set if they don't carry the body.
   Contacts supporting(BodyId body) const;
   /// Stores which touches carry a candidate. Returns whether any do.
   bool check(BodyId member);

@@ -53,8 +53,8 @@ struct RestLog : RestState {
 
   std::span<const TouchRecord> touches() const { return {records.data(), count}; }
   std::span<const TouchRecord> holding() const { return {held.data(), held_count}; }
-  /// Adds a touch. The new touch replaces one of the same partner at the same place, or the oldest
-  /// one if the list is full.
+  /// Adds a touch. The new touch replaces a touch of the same partner at the same place, or the
+  /// oldest touch if the list is full.
   void record(const TouchRecord& touch);
   void forget_before(Tick now, TickCount span);
   /// Marks the body as neither slow nor at rest.

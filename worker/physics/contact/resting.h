@@ -8,12 +8,12 @@
 // A resting body is an obstacle. The supporters of a resting body are the bodies whose pushes
 // balanced it. A resting body wakes when a collision or a user would give it a speed above
 // wake_speed_mps(); weaker impacts act on it as on static geometry. A resting body also wakes when
-// a supporter moves. A supporter moves if an impact wakes it, or if its own supporter moved and it
-// then becomes fast or leaves its place. So an impact doesn't wake a whole heap: a body that may
-// have lost its support is tested, and the bodies on it sleep on unless it leaves its place.
+// a supporter moves. A supporter moves if an impact wakes it, or if it becomes fast or leaves its
+// place after its own supporter moved. So an impact doesn't wake a whole heap: a body that may have
+// lost its support is tested, and the bodies on it keep resting unless it leaves its place.
 //
 // Invariants
-//   1. Bodies go to rest only by a decision, which is made at the rest event of one of them.
+//   1. Bodies go to rest only by a decision, which is made at the rest event of one such body.
 //   2. Nothing is allocated after reset().
 // Thread safety: none.
 #pragma once
@@ -34,9 +34,9 @@ class Resting {
   /// How long a touch counts.
   TickCount rest_span() const { return logs_.rest_span; }
   double wake_speed_mps() const;
-  /// Whether a collision is slow, given the speeds of the body's fastest point before and after it
-  /// and the separation speed of the contact. A collision that separates faster than slow bounces
-  /// do isn't slow; otherwise bodies could freeze in the air.
+  /// Whether a collision is slow, given the contact's separation speed and the speeds of the body's
+  /// fastest point before and after the collision. A collision that separates faster than slow
+  /// bounces do isn't slow; otherwise bodies could freeze in the air.
   bool is_slow(double before_mps, double after_mps, double parting_mps) const;
 
   // Changes of a body's motion.
@@ -51,7 +51,7 @@ class Resting {
   void disturbed(BodyId body);
 
   // Going to rest. All of these functions REQUIRE enabled().
-  /// Tick of the body's next rest event; k_never if it isn't slow.
+  /// Tick of the body's next rest event; k_never if the body isn't slow.
   Tick due(BodyId body) const { return log_of(body).due; }
   /// Touches in the last rest_time_s, and possibly earlier ones.
   std::span<const TouchRecord> touches(BodyId body) const { return log_of(body).touches(); }
@@ -70,7 +70,7 @@ class Resting {
             std::span<const BodyId> supporters);
 
   // Waking.
-  /// The bodies that a resting body leans on; empty if awake.
+  /// The bodies that a resting body leans on; empty if the body is awake.
   std::span<const BodyId> supporters(BodyId body) const;
   /// Marks the bodies that rest on a moving body as awake and returns them in ascending order.
   /// Bodies that rest on a returned body keep resting until it leaves its place. Valid until the
@@ -82,7 +82,7 @@ class Resting {
   bool in_place(BodyId body) const { return enabled() && log_of(body).in_place; }
   /// Whether a woken body has left its place, given its current pose and speed.
   bool has_left(BodyId body, const Pose& pose, double speed_mps) const;
-  /// Marks the body as having no place.
+  /// Marks the body as having left the place in which others rested on it.
   void leave(BodyId body) { log_of(body).in_place = log_of(body).has_place = false; }
 
   // Histories.

@@ -11,7 +11,7 @@
 namespace sleight::physics {
 namespace {
 
-/// A push: force, and torque / reach.
+/// A push's force, and its torque divided by the reach.
 struct Wrench {
   Vec3 force;
   Vec3 torque;
@@ -47,7 +47,7 @@ class Balance {
     return contacts;
   }
 
-  /// Non-negative least squares by coordinate descent. `direction`: unit vector of the weight.
+  /// Uses non-negative least squares by coordinate descent. `direction`: unit vector of the weight.
   bool carries(const Vec3& direction, const Vec3& weight_at_m) {
     constexpr double k_enough = k_balance_tolerance * k_balance_tolerance;
     Wrench rest{direction, math::cross(weight_at_m, direction) / reach_m_};

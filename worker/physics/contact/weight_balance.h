@@ -24,13 +24,13 @@ using Contacts = std::uint32_t;
 bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
                const Vec3& weight_at_m = Vec3::Zero());
 
-/// Returns the contacts that push when they carry a weight at the centre; none if they can't.
-/// `firmly`: the contacts must also carry the weight if the centre moves by a little (k_firm) to
-/// any side. REQUIRES: weight > 0, and the conditions of can_carry.
+/// Returns the contacts that push when the contacts carry a weight at the centre; an empty set if
+/// they can't carry it. `firmly`: the contacts must also carry the weight if the centre moves by a
+/// little (k_firm) to any side. REQUIRES: weight > 0, and the conditions of can_carry.
 Contacts carrying(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
                   bool firmly);
 
-/// Quick test whether one or two contacts certainly don't carry a weight at the centre. When the
+/// Quickly tests whether one or two contacts certainly don't carry a weight at the centre. When the
 /// body turns about the line through two contacts, or about one contact in the direction in which
 /// the weight falls, no push does work. The work of the weight divided by the size of that motion
 /// is a lower bound for the imbalance. `down`: unit vector.
