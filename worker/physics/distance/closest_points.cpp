@@ -14,8 +14,8 @@ namespace {
 using math::dot;
 using math::norm;
 
-// Below this many roundings the direction between two points is noise. The pieces then count as
-// touching, and faces and edges determine the normal as for overlap.
+// If the gap is below this many roundings, the direction between the two points is noise. The
+// pieces then count as touching, and faces and edges determine the normal as for overlap.
 constexpr double k_touching_roundings = 8;
 
 Closest in_world(const PlacedPose& pose_a, const LocalClosest& local, Search search) {
@@ -44,7 +44,7 @@ bool has_face(const ConvexView& piece, std::uint16_t vertex, std::uint16_t face)
   return false;
 }
 
-// Finds the smallest feature with these vertices. Returns false if there is none (a diagonal).
+// Finds the smallest feature with these vertices. Returns false if none exists (a diagonal).
 bool smallest_feature(const ConvexView& piece, const Corners& corners, Feature& feature) {
   const std::uint16_t first = corners.vertex[0];
   if (corners.count == 1) {
@@ -72,7 +72,7 @@ bool smallest_feature(const ConvexView& piece, const Corners& corners, Feature& 
   return false;
 }
 
-// Converts GJK's last simplex to features and their gap. Returns false if it isn't certified.
+// Converts GJK's last simplex to features and their gap. Returns false if they aren't certified.
 bool finish(const PiecePair& pair, const Simplex& simplex, LocalClosest& result) {
   Corners corners_a;
   Corners corners_b;
@@ -122,7 +122,7 @@ Closest overlap_or_touch(const PiecePair& pair, const PlacedPose& pose_a) {
   return in_world(pose_a, all, Search::exhaustive);
 }
 
-// The common end of both entry points, after GJK.
+// Computes the result from GJK's outcome, for closest_cold() and closest_warm().
 Closest concluded(const PiecePair& pair, const PlacedPose& pose_a, GjkOutcome outcome,
                   const Simplex& simplex, const Vec3& closest) {
   if (outcome == GjkOutcome::overlapping) return overlap_or_touch(pair, pose_a);

@@ -2,18 +2,19 @@
 //
 // Idea. The gap of two separate convex bodies is both the least distance of a point of A from a
 // point of B and the greatest separation of A and B along any direction. This property certifies a
-// result: if two points, each on a named feature (vertex, edge, face), are as far apart as both
-// bodies are along the line between them, nothing is closer. The searches below only propose
-// features. One function then computes the gap, normal and points by the plain formula of that kind
-// of pair (vertex-face, edge-edge, ...). The result is checked against the features' neighbours,
-// which suffices by convexity. So errors of a search never show.
+// result: two points, each on a named feature (vertex, edge, face), are the closest if they are as
+// far apart as the bodies are along the line between the points. The searches below only propose
+// features. One function then computes the gap, normal and points of a pair of features by the
+// plain formula for its kind (vertex-face, edge-edge, ...). The result is checked against the
+// features' neighbours, which suffices by convexity. So a search's errors never reach the result.
 //
-//   1. closest_warm() first tries the features of the previous call. If they are still the closest,
-//      nothing else is done.
-//   2. GJK (Gilbert, Johnson and Keerthi 1988), with a simplex's closest points by signed areas and
-//      volumes (Montanari, Petrinic and Barbieri, "Improving the GJK algorithm for faster and more
-//      reliable distance queries between two convex objects", ACM TOG 36 (2017)). Unlike in that
-//      paper, a vertex's seniority isn't used, so any simplex is accepted.
+//   1. closest_warm() first tries the features of the previous call. If these features are still
+//      the closest, the search ends.
+//   2. Otherwise GJK (Gilbert, Johnson and Keerthi 1988) runs. It computes a simplex's closest
+//      points from signed areas and volumes (Montanari, Petrinic and Barbieri, "Improving the GJK
+//      algorithm for faster and more reliable distance queries between two convex objects", ACM TOG
+//      36 (2017)). Unlike that paper's algorithm, this one ignores how old a vertex is, so it
+//      accepts any simplex.
 //   3. If GJK's simplex is not certified (nearly parallel faces and edges at tiny gaps), all pairs
 //      of features are searched that can hold closest points within GJK's bounds. The search is
 //      exact, and usually takes only a handful of pairs, because the gap is known up to rounding.
@@ -22,20 +23,22 @@
 //      2013). This search takes 1 us for two cubes and 70 us for two icospheres of 42 vertices.
 //
 // Invariants
-//   1. Separate pieces: gap_m is right to some 1e-15 of the coordinates in A's frame (both outer
-//      radii plus the distance of the frames), however small the gap. point_b_m - point_a_m = gap_m
-//      * normal to the same accuracy. The normal is right to 1e-15 if a face is involved. Without a
-//      face, the normal is right to 1e-15/sin of the edges' angle, or 1e-15 * coordinates/gap.
-//   2. Overlapping pieces (gap_m <= 0): -gap_m is the depth, the length of the shortest shift along
-//      `normal` that separates the pieces. If the depth is small against the features, `normal` is
-//      the contact normal. One of the two points is on its piece's feature; the other is opposite
-//      it along the normal. Positive gaps below 8 * 2^-50 of the coordinates are handled like
-//      overlaps, because the direction between two such points is noise. The gap is then a lower
-//      bound, right to that size.
-//   3. closest_cold depends only on shapes and poses, bit for bit.
-//   4. closest_warm's gap differs from closest_cold's by at most the rounding of invariant 1.
-//      Features may differ if several pairs are equally close. For gap_m <= 0 both are the same.
-//   5. No allocation. At most k_gjk_iterations_max iterations, then step 3 or 4.
+//   1. For separate pieces, gap_m is right to some 1e-15 of the coordinates in A's frame, however
+//      small the gap. The coordinates' size counts as both outer radii plus the distance of the
+//      frames. point_b_m - point_a_m = gap_m * normal to the same accuracy. The normal is right to
+//      1e-15 if a face is involved. Without a face, the normal is right to 1e-15 / sine of the
+//      edges' angle, or to 1e-15 * coordinates / gap.
+//   2. For overlapping pieces (gap_m <= 0), -gap_m is the depth, the length of the shortest shift
+//      along `normal` that separates the pieces. If the depth is small against the features,
+//      `normal` is the contact normal. One of the two points is on its piece's feature; the other
+//      is opposite it along the normal. Positive gaps below 8 * 2^-50 of the coordinates are
+//      handled like overlaps, because the direction between two such points is noise. In this case
+//      gap_m is a lower bound, right to that size.
+//   3. closest_cold()'s result depends only on shapes and poses, bit for bit.
+//   4. closest_warm()'s gap differs from closest_cold()'s by at most the rounding of invariant 1.
+//      Features may differ if several pairs are equally close. For gap_m <= 0, the results are the
+//      same.
+//   5. Nothing is allocated. After at most k_gjk_iterations_max iterations, step 3 or 4 follows.
 // Thread safety: pure functions; only one thread at a time may use a SeparationCache.
 #pragma once
 
@@ -73,7 +76,7 @@ struct Closest {
 };
 
 /// Data about a pair that closest_warm() stores for its next call. The result is right for any
-/// contents whose features exist in the pieces. A new cache has no features.
+/// cache contents whose features exist in the pieces. A new cache has no features.
 struct SeparationCache {
   Vec3 axis = Vec3::Zero();  ///< the last normal, in A's frame
   Feature a;
@@ -86,8 +89,9 @@ struct SeparationCache {
 Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 
-/// Returns the same result, bit for bit, given features found by any means. Fast if these are
-/// certainly the only closest features, otherwise from scratch. `search` may differ.
+/// Returns the same result, bit for bit. `hint`: features found by any means. Fast if the hinted
+/// features are certainly the only closest ones; otherwise computes from scratch. `search` may
+/// differ.
 Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b, const SeparationCache& hint);
 
@@ -99,9 +103,9 @@ Closest closest_warm(const ConvexView& a, const PlacedPose& pose_a, const Convex
 /// point, subtract its radius from the gap.
 Closest closest_to_point(const ConvexView& a, const PlacedPose& pose_a, const Vec3& point_m);
 
-/// Returns the closest points of a piece and the world's half-space dot(normal, p) <= offset_m,
-/// which is A. The result has the plane's normal, and feature_b is the piece's lowest vertex (on a
-/// tie, the first). REQUIRES: |normal| = 1.
+/// Returns the closest points of a piece and the half-space dot(normal, p) <= offset_m in world
+/// coordinates. The half-space is A in the result. The result has the plane's normal, and feature_b
+/// is the piece's lowest vertex (on a tie, the first). REQUIRES: |normal| = 1.
 Closest closest_to_plane(const Vec3& normal, double offset_m, const ConvexView& piece,
                          const PlacedPose& pose);
 

@@ -103,9 +103,9 @@ struct EdgeSeparation {
   Vec3 normal = Vec3::Zero();  ///< in B's frame
 };
 
-// Finds the products of edges that are normals of the bodies' difference: both bodies fall away
-// from the edges, so the arcs of the edges' normals cross on the sphere. In B's frame, s (ea x eb)
-// must point out of A's two sides and into B's, where s is 1 or -1.
+// Finds the products of edges that are normals of the bodies' difference. Both bodies fall away
+// from such edges, so the arcs of the edges' normals cross on the unit sphere. In B's frame, s (ea
+// x eb) must point out of A's two sides and into B's, where s is 1 or -1.
 EdgeSeparation best_edges(const PiecePair& pair) {
   constexpr double k_sine_min = 1e-9;  // if nearly parallel, the faces' normals are as good
   EdgeSeparation best;
@@ -174,8 +174,9 @@ LocalClosest closest_of_all(const PiecePair& pair, const Vec3& axis, double low_
   each_pair(pair, near_a, near_b, [&](Feature a, Feature b) {
     if (closest_of_features(pair, a, b, candidate)) least_m = std::min(least_m, candidate.gap_m);
   });
-  // Among equal gaps, prefer the best certificate. A normal between two points that nearly touch is
-  // noise, but the normal of a face a hair further away is not.
+  // Among equal gaps, prefer the pair with the greatest separation along its normal. A normal
+  // between two points that nearly touch is noise, but the normal of a slightly further face is
+  // not.
   LocalClosest best;
   double best_separation_m = -std::numeric_limits<double>::infinity();
   each_pair(pair, near_a, near_b, [&](Feature a, Feature b) {
@@ -195,7 +196,7 @@ LocalClosest least_overlap(const PiecePair& pair) {
   const EdgeSeparation edges = best_edges(pair);
   LocalClosest result;
   result.normal = Vec3(1, 0, 0);
-  // On a tie up to rounding a face wins, A's before B's, because its normal is more accurate.
+  // On a tie up to rounding, prefer a face, whose normal is more accurate, and A's face to B's.
   if (face_a.gap_m + pair.rounding_m >= std::max(face_b.gap_m, edges.gap_m) &&
       pair.a.face_count > 0) {
     result.gap_m = face_a.gap_m;

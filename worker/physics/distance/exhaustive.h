@@ -1,5 +1,5 @@
-// Searches all pairs of features, for overlap and for rare pairs whose stepwise search isn't
-// certified. Internal to worker/physics/distance. Thread safety: pure functions.
+// Searches all pairs of features, for overlapping pieces and for the rare pairs of pieces for which
+// GJK's result isn't certified. Internal to worker/physics/distance. Thread safety: pure functions.
 #pragma once
 
 #include "worker/physics/distance/feature_pairs.h"

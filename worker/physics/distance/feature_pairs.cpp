@@ -16,12 +16,11 @@ using math::product;
 constexpr double k_angle_rounding = 0x1p-49;
 // Below this sine two edges count as parallel, because the normal of both would be noise.
 constexpr double k_parallel_sine = 1e-13;
-// Margins of only_one, which affect only speed: minimum gap in roundings; minimum sine of two
-// edges; how far points must be inside their features, as a share of the gap; minimum angle by
-// which features fall away, in possible turns (rounding / gap).
-constexpr double k_sure_gap_roundings = 0x1p20;
-constexpr double k_sure_sine = 0x1p-7;
-constexpr double k_sure_inside_gaps = 0x1p-4;
+// Margins of only_one(), which affect only speed.
+constexpr double k_sure_gap_roundings = 0x1p20;  // minimum gap, in roundings
+constexpr double k_sure_sine = 0x1p-7;           // minimum sine of two edges
+constexpr double k_sure_inside_gaps = 0x1p-4;    // how far points must be inside features, in gaps
+// Minimum angle by which features fall away, as a multiple of rounding / gap.
 constexpr double k_sure_turns = 0x1p8;
 
 double sum_of_sizes(const Vec3& v) {
@@ -160,8 +159,8 @@ bool edge_edge(const PiecePair& pair, LocalClosest& out) {
   if (!(normal_square > k_parallel_sine * k_parallel_sine * (square_a * square_b))) return false;
   // The point of A's line nearest to B's line (Lumelsky, "On fast computation of distance between
   // line segments", 1985). In this form, with the product of the directions, the error grows with
-  // 1/sine, not with 1/sine^2. B's point is the foot of A's, so the difference has no component
-  // along the edges, however inaccurate A's point is.
+  // 1/sine, not with 1/sine^2. B's point is the foot of A's point, so the difference has no
+  // component along the edges, however inaccurate A's point is.
   const Vec3 apart = start_b - start_a;
   const double s = dot(cross(apart, along_b), normal) / normal_square;
   if (!(s >= 0 && s <= 1)) return false;
@@ -171,7 +170,8 @@ bool edge_edge(const PiecePair& pair, LocalClosest& out) {
   out.point_b_m = start_b + t * along_b;
   const Vec3 rise = out.point_b_m - out.point_a_m;
   const double length_m = norm(rise);
-  // The normal's accuracy is 2^-52/sine from the edges, rounding_m/length from the difference.
+  // The normal's error is 2^-52/sine if computed from the edges, and rounding_m/length if computed
+  // from the difference.
   const double normal_length = std::sqrt(normal_square);
   const double sine = normal_length / std::sqrt(square_a * square_b);
   if (length_m * 0x1p-50 > pair.rounding_m * sine) {

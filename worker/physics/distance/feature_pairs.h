@@ -1,9 +1,9 @@
-// Pairs of features: gap, normal and points by each kind's formula, and whether they are closest.
+// Computes a pair of features' gap, normal and points, and checks whether the pair is the closest.
 //
-// All values are in A's frame. A pair is certified if its points are on the features and both
-// pieces are beyond the planes through the points perpendicular to the normal. For convex pieces,
-// only the neighbours need to be checked. Internal to worker/physics/distance. Thread safety: pure
-// functions.
+// All values are in A's frame. A pair is certified if its points are on the features and each piece
+// is beyond the plane through its point that is perpendicular to the normal. For convex pieces,
+// only the features' neighbours need to be checked. Internal to worker/physics/distance. Thread
+// safety: pure functions.
 #pragma once
 
 #include "worker/physics/distance/closest_points.h"
@@ -36,28 +36,30 @@ struct LocalClosest {
   double normal_error_rad = 0;  ///< bound on the normal's rounding
 };
 
-/// Computes `out` for a pair of features with closest points inside both and a positive gap,
-/// without checking the rest of the pieces. Returns false if there are no such points: parallel
-/// edges, a foot beyond a feature's end, a gap <= 0. Not for edge-face and face-face.
+/// Computes `out` for a pair of features without checking the rest of the pieces. Returns false if
+/// the features have no closest points inside both with a positive gap: for parallel edges, for a
+/// foot beyond a feature's end, and for a gap <= 0. Not for edge-face and face-face.
 bool closest_of_features(const PiecePair& pair, Feature a, Feature b, LocalClosest& out);
 
-/// Returns whether the pieces are beyond the planes of closest_of_features' result.
+/// Returns whether the pieces are beyond the planes that certify a result of closest_of_features().
 bool certified(const PiecePair& pair, const LocalClosest& result);
 
-/// Returns whether a certified result is the only one, by margins far beyond rounding. Every search
-/// then finds these features, and so the same bits. Covers only the pairs at which two polyhedra
-/// generally meet, a face and a vertex or two edges; returns false for other pairs.
+/// Returns whether a certified result is the only one, by margins far beyond rounding. If a result
+/// is the only one, every search finds its features, and so the same bits. Returns false for all
+/// pairs except a face and a vertex, or two edges, at which polyhedra generally meet.
 ///
 /// Proof: let e = rounding_m and g the gap. If another pair's gap is within a few e of g, its line
 /// of closest points is within sqrt(2 e / g) of the normal. The other pair's points are therefore
 /// within g / 16 of the given points, and the given points are inside their features by more than
-/// that. If GJK weighs a vertex not on these features, whose plane falls away by an angle f, the
-/// origin's foot is outside by g f, some hundred e, so GJK drops the vertex. If GJK mistakes the
-/// pieces for overlapping, face normals and products of edges decide, and they include this normal.
+/// that. Suppose that GJK weighs a vertex that isn't on these features and whose plane falls away
+/// by an angle f. Then the origin's foot is outside by g f, some hundred e, so GJK drops the
+/// vertex. If GJK mistakes the pieces for overlapping, face normals and products of edges decide,
+/// and they include this normal.
 bool only_one(const PiecePair& pair, const LocalClosest& result);
 
-/// Computes `out` for an edge or a face and another face, parallel up to rounding: the gap along a
-/// face's normal, with given points on the features. Returns false if this is not the gap.
+/// Computes `out` for a face and another face or edge that is parallel up to rounding. The gap is
+/// measured along a face's normal, with given points on the features. Returns false if the given
+/// points are not the closest ones, or the gap isn't positive.
 bool closest_of_parallel_features(const PiecePair& pair, Feature a, Feature b,
                                   const Vec3& point_a_m, const Vec3& point_b_m, LocalClosest& out);
 

@@ -30,7 +30,7 @@ Part of_segment(const Simplex& simplex, int i, int j) {
   const double from_p = -dot(p, along);
   if (!(from_p > 0)) return of_point(simplex, i);
   if (!(from_p < length_square)) return of_point(simplex, j);
-  // Unlike p + t along, (along x p) x along keeps an accurate direction if it is short.
+  // If the result is short, (along x p) x along has an accurate direction; p + t along doesn't.
   Part part;
   part.closest = cross(cross(along, p), along) / length_square;
   part.square = dot(part.closest, part.closest);
@@ -47,7 +47,7 @@ Part of_triangle(const Simplex& simplex, int i, int j, int k) {
   const Vec3& r = simplex.points[static_cast<std::size_t>(k)].difference_m;
   const Vec3 normal = cross(q - p, r - p);
   const double normal_square = dot(normal, normal);
-  // Twice the signed areas of the origin's foot with each side, times |normal|.
+  // Each value is |normal| times twice the signed area of the origin's foot with a side.
   const double at_p = dot(normal, cross(q, r));
   const double at_q = dot(normal, cross(r, p));
   const double at_r = dot(normal, cross(p, q));
@@ -78,7 +78,7 @@ Part of_triangle(const Simplex& simplex, int i, int j, int k) {
   return best;
 }
 
-// Returns false if the origin is strictly inside.
+// Returns false if the origin is strictly inside the tetrahedron.
 bool of_tetrahedron(const Simplex& simplex, Part& best) {
   bool outside = false;
   constexpr std::array<std::array<int, 4>, 4> k_faces{
@@ -125,7 +125,7 @@ bool reduce(Simplex& simplex, Vec3& closest) {
 GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& closest) {
   double square = simplex.count > 0 ? dot(closest, closest) : 0;
   for (int iteration = 0; iteration < k_gjk_iterations_max; ++iteration) {
-    // The vertices of A and B that reach furthest towards each other.
+    // Find the vertices of A and B that reach furthest towards each other.
     const Vec3 in_b = pair.in_b(closest);
     SimplexPoint next;
     if (climb) {

@@ -1,4 +1,4 @@
-// GJK's simplex: the part of up to four points of B - A that is closest to the origin.
+// GJK's simplex: up to four points of B - A that support its closest point to the origin.
 //
 // Internal to worker/physics/distance; see closest_points.h. Thread safety: pure functions.
 #pragma once
@@ -30,10 +30,10 @@ bool reduce(Simplex& simplex, Vec3& closest);
 
 enum class GjkOutcome : std::uint8_t { separated, overlapping };
 
-/// Descends from a simplex (or none) and a first direction until no vertex is closer. `closest` is
-/// then the vector from A to B, to the accuracy of GJK alone. `climb`: find the furthest vertices
-/// by climbing from the simplex's vertices instead of by a scan. REQUIRES: closest is not zero;
-/// with climb, the simplex is not empty.
+/// Runs GJK from a simplex, which may be empty, and a first direction until no vertex is closer.
+/// `closest` is then the vector from A to B, to the accuracy of GJK alone. `climb`: whether to find
+/// the furthest vertices by climbing from the simplex's vertices, instead of scanning all vertices.
+/// REQUIRES: `closest` is not zero; if `climb` is set, the simplex is not empty.
 GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& closest);
 
 }  // namespace sleight::physics

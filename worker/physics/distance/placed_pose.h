@@ -25,7 +25,7 @@ inline Vec3 to_world(const PlacedPose& pose, const Vec3& body_m) {
   return math::product(pose.rotation, body_m) + pose.position_m;
 }
 
-/// Returns product(m^T, v): for a rotation, v in the body's axes instead of the world's.
+/// Returns product(m^T, v): for a body's rotation m, converts v to the body's axes.
 inline Vec3 transposed_product(const Mat3& m, const Vec3& v) {
   return {(m(0, 0) * v.x() + m(1, 0) * v.y()) + m(2, 0) * v.z(),
           (m(0, 1) * v.x() + m(1, 1) * v.y()) + m(2, 1) * v.z(),

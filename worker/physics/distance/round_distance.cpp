@@ -41,7 +41,7 @@ Vec3 support_of(const RoundPiece& piece, const Vec3& u, double margin_m) {
     best = &feature;
   });
   Vec3 point = best->centre_m + (best->radius_m - margin_m) * u;
-  // If the component is shorter, it is rounding and the ring lies flat.
+  // If the component across the axis is shorter, it is only rounding, and the ring lies flat.
   if (across > 1e-14) point += (best->circle_m / across) * part;
   return point;
 }
@@ -52,7 +52,7 @@ Vec3 core_support(const ConvexView& piece, const Vec3& u, double margin_m) {
                                 : piece.vertices_m[furthest_vertex(piece, u)];
 }
 
-/// The gap of a point and a piece of revolution, with its axis, in the piece's frame.
+/// The gap of a point and a piece of revolution, and the gap's normal, in the piece's frame.
 struct PointGap {
   double gap_m = -std::numeric_limits<double>::infinity();
   Vec3 normal = Vec3::Zero();  ///< from the piece to the point
@@ -97,7 +97,7 @@ PointGap gap_of_point(const RoundPiece& piece, const Vec3& point_m) {
   return best;
 }
 
-/// Returns the closed form for a point and a piece of revolution.
+/// Computes the closest points of a point and a piece of revolution in closed form.
 Closest closest_to_revolution(const RoundPiece& piece, const PlacedPose& pose, const Vec3& point_m,
                               bool point_is_b) {
   const PointGap gap =
@@ -116,7 +116,7 @@ bool is_point(const ConvexView& piece) {
   return piece.round == nullptr && piece.vertex_count == 1;
 }
 
-/// GJK on both pieces reduced by their margins, in A's frame.
+/// Runs GJK, in A's frame, on both pieces reduced by their margins.
 class Descent {
  public:
   Descent(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
@@ -131,7 +131,7 @@ class Descent {
   void run() {
     Vec3 way = to_world(b_in_a_, b_->centre_m) - a_->centre_m;
     if (!(norm(way) > 0)) way = Vec3::UnitX();
-    // Restart where rounding stopped the descent, with points all near the end.
+    // If rounding stopped the descent, restart from its end, so that all points are near the end.
     constexpr int k_restarts = 3;
     double reached_m = descend(way);
     for (int i = 0; i < k_restarts && !overlap_ && reached_m - gap_m_ > error_m_; ++i) {
@@ -183,7 +183,7 @@ class Descent {
     return bound_m;
   }
 
-  /// Runs GJK from a first direction. Returns the distance that it reaches.
+  /// Runs GJK from a first direction and returns the distance that GJK reaches.
   double descend(Vec3 way) {
     double length_m = std::numeric_limits<double>::infinity();
     for (int i = 0; i < k_gjk_iterations_max; ++i) {

@@ -6,8 +6,8 @@
 namespace sleight::physics {
 namespace {
 
-// Two lanes, as in SSE2; they make comparisons cheaper than loads. On other processors the compiler
-// emits plain code with the same results.
+// Vectors of two numbers, as in SSE2, make comparisons cheaper than loads. On other processors the
+// compiler emits plain code with the same results.
 using Pair = double __attribute__((vector_size(16)));
 using Lanes = long long __attribute__((vector_size(16)));
 
@@ -23,7 +23,7 @@ std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction) {
   const Pair dx = {direction.x(), direction.x()};
   const Pair dy = {direction.y(), direction.y()};
   const Pair dz = {direction.z(), direction.z()};
-  // Four running maxima, so that comparisons do not wait for each other.
+  // Keep four running maxima, so that comparisons do not wait for each other.
   Pair best0 = dx * load(piece.xs_m) + dy * load(piece.ys_m) + dz * load(piece.zs_m);
   Pair best1 = dx * load(piece.xs_m + 2) + dy * load(piece.ys_m + 2) + dz * load(piece.zs_m + 2);
   Lanes index0 = {0, 1};
@@ -61,7 +61,7 @@ std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction) {
 }
 
 std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std::uint16_t start) {
-  // Written out, because this is the inner loop of every warm descent.
+  // The dot product is written out, because this is the inner loop of every warm descent.
   const double x = direction.x();
   const double y = direction.y();
   const double z = direction.z();

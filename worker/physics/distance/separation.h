@@ -13,7 +13,7 @@ namespace sleight::physics {
 std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction);
 
 /// Finds the furthest vertex by climbing from neighbour to neighbour, for many vertices and a good
-/// start. The reach is the greatest up to rounding; on a tie the vertex may differ.
+/// start. The vertex's reach is the greatest up to rounding; on a tie the vertex may differ.
 std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std::uint16_t start);
 
 /// Returns a bound of the gap along a unit axis of the world: the least dot(axis, B) minus the
@@ -22,8 +22,8 @@ std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std
 double separation_along(const Vec3& axis, const ConvexView& a, const PlacedPose& pose_a,
                         const ConvexView& b, const PlacedPose& pose_b);
 
-/// Returns how much rounding may add to separation_along, including an axis of length 1 + 2^-51:
-/// 2^-49 of the coordinates involved. Subtract it for a certified bound.
+/// Returns how much rounding may add to separation_along(), even for an axis of length 1 + 2^-51:
+/// 2^-49 of the coordinates involved. Subtract this error to get a certified bound.
 double separation_error_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b);
 
