@@ -37,7 +37,7 @@ struct EventKey {
   std::uint32_t lower = 0;    ///< id of the first body
   std::uint32_t higher = 0;   ///< id of the other body, or index of a static piece
   std::uint32_t feature = 0;  ///< which of several contacts of the pair
-  /// The functions below REQUIRE that the kind of event has what they return.
+  /// REQUIRES for each function below: this kind of event has the value that the function returns.
   constexpr BodyId body() const { return {lower}; }
   constexpr BodyId other_body() const { return {higher}; }
   constexpr bool is_with_static() const { return (higher & k_static) != 0; }

@@ -48,7 +48,6 @@ concept EventQueue = std::default_initializable<Queue> &&
     requires(Queue& queue, const Queue& unchanged, std::uint32_t count, Slot slot, EventKey key) {
   // Creates empty slots 0 to count - 1; may allocate. REQUIRES: count <= k_slots_max.
   { queue.reset(count) } -> std::same_as<void>;
-  // Replaces the slot's content by the key.
   { queue.set(slot, key) } -> std::same_as<void>;
   { queue.erase(slot) } -> std::same_as<void>;
   // Returns the slot's key, or k_no_event.

@@ -11,8 +11,8 @@
 //   3. Limits for scenes decide which scenes are refused (simulator/scene_check.cpp,
 //      scene/friction_map.h, shape/). k_coordinate_m_max, which two checks share, is here.
 //   4. Ticks are in tick.h.
-// A scene chooses its SlowContacts (scene/scene.h). "The slowest bounces" are those that separate
-// at separation_speed_mps.
+// A scene chooses its SlowContacts (scene/scene.h). "The slowest bounces" separate at
+// separation_speed_mps.
 //
 // Values assume SI units and bodies of 1 mm to 10 m that move at up to about 100 m/s in a scene of
 // up to 1 km. A double then represents positions to 1e-13 m.
@@ -39,7 +39,8 @@ inline constexpr double k_touch_m = 1e-7;
 inline constexpr double k_approach_mps = 1e-9;
 
 /// Allowance for rounding when a search skips ticks: bounds on gaps are lowered by this many units
-/// in the last place of the coordinates. If too small, two searches may disagree by a tick.
+/// in the last place of the coordinates. If the allowance is too small, two searches may disagree
+/// by a tick.
 inline constexpr double k_rounding_ulps = 64 * 0x1p-53;
 
 /// Depth by which collisions of touching pieces may be late. A touching pair is tested again before
@@ -53,14 +54,15 @@ inline constexpr double k_touching_depth_m = 1e-6;
 /// in touch instead of 15.3 s (k_examined_ticks_max).
 inline constexpr double k_touching_s_max = 0x1p-16;
 
-/// Time after a collision in which a pair doesn't collide again, unless it has come half of the way
-/// to the depth k_sink_m since. The refractory time applies only if slow contacts end (scene.h).
-/// Without this time, a squeezed body would bounce between its neighbours without time passing
-/// (inelastic collapse). A pair that approaches at 0.05 m/s uses up half of k_touch_m in this time.
+/// Time after a collision in which the pair doesn't collide again, unless the bodies have since
+/// come half of the way to the depth k_sink_m. The refractory time applies only if slow contacts
+/// end (scene.h). Without this time, a squeezed body would bounce between its neighbours without
+/// time passing (inelastic collapse). A pair that approaches at 0.05 m/s uses up half of k_touch_m
+/// in this time.
 inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
 
-/// Bodies that approach faster than this collide despite k_refractory. Repeated impacts of a
-/// squeeze soon get slower, and at this speed bodies would sink by more than 5e-11 m in a tick.
+/// Bodies that approach faster than this collide despite k_refractory. Squeezed bodies' repeated
+/// impacts soon get slower, and at this speed bodies would sink by more than 5e-11 m per tick.
 inline constexpr double k_fast_approach_mps = 0.05;
 
 /// Approximate maximum overlap of squeezed bodies, unless one is a hundred times heavier than the
@@ -68,8 +70,8 @@ inline constexpr double k_fast_approach_mps = 0.05;
 /// Bodies at 1 m/s move by 1e-9 m in a tick anyway.
 inline constexpr double k_sink_m = 5e-10;
 
-/// Squeezed bodies approach by at least half of this between two collisions. If smaller than the
-/// rounding of distances at coordinates of some metres, every tick has a collision.
+/// Squeezed bodies approach by at least half of this between two collisions. If this is smaller
+/// than the rounding of distances at coordinates of some metres, every tick has a collision.
 inline constexpr double k_sink_step_m_min = 2e-14;
 
 // ---- bounces ------------------------------------------------------------------------------------
@@ -89,11 +91,12 @@ inline constexpr double k_hop_share = 0.25;
 inline constexpr double k_bounces_alone = 4;
 
 /// Relative gain of energy that rounding of twists may cause in an impact of rigid bodies. With a
-/// smaller value, more impulses are reduced than gain energy. With a larger value, heaps gain
+/// smaller value, impulses that gain no energy are reduced too. With a larger value, heaps gain
 /// energy.
 inline constexpr double k_impact_rounding = 0x1p-50;
-/// First reduction of an impulse that gains more energy, and growth of the reduction from round to
-/// round. The last round removes a quarter; if that isn't enough, the impact is unresolved.
+/// An impulse that gains more energy than k_impact_rounding is reduced in rounds: first by this
+/// share, then by a share that grows from round to round. The last round removes a quarter of the
+/// impulse; if that isn't enough, the impact is unresolved.
 inline constexpr double k_impact_reduction_first = 0x1p-47;
 inline constexpr double k_impact_reduction_growth = 8;
 inline constexpr int k_impact_reduction_rounds = 16;
@@ -104,9 +107,10 @@ inline constexpr int k_impact_reduction_rounds = 16;
 /// smaller value, slow spheres hop too. With a larger value, fast spheres are held to edges.
 inline constexpr double k_edge_speeds = 16;
 
-/// Height by which a slower sphere rises above the edge or vertex, as a share of its slowest
-/// bounces' height: in pieces (edge_motion.h), or straight on before it falls back. With a larger
-/// value, the sphere visibly flies. With a smaller value, the path round an edge has more pieces.
+/// Height by which a slower sphere rises above the edge or vertex, as a share of the height of its
+/// slowest bounces. The sphere moves in pieces (edge_motion.h), or straight on before it falls
+/// back. With a larger value, the sphere visibly flies. With a smaller value, the path round an
+/// edge has more pieces.
 inline constexpr double k_rise_bounces = 0.5;
 
 /// A sphere that accelerates into a face by less than this doesn't press on it. Such an
@@ -158,37 +162,37 @@ inline constexpr double k_stick_mps = 1e-6;
 /// Angle by which a slip's direction may turn before the motion is recomputed. The slip's relative
 /// error is the square of this angle. With a smaller value, there are more events.
 inline constexpr double k_slip_turn_rad = 1.0 / 32;
-/// Larger limit for the angle, while the slip's error is below the greatest of k_slip_error_mps, an
-/// eighth of an ended slip and a 1024th of the slip.
+/// Larger limit for the angle, while the slip's error is below the greatest of three speeds:
+/// k_slip_error_mps, an eighth of the speed at which slips end, and a 1024th of the slip.
 inline constexpr double k_slip_turn_rad_max = 0.5;
 inline constexpr double k_slip_error_mps = 1e-5;
 /// The motion is recomputed after this many times the time in which friction alone would stop the
 /// slip. A direction held for longer would swing about the direction in which the slip becomes
 /// steady.
 inline constexpr double k_slip_stops = 4;
-/// A slip that would turn by less than this until it ends is straight. At 0, rounding cuts the slip
-/// into pieces.
+/// A slip counts as straight if it would turn by less than this until it ends. At 0, rounding cuts
+/// the slip into pieces.
 inline constexpr double k_slip_straight = 1e-9;
 
 /// In a valley, minimum time for which a contact that begins to slip does so in an approximate
 /// direction, if the exact one isn't found. With a larger value, friction acts in an inexact
 /// direction for longer. With a smaller value, there are more events.
 inline constexpr double k_slip_begin_s = 1e-4;
-/// Rounds of the search for the direction of a beginning slip, its tolerance, and rounds over both
-/// contacts, each of which turns the other's direction. With fewer rounds, the search fails more
-/// often.
+/// The search for the direction of a beginning slip: its rounds, its tolerance, and its rounds over
+/// both contacts, because each contact turns the slip's direction at the other one. With fewer
+/// rounds, the search fails more often.
 inline constexpr int k_slip_begin_rounds = 40;
 inline constexpr double k_slip_begin_off = 1e-12;
 inline constexpr int k_slip_both_rounds = 8;
 
-/// Loads and accelerations in contact below this share of the load are rounding errors. If smaller
-/// than the rounding of sums of products, a straight slide turns or loses supports.
+/// Loads and accelerations in contact below this share of the load are rounding errors. With a
+/// value below the rounding of sums of products, a straight slide turns or loses supports.
 inline constexpr double k_load_rounding = 1e-12;
 
 // ---- pieces of motion round an edge -------------------------------------------------------------
 
-/// Maximum sine of half of a piece's angle; beyond, the plane half way differs too much from the
-/// cylinder.
+/// Maximum sine of half of a piece's angle; for larger angles, the piece's plane differs too much
+/// from the cylinder round the edge.
 inline constexpr double k_edge_piece_sine_max = 0.2;
 /// Minimum length of a piece, as a share of the distance from the edge. A shorter piece isn't worth
 /// an event: the sphere moves straight on.
@@ -198,8 +202,8 @@ inline constexpr double k_edge_piece_sine_min = 1e-4;
 inline constexpr double k_edge_piece_first = 0.85;
 /// Maximum tries for a piece, each shorter, before the sphere moves straight on.
 inline constexpr int k_edge_piece_tries_max = 4;
-/// Maximum share of its squared speed that a piece may turn outwards. With a larger value, pieces
-/// begin more steeply.
+/// Maximum share of the sphere's squared speed that a piece may turn outwards. With a larger value,
+/// pieces begin more steeply.
 inline constexpr double k_edge_piece_turned_max = 0.25;
 /// A piece covers at most twice this share of the path to where the sphere turns back. At 0.5, the
 /// rest of the path is too short for a piece.
@@ -216,25 +220,26 @@ inline constexpr double k_slide_piece_s_max = 0x1p-7;
 inline constexpr double k_slip_uncertain_s = 0x1p-10;
 /// Maximum halvings of a piece in which friction would add energy; after that the body is released.
 inline constexpr int k_slide_halvings_max = 2;
-/// Friction is reduced where a slip is slower than this share of an ended slip, because a support
-/// that sticks while others slip would swing. If all supports are as slow, the body sticks.
+/// Friction is reduced where a slip is slower than this share of the speed at which slips end,
+/// because a support that sticks while others slip would swing. If all supports are as slow, the
+/// body sticks.
 inline constexpr double k_full_friction_slip = 0.25;
-/// A spin that moves no support faster than this share of an ended slip is ignored. At 0, a
-/// straight-sliding body turns by the spin left over from its last bounce.
+/// A spin is ignored if it moves no support faster than this share of the speed at which slips end.
+/// At 0, a straight-sliding body turns by the spin left over from its last bounce.
 inline constexpr double k_no_spin_slip = 0.01;
 
 /// A body of revolution touches along a line only if the sine between its axis and the normal is at
 /// least this.
 inline constexpr double k_line_sine_min = 0.1;
-/// Supports are on a line if they are within this share of their distance from the centre. If
-/// smaller than rounding, a lying cylinder doesn't roll. With a larger value, narrow faces count as
-/// lines.
+/// Supports are on a line if they are within this share of their distance from the centre. If this
+/// share is smaller than rounding, a lying cylinder doesn't roll. With a larger value, narrow faces
+/// count as lines.
 inline constexpr double k_line_width = 1e-6;
-/// A body on a line from which its axis rises by less than this is a cylinder, and rolls straight
-/// on. If the axis rises by more, the body is a cone, and rolls in a circle.
+/// A body that lies on a line is a cylinder, and rolls straight on, if its axis rises from the line
+/// by less than this. If the axis rises by more, the body is a cone, and rolls in a circle.
 inline constexpr double k_cylinder_rise_max = 1e-3;
-/// A plane is level for a rolling body that is pulled along it by less than this share of the load.
-/// At 0, rounding makes cylinders creep and keeps cones from rolling.
+/// A plane counts as level for a rolling body that is pulled along it by less than this share of
+/// the load. At 0, rounding makes cylinders creep and keeps cones from rolling.
 inline constexpr double k_level_pull = 1e-9;
 /// Angle of a piece of a rolling cone's circle. The piece lasts longer than the exact motion by a
 /// 12th of the angle's square, 8e-5. So the axis keeps up with the line on which the body rolls,
@@ -246,12 +251,12 @@ inline constexpr double k_cone_piece_rad = 1.0 / 32;
 /// Slow bounces separate at up to this many times the separation speed. With a larger value, bodies
 /// freeze in the air. At 1, rounding decides which bounces are slow.
 inline constexpr double k_slow_parting = 2;
-/// Number of slow collisions, without a fast one within k_jam_bounces slow bounces, that replaces
-/// the rest time, because a jammed body collides without time passing. If fewer, bodies that still
-/// settle count as jammed.
+/// A body is jammed after this many slow collisions, without a fast one, within the time of
+/// k_jam_bounces slow bounces. A jammed body needs no rest time, because it collides without time
+/// passing. With a smaller value, bodies that still settle count as jammed.
 inline constexpr std::uint32_t k_slow_collisions = 256;
 inline constexpr double k_jam_bounces = 5;
-/// Multiple of k_slow_collisions that also replaces the balance with other bodies.
+/// After this multiple of k_slow_collisions, a body needs no balance with other bodies either.
 inline constexpr std::uint32_t k_jams_anyhow = 16;
 /// A body that stands, but not firmly, rests after this many rest times. The tilt of a cube on its
 /// edge grows e-fold in 0.97 sqrt(size / g), so about 700-fold in this time if the rest time is 0.1
@@ -261,18 +266,19 @@ inline constexpr TickCount k_patience = 64;
 
 // ---- rest: who is held --------------------------------------------------------------------------
 
-/// Maximum contacts that a body stores; beyond it, the oldest are dropped. If few contacts are
-/// stored, a body that stands on many is not in balance. The maximum is 32, because sets of
+/// Maximum contacts that a body stores; if there are more, the oldest are dropped. If few contacts
+/// are stored, a body that stands on many is not in balance. The maximum is 32, because sets of
 /// contacts are stored as bits.
 inline constexpr std::size_t k_touch_records_max = 16;
 static_assert(k_touch_records_max <= 32);
 /// A new contact replaces one with the same partner within this share of the arm. With a larger
 /// value, two corners count as one. With a smaller value, a wandering contact fills the list.
 inline constexpr double k_same_place = 0.05;
-/// A corner within this share of its body's reach from what the body has just touched carries it
-/// too. A body that stands on three corners, two of which carry nearly all of its weight, lifts the
-/// third by some fifty times the height of a bounce. Without the third corner, the body would be
-/// out of balance most of the time. With a larger value, corners in the air count as carrying.
+/// A corner carries its body too if it is within this share of the body's reach from what the body
+/// has just touched. A body that stands on three corners, two of which carry nearly all of its
+/// weight, lifts the third by some fifty times the height of a bounce. Without the third corner,
+/// the body would be out of balance most of the time. With a larger value, corners in the air count
+/// as carrying.
 inline constexpr double k_near_corner = 0.003;
 /// Minimum cosine between normals for two corners to count as on the same face. With a smaller
 /// value, corners on neighbouring faces of a blunt body count as on the same face.
@@ -305,13 +311,13 @@ inline constexpr int k_held_rounds_judged = 64;
 inline constexpr double k_misses_much = 0.5;
 
 /// Maximum gap or overlap between a body that starts at rest and its supporters. With a smaller
-/// value, bodies at positions that people computed don't touch. With a larger value, bodies visibly
+/// value, bodies whose positions people computed don't touch. With a larger value, bodies visibly
 /// hover.
 inline constexpr double k_at_rest_gap_m = 1e-6;
 /// If the sideways part of a force between two bodies that start at rest exceeds this share of the
-/// force, both bodies need the force, as in an arch. Each of them is then the other's supporter.
-/// With a larger value, a stone near an arch's foot keeps resting when the stone above it leaves.
-/// With a smaller value, a stone in a column wakes, too, when the stone above it leaves.
+/// force, both bodies need the force, as in an arch. Each body is then a supporter of the other
+/// body. With a larger value, a stone near an arch's foot keeps resting when the stone above it
+/// leaves. With a smaller value, a stone in a column wakes, too, when the stone above it leaves.
 inline constexpr double k_thrust_share = 0.05;
 /// Forces between bodies that start at rest carry nothing if they are below this share of the
 /// weight.
@@ -320,8 +326,8 @@ inline constexpr double k_carries_share = 1e-3;
 // ---- waking -------------------------------------------------------------------------------------
 
 /// A body wakes from an impact that would give it this many times the rest speed, more than slow
-/// neighbours can. With a smaller value, slow neighbours wake it. With a larger value, the body
-/// absorbs more momentum.
+/// neighbours can give. With a smaller value, slow neighbours wake it. With a larger value, the
+/// body absorbs more momentum.
 inline constexpr double k_wake_over_rest = 4;
 /// A resting body bears impacts that push it as hard as this many times its weight; in most heaps
 /// it carries less. With a larger value, a wall absorbs the momentum of a ball that presses into
@@ -349,15 +355,15 @@ inline constexpr std::uint32_t k_start_attempts_max = 1000;
 inline constexpr std::uint32_t k_examined_ticks_max = 1'000'000;
 
 /// Maximum collisions of one body in a window of 2^20 ticks (1 ms) before the simulation fails with
-/// a typed error. A ball that bounces ever lower exceeds it if the scene has no SlowContacts.
-/// Settling bodies have some thousands.
+/// a typed error. A ball that bounces ever lower exceeds this limit if the scene has no
+/// SlowContacts. Settling bodies have some thousands.
 inline constexpr std::uint32_t k_collisions_in_window_max = 200'000;
 inline constexpr TickCount k_window = TickCount{1} << 20;
 
 /// Maximum events of one body at one tick before the simulation fails with a typed error.
 inline constexpr std::uint32_t k_events_at_a_tick_max = 10'000;
 
-/// Work of a rest decision, in events, in a marbles simulation with limited work.
+/// Work of a rest decision, in units of events, for the work limit of a marbles simulation.
 inline constexpr std::uint64_t k_rest_work = 4;
 
 }  // namespace sleight::physics

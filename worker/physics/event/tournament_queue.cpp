@@ -54,7 +54,7 @@ TournamentQueue::Node TournamentQueue::least_of(std::uint32_t group) const {
 }
 
 Slot TournamentQueue::second() const {
-  // The second slot lost to the first one, in its group or on the way up.
+  // The second-best slot lost a match against the best slot, either in its group or on the path up.
   const std::uint32_t first = nodes_[1].slot;
   const std::uint32_t group = first / k_group;
   Node best{};

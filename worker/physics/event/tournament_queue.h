@@ -2,13 +2,13 @@
 // to the overall winner, which is the least event.
 //
 // Idea. Every slot has a fixed path to the top, so nothing is moved and no slot stores its
-// position. A group is eight ticks in one cache line. For seven of eight new keys, the slot neither
-// was nor becomes its group's first, so no further work is needed. Otherwise the group's least is
-// found without branches, and the path up is replayed as far as the change has effects. If the
-// overall winner was replaced, the whole path is replayed, but then the opponents are known before
-// the first match is over, and the processor prefetches them. Whole keys are read only for equal
-// ticks. Knuth describes tournaments of pairs only ("The Art of Computer Programming" 3, section
-// 5.4.1).
+// position. A group's eight ticks fill one cache line. For seven of eight new keys, the slot
+// neither was nor becomes its group's first, so no further work is needed. Otherwise the group's
+// least is found without branches, and the path up is replayed as far as the change has effects. If
+// the overall winner was replaced, the whole path is replayed, but then the opponents are known
+// before the first match is over, and the processor prefetches them. Whole keys are read only for
+// equal ticks. Knuth describes tournaments of pairs only ("The Art of Computer Programming" 3,
+// section 5.4.1).
 //
 // Invariants besides those of event_queue.h
 //   1. ticks_[i] is the tick of keys_[i]. Empty slots fill up the last group.
@@ -16,8 +16,9 @@
 //      in group i. Node n, for 1 <= n < groups_, has the tick and slot of the lesser of nodes 2n
 //      and 2n + 1. Hence node 1 has the least event of all, whatever the number of groups.
 //   3. "Least" refers to the order of QueuedEvent, empty slots included.
-// Memory: 36 bytes per slot. Time: O(log n) for the overall winner, with 14 matches at 100,000
-// slots; O(1) on average for other slots, drawn evenly. Thread safety: see event_queue.h.
+// Memory: 36 bytes per slot. Time: setting the overall winner's key takes O(log n), with 14 matches
+// at 100,000 slots; setting another slot's key takes O(1) on average, if slots are drawn evenly.
+// Thread safety: see event_queue.h.
 #pragma once
 
 #include <array>
@@ -64,7 +65,7 @@ class TournamentQueue {
 
   /// Whether slot a's event comes after slot b's, if both have the same tick.
   bool loses_at_same_tick(std::uint32_t a, std::uint32_t b) const;
-  /// Replaces `best` by `other` if that comes first.
+  /// Replaces `best` by `other` if `other` comes first.
   void meet(Node& best, const Node& other) const;
   Node least_of(std::uint32_t group) const;
   /// Updates the nodes after a change in a group.
