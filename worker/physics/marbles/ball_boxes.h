@@ -4,7 +4,7 @@
 // ten balls is cheaper than any search structure. Coordinates are stored side by side by axis, so
 // that four boxes are compared at once.
 //
-// Invariant: boxes beyond the last ball overlap none. Thread safety: const functions may run
+// Invariant: boxes beyond the last ball overlap no box. Thread safety: const functions may run
 // concurrently.
 #pragma once
 
@@ -25,7 +25,7 @@ namespace sleight::physics {
 
 class BallBoxes {
  public:
-  /// Resets to boxes that overlap none.
+  /// Resets to boxes that overlap no box.
   void assign(std::size_t count) {
     constexpr float k_infinity = std::numeric_limits<float>::infinity();
     Group nowhere;

@@ -6,7 +6,7 @@
 // Invariants
 //   1. Every operation rounds each number as the same operation on a double does, so results have
 //      the same bits with and without vector registers.
-//   2. dot and sum add in another order than math::dot. So dot and sum compute only bounds, which
+//   2. dot() and sum() add in another order than math::dot(). So they compute only bounds, which
 //      allow for rounding, and never decide a collision.
 // Thread safety: values.
 #pragma once

@@ -131,7 +131,7 @@ void Marbles::process(const EventKey& event) {
         balls_[ball].resumes = true;
         to_resume_.push_back(ball);
       } else {
-        // The replayed partner may have gone live meanwhile for another reason.
+        // Meanwhile the partner's replay may have ended for another reason.
         if (meets_replayed(ball)) goes_live(partners_[ball]);
         predict_pairs(ball);
         refresh_key(ball);
@@ -152,7 +152,7 @@ void Marbles::start_ball(BodyId ball, const EventKey& event) {
                                      .acceleration_mps2 = scene_->gravity_mps2,
                                      .orientation = math::normalized(state.pose.orientation),
                                      .angular_velocity_radps = state.twist.angular_velocity_radps}};
-  // Balls that are left alone near the start must catch up first.
+  // Balls that are left alone near the starting ball must catch up first.
   const TouchBox here = path_box_of(ball, event.tick, event.tick);
   if (!replays_.empty()) comes_near_replayed(ball, here, event.tick, false);
   boxes_.for_each_overlapping(here, [&](BodyId other) {
@@ -177,7 +177,7 @@ void Marbles::start_ball(BodyId ball, const EventKey& event) {
   }
 }
 
-/// Returns the name of what a starting ball overlaps; empty if nothing.
+/// Returns the name of an obstacle that a starting ball overlaps; empty if there is none.
 std::string Marbles::obstacle_of(BodyId ball) {
   const Vec3 place_m = place_at(ball, now_);
   for (BodyId other{}; other < balls_.size(); ++other) {
@@ -233,7 +233,7 @@ void Marbles::balls_changed() {
   }
 }
 
-/// Leaves a ball alone after a change of its motion, if possible. Returns false if it continues.
+/// Leaves a ball alone after a change of its motion, if possible; otherwise returns false.
 bool Marbles::suspend(BodyId ball) {
   if (!confinement_ || catches_up_ || is_resting(ball)) return false;
   // After two balls meet, rest decisions may still read both balls.
@@ -275,10 +275,10 @@ bool Marbles::suspend(BodyId ball) {
   return true;
 }
 
-/// Lets the balls in to_resume_ catch up: processes all events before the present one.
+/// Lets the balls in to_resume_ catch up: processes all events before the present event.
 void Marbles::resume(const EventKey& present) {
   const Tick now = now_;
-  // Calls nest: a ball that starts meanwhile makes further balls catch up with its start.
+  // Calls may nest: a ball that starts during a call makes further balls catch up with its start.
   const bool outer = catches_up_;
   const Tick outer_present = present_;
   present_ = now;
@@ -318,7 +318,7 @@ void Marbles::refresh_key(BodyId index) {
            .higher = k_static | ball.static_feature});
   const BodyId partner = partners_[index];
   if (partner != k_none && replayed_[partner] != nullptr) {
-    // The replayed partner must go live before the two meet.
+    // The partner's replay must end before the two balls meet.
     offer({.tick = ball.pair_tick, .kind = EventKind::update, .lower = index});
   } else if (partner != k_none) {
     offer({.tick = ball.pair_tick,

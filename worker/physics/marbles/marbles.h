@@ -11,11 +11,11 @@
 //   1. All results equal those of a Simulation of the same scene, bit for bit: both apply the same
 //      rules (collision_rule.h, contact_events.h, the responses) at the same ticks in the same
 //      order (event.h). Tests compare them.
-//   2. A ball's box contains the ball from now to its next event. If the boxes of two balls that
-//      are not at rest don't overlap, the two don't meet before the next event of one of them.
+//   2. A ball's box contains the ball from now to its next event. If two balls are not at rest and
+//      their boxes don't overlap, the balls can meet only after the next event of one of them.
 //   3. A ball that is left alone stays in its confinement, and no other ball's path comes near it.
-//      When another ball comes near, the first ball catches up with the present; nothing else has
-//      touched it until then.
+//      When another ball comes near, the first ball catches up with the present; until then, no
+//      other ball has touched it.
 //   4. Replayed balls aren't simulated, which changes no result ("What stays the same", below).
 //
 // What stays the same. A simulation that records stores a history of each ball (marble_history.h):
@@ -26,18 +26,18 @@
 //      geometry that has changed.
 //   2. The ball was left alone in its history, and now would not be left in the same confinement.
 //   3. The ball's history contains a meeting with a ball that isn't replayed now.
-//   4. The ball's history contains a recent meeting with a ball that has gone live since, so that
-//      rest decisions will read that ball.
+//   4. The ball's history contains a recent meeting with a ball whose replay has since ended, so
+//      that rest decisions will read that ball.
 //   5. A ball that the ball rests on, or that rests on the ball, is no longer replayed.
-//   6. A simulated ball meets the replayed one (an obstacle with known motion), or comes near the
-//      confinement in which the replayed one is alone.
+//   6. A simulated ball meets the replayed ball (an obstacle with known motion), or comes near the
+//      confinement in which the replayed ball is alone.
 //   7. The ball's history ends, and the ball doesn't stay where it is.
 //
-// The ball then goes live from its last checkpoint. Between the checkpoint and the present it met
-// only static geometry, so catching up changes nothing for other balls. A history has a bounded
-// number of checkpoints. The replay becomes void (is_replay_void()) if a checkpoint is missing,
-// after any error, or when a large part of the permitted work is used up. After that, only a
-// simulation without histories gives the result.
+// The ball then goes live: it is simulated from its last checkpoint on. Between the checkpoint and
+// the present, the ball met only static geometry, so catching up changes nothing for other balls. A
+// history has a bounded number of checkpoints. The replay becomes void (is_replay_void()) if a
+// checkpoint is missing, after any error, or when a large part of the permitted work is used up.
+// If the replay is void, only a simulation without histories gives the result.
 //
 // After the start, nothing but histories is allocated once lists have grown. Cost: some 6,000
 // instructions per event among ten balls, below 1 microsecond, plus about 10 n instructions for n
@@ -71,8 +71,8 @@
 namespace sleight::physics {
 
 /// Called when a ball begins a motion. Returns a box that the ball, and k_touch_m around it, can't
-/// leave unless another ball touches it. Returns nothing if there is no such box or if the ball's
-/// motion is of interest. A ball with a box is left alone until another ball comes near the box.
+/// leave unless another ball touches it. Returns nothing if there is no such box or if the ball
+/// must not be left alone. A ball with a box is left alone until another ball comes near the box.
 using MarbleConfinement =
     std::function<std::optional<Box>(BodyId marble, const Vec3& centre_m, const Twist& twist)>;
 
@@ -122,8 +122,7 @@ class Marbles {
              MarbleConfinement confinement = {}, std::uint64_t work_max = UINT64_MAX,
              const MarbleReplay& replay = {});
   /// Processes all events up to and at a tick. Returns nothing on success. After an error the state
-  /// stays as it is; the error means nothing if is_replay_void(). REQUIRES: `tick` is not beyond
-  /// the end.
+  /// stays as it is; ignore the error if is_replay_void(). REQUIRES: `tick` is not beyond the end.
   std::optional<SceneError> run_until(Tick tick);
 
   Tick now() const { return now_; }
@@ -159,7 +158,7 @@ class Marbles {
     return partners_[ball] != k_none && replayed_[partners_[ball]] != nullptr;
   }
   bool is_resting(BodyId ball) const { return balls_[ball].segment.mode == MotionMode::resting; }
-  /// End of a ball's current motion, ignoring other balls; for a ball at rest, now.
+  /// End of a ball's current motion, ignoring other balls; the present for a ball at rest.
   Tick next_of(BodyId ball) const {
     const Marble& own = balls_[ball];
     return is_resting(ball) ? now_ : std::min({own.static_tick, own.supports.end, end_});
@@ -264,8 +263,8 @@ class Marbles {
   std::vector<Surroundings> surroundings_;
   BallBoxes boxes_;             ///< of paths or confinements
   std::vector<EventKey> keys_;  ///< next event by ball
-  /// By ball: the partner that it meets next, at pair_tick. A replayed ball's partners are in its
-  /// history.
+  /// By ball: the partner that the ball meets next, at pair_tick. A replayed ball's partners are in
+  /// its history.
   std::vector<BodyId> partners_;
   Resting resting_;
   RecentContacts recent_;

@@ -31,8 +31,8 @@ void Marbles::keep_part(BodyId ball, const TouchBox& box) {
   auto& parts = kept_[ball].parts;
   auto& flights = kept_[ball].flights;
   const Marble& own = balls_[ball];
-  // Remove parts that lie in the future or are rewritten now. If a ball collides several times at
-  // one tick, each collision has a part.
+  // Remove parts of the path that are in the future or are rewritten now. If a ball collides
+  // several times at one tick, each collision has its own part.
   while (!parts.empty() &&
          (parts.back().begin > now_ ||
           (parts.back().begin == now_ && parts.back().last_feature == own.last_feature))) {

@@ -26,8 +26,8 @@ constexpr double k_short_radii = 0.25 * k_settled_radii;
 /// only.
 constexpr std::uint64_t k_early_ticks = 2;
 
-/// Number of ticks that are too early for a touch before a corner's region is tested at each tick
-/// and not only at touches. Affects speed only.
+/// After this many tested ticks, a corner's region is tested at each tick, and not only at touches.
+/// Affects speed only.
 constexpr std::uint64_t k_steps_without_region = 6;
 
 /// Time for which the touch or approach test of examine() certainly fails for an edge or a vertex;
@@ -87,7 +87,6 @@ TouchBox ball_box(const PathExtent& extent, double radius_m) {
           .high_m = floats_of(high_m + rounding * fabs(high_m))};
 }
 
-/// Box of a ball's path between two ticks.
 [[gnu::always_inline]] inline TouchBox box_of_way(const FreeFlight& flight, Tick from, Tick to,
                                                   double radius_m) {
   const Four velocity_mps = Four::of(flight.velocity_mps);
@@ -189,8 +188,8 @@ void Marbles::predict_static(BodyId index) {
     return;
   }
   // Skip the ball's supports, which it can't meet before its mode event. Test the feature of the
-  // last collision first: it is often the next one too, and the other features are then too far
-  // away.
+  // last collision first, because the ball often meets it again; the other features are then too
+  // far away.
   std::array<FeatureId, 4> done{k_nothing, k_nothing, k_nothing, k_nothing};
   if (in_contact(ball.segment)) {
     for (std::uint32_t i = 0; i < ball.supports.count; ++i)
@@ -301,8 +300,8 @@ void Marbles::predict_static(BodyId index) {
   if (records_) keep_part(index, boxes_.of(index));
 }
 
-/// Fails the simulation: a search takes some ticks, so reaching the limit means that a bound is
-/// wrong.
+/// Fails the simulation. A search usually takes few ticks, so reaching the limit means that a bound
+/// is wrong.
 Tick Marbles::gives_up(Tick tick) {
   fail(SceneError::Kind::search_gave_up,
        fmt::format("a collision search examined more than {} ticks, up to tick {} ({:.9g} s)",
@@ -310,8 +309,8 @@ Tick Marbles::gives_up(Tick tick) {
   return k_never;
 }
 
-/// First tick at which the ball collides with a face. `after_s`: earliest time of a touch with its
-/// plane.
+/// First tick at which the ball collides with a face. `after_s`: earliest time of a touch with the
+/// face's plane.
 Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
                          double after_s) {
   const std::span<const RegionSide> sides = statics_->sides(face);
@@ -399,8 +398,8 @@ TouchBox Marbles::way_box_of(const FreeFlight& flight, Tick from, Tick to) const
 
 bool Marbles::way_meets(const FreeFlight& flight, Tick from, Tick to, const TouchBox& box,
                         int depth) const {
-  // Both boxes contain whole balls, whose centres are further inside and two radii apart when they
-  // touch.
+  // Both boxes contain whole balls. The centres are further inside the boxes, and two radii apart
+  // when the balls touch.
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   if (apart_m2(box_of_way(flight, from, to, radius_m_), box, radius_m_) > reach_m * reach_m)
     return false;
@@ -448,7 +447,7 @@ void Marbles::comes_near(BodyId index, const TouchBox& own, BodyId other) {
 Refractory Marbles::refractory_of(BodyId a, BodyId b, Tick begin) const {
   const Refractory refractory = recent_.of(a, b);
   if (refractory.until <= begin) return refractory;
-  // In so short a time, free motion hardly changes the balls' speeds.
+  // The refractory time is so short that free motion hardly changes the balls' speeds.
   const FreeFlight& first = balls_[a].segment.flight;
   const FreeFlight& second = balls_[b].segment.flight;
   const Vec3 between_m = position_at(second, begin) - position_at(first, begin);

@@ -26,9 +26,9 @@ bool Marbles::stays_alone(BodyId ball, const MarbleHistory::Part& part,
   return confined.low_m == part.box.low_m && confined.high_m == part.box.high_m;
 }
 
-/// First tick, up to `until`, at which a ball's history is affected by changes: it meets a changed
-/// feature, met one that has changed, or would be left alone differently. Returns k_never if there
-/// is none.
+/// First tick, up to `until`, at which a ball's history is affected by changes: the ball meets a
+/// changed feature, met a feature that has changed, or would be left alone differently. Returns
+/// k_never if there is none.
 Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until) {
   const MarbleHistory& history = *replayed_[ball];
   const auto is_changed = [&](FeatureId feature) {
@@ -120,7 +120,7 @@ bool Marbles::is_replay_void() const {
 void Marbles::stop_replay(BodyId marble) {
   if (replayed_[marble] == nullptr) return;
   goes_live(marble);
-  // All events up to the present have happened.
+  // Use a key after all events of the present tick, because these events have happened.
   resume({.tick = now_, .kind = EventKind::sample, .lower = UINT32_MAX});
 }
 
@@ -133,7 +133,7 @@ void Marbles::goes_live_by(BodyId ball, Tick tick) {
   }
 }
 
-/// Makes live the balls that were added to the list since it had length `from`.
+/// Ends the replay of balls added to hastened_ since its length was `from`, now or at their ticks.
 void Marbles::hasten(std::size_t from) {
   while (hastened_.size() > from) {
     const auto [ball, tick] = hastened_.back();
@@ -168,9 +168,8 @@ void Marbles::goes_live(BodyId ball) {
   hasten(from);
 }
 
-/// Collects the balls that must go live because a given ball of their history goes live. Such a
-/// ball will meet the given ball, rests on it, or has just met it and may read it in rest
-/// decisions.
+/// Collects the balls whose replay must end because the replay of a given ball ends. Such a ball
+/// will meet the given ball, rests on it, or has just met it and may read it in rest decisions.
 void Marbles::hasten_partners(BodyId ball, Tick now) {
   for (const BodyId other : replays_) {
     const MarbleHistory& theirs = *replayed_[other];
@@ -192,10 +191,10 @@ void Marbles::hasten_partners(BodyId ball, Tick now) {
   }
 }
 
-/// Gives a ball the state of a checkpoint, and lets it wait to catch up.
+/// Gives a ball the state of a checkpoint, and queues the ball to catch up.
 void Marbles::go_on_from(BodyId ball, const MarbleHistory& history,
                          const MarbleHistory::Checkpoint& checkpoint, Tick now) {
-  // The balls that a resting ball lies on must be live to wake it.
+  // The balls that a resting ball lies on must be simulated, so that they can wake it.
   for (const BodyId other : replays_) {
     if (checkpoint.rest.rests_on(other)) hastened_.emplace_back(other, now);
   }
@@ -279,8 +278,8 @@ bool Marbles::starts_at(BodyId ball, const MarbleHistory::Flight& way) const {
                   way_box_of(way.flight(), way.begin, way.begin), radius_m_) <= reach_m * reach_m;
 }
 
-/// First tick between two ticks at which a ball meets one with known motion; may be early but is
-/// never late.
+/// First tick between two ticks at which a ball meets a ball with known motion. The result may be
+/// early but is never late.
 Tick Marbles::meets_way(BodyId ball, const MarbleHistory::Flight& way, MotionMode mode, Tick from,
                         Tick until) const {
   const Segment& segment = balls_[ball].segment;
@@ -292,7 +291,7 @@ Tick Marbles::meets_way(BodyId ball, const MarbleHistory::Flight& way, MotionMod
   return first_touch(segment.flight, way.flight(), from, until, {});
 }
 
-/// Advances to the last part of a replayed ball's path that began before the present.
+/// Advances to the last part of a replayed ball's path that has begun by the present.
 void Marbles::find_part_now(BodyId ball) {
   const auto& parts = replayed_[ball]->parts;
   std::size_t& part = part_now_[ball];

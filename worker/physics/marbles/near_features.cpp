@@ -35,7 +35,7 @@ TouchBox NearFeatures::touch_box_of_plane(FeatureId index) const {
   const double reach_m = radius_m_ + 2 * k_touch_m;
   TouchBox box = k_everywhere;
   for (std::size_t i = 0; i < 3; ++i) {
-    // A plane has no sides, so centres may be anywhere below.
+    // A plane has no sides, so centres may be anywhere below it.
     const double slope = plane.direction[static_cast<int>(i)];
     const double place_m = plane.point_m[static_cast<int>(i)];
     if (slope == 1) box.high_m[i] = padded_above(place_m + reach_m, k_touch_box_pad_m);
@@ -145,7 +145,6 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
     last_cell_[i] = counts_[i] - 1.0;
   strides_ = {1, 1.0 * counts_[0], 1.0 * counts_[0] * counts_[1], 0};
   lists_.resize(std::size_t{counts_[0]} * counts_[1] * counts_[2]);
-  // First compute the lengths of lists, then fill them.
   std::vector<std::uint32_t> lengths(2 * lists_.size());
   const auto is_corner = [&](FeatureId f) {
     return statics_.feature(f).kind == FeatureKind::face ? 0U : 1U;
@@ -158,7 +157,7 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
   }
   for (std::size_t list = 0; list < lists_.size(); ++list) {
     lists_[list].faces.reserve(lengths[2 * list]);
-    // Flat edges that become convex are added later.
+    // Reserve more room, because flat edges are added later if they become convex.
     lists_[list].corners.reserve(lengths[2 * list + 1] + (lengths[2 * list + 1] + 1) / 2);
   }
   for (FeatureId f{statics_.plane_count()}; f < count; ++f) {

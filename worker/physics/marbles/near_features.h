@@ -102,7 +102,7 @@ class NearFeatures {
 };
 
 inline NearFeatures::Cell NearFeatures::cell_at(const Four& centre_m) const {
-  // Farther than any path, and small enough that the square is finite.
+  // This distance is farther than any path, and its square is finite.
   const Four far = Four::all(1e30);
   const Four half = Four::all(0.5);
   const Four origin_m = Four::of(origin_m_);

@@ -6,8 +6,8 @@
 // cost of testing one tick. This header computes the bounds; the caller tests ticks from there on
 // (marbles_predictions.cpp).
 //
-// Faces. The height n.(p - q) is a parabola in time. For a falling centre the height is lowest at
-// an end.
+// Faces. The height n.(p - q) is a parabola in time. For a falling centre, the height is lowest at
+// an end of the path.
 //
 // Edges and vertices. Let c be the initial vector from an edge's line, or a vertex, to the centre.
 // The plane perpendicular to c gives |c(h)| >= c.c(h) / |c|, a parabola again. The square c.c is a
@@ -185,9 +185,9 @@ inline CornerWay corner_way(const PathPart& path, const SphereFeature& corner) {
   return {.along = along, .c = c, .c_c = dot(c, c)};
 }
 
-/// Touch distance plus rounding errors. c has the error of coordinates. c.c, along the path, has
-/// the error of its own size, which is at most 2 (travel_m^2 + c_c). The distance has the error of
-/// c.c divided by the diameter.
+/// Touch distance plus rounding errors. c has the rounding error of coordinates. c.c has a rounding
+/// error relative to its own size, which along the path is at most 2 (travel_m^2 + c_c). The
+/// distance has the error of c.c divided by the diameter.
 inline double corner_reach_m(const PathPart& path, const CornerWay& way, double radius_m) {
   const double square = path.travel_m * path.travel_m + way.c_c;
   return (radius_m + k_touch_m) + detail::k_sum_ulps * (path.size_m + 2 * square / radius_m);
@@ -254,7 +254,7 @@ inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& pat
     const double rate_mps = dot(normal, path.velocity_mps) + pull_mps2 * from_s;
     const double last_rate_mps = rate_mps + pull_mps2 * for_s;
     if (inside_m + 0.5 * (rate_mps + last_rate_mps) * for_s >= 0) continue;
-    // The centre may be inside in between, if it rises, turns and falls.
+    // Between these times the centre may be inside, if it rises, turns and falls.
     if (rate_mps > 0 && last_rate_mps < 0 && inside_m - 0.5 * rate_mps * rate_mps / pull_mps2 >= 0)
       continue;
     return true;

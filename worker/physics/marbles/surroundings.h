@@ -6,8 +6,8 @@
 // more: unlike a cell of the table (near_features.h), the list omits features whose regions the
 // ball can't enter.
 //
-// Invariant: while the ball's centre is in the box, it collides with no features of the cell's
-// lists except those here, rounding included. Thread safety: const functions may run concurrently.
+// Invariant: while the ball's centre is in the box, it collides with none of the cell's other
+// features, rounding included. Thread safety: const functions may run concurrently.
 #pragma once
 
 #include <array>

@@ -7,7 +7,7 @@
 namespace sleight::physics {
 namespace {
 
-// Compilers map these to the processor's registers. Elements are x, y, z; the fourth is unused.
+// Compilers map these types to vector registers. Elements are x, y, z; the fourth is unused.
 using Floats = float __attribute__((vector_size(16)));
 using Bits = std::int32_t __attribute__((vector_size(16)));
 using Two = double __attribute__((vector_size(16)));
@@ -73,8 +73,8 @@ Floats zxy(Floats a) {
   return __builtin_shufflevector(a, a, 2, 0, 1, 3);
 }
 
-/// Maximum component along each axis of unit vectors perpendicular to a unit vector with these
-/// components.
+/// Returns, for each axis, the maximum component of unit vectors perpendicular to a given unit
+/// vector.
 Floats across(Floats parts) {
   return roots(greatest(1 - parts * parts, Floats{}));
 }
@@ -111,8 +111,8 @@ struct Spread {
   if (std::fabs(side_a) < k_unclear || std::fabs(side_b) < k_unclear) return around;
   const Floats border_a = floats_from(bits_of(ray_a) ^ (bits_of(all(side_a)) & k_sign));
   const Floats border_b = floats_from(bits_of(ray_b) ^ (bits_of(all(side_b)) & k_sign));
-  // Along each axis, the extreme is the direction of that axis projected off the edge, if the
-  // region contains it, or otherwise a border ray.
+  // Along each axis, the extreme is the axis's direction, projected off the edge, if the region
+  // contains this direction; otherwise it is a border ray.
   const Floats nearly = all(1e-5F);
   return {.low = greatest(first, second) > nearly ? least(border_a, border_b) : around.low,
           .high = least(first, second) < -nearly ? greatest(border_a, border_b) : around.high};

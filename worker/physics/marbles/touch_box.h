@@ -89,7 +89,7 @@ struct alignas(16) FeatureExtent {
 /// `reach_m`: the radius plus the touch distance.
 FeatureExtent extent_of(const Box& own, float reach_m);
 
-/// REQUIRES: the feature can be met and isn't a plane without sides; extent was computed with the
+/// REQUIRES: the feature can be met and isn't a plane without sides; `extent` was computed with the
 /// same reach.
 TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
                       const FeatureExtent& extent, float reach_m);
@@ -101,8 +101,8 @@ struct TouchBoxes {
   std::span<TouchBox> boxes;
 };
 
-/// Writes the touch boxes of some features, and k_unmeetable for those that can't be met. Appends
-/// to `outgrown` the features whose touch boxes have left their homes. REQUIRES: no planes.
+/// Writes the touch boxes of some features, and k_unmeetable for features that can't be met.
+/// Appends to `outgrown` the features whose touch boxes have left their homes. REQUIRES: no planes.
 void write_touch_boxes(const StaticGeometry& statics, std::span<const FeatureId> features,
                        float reach_m, const TouchBoxes& table, std::vector<FeatureId>& outgrown);
 
