@@ -12,8 +12,8 @@ namespace {
 constexpr double k_longest = 2.1;
 constexpr double k_cell = 1.0;
 
-/// Minimum units per cell. A query finds some 1 + 3 / units more boxes than necessary. A sketch's
-/// ring has 2^8 units, and boxes should be much shorter than the ring.
+/// Minimum units per cell. A query finds about 1 + 3 / units times as many boxes as necessary. A
+/// sketch's ring has 2^8 units, and boxes should be much shorter than the ring.
 constexpr int k_unit_bits = 4;
 constexpr int k_sketch_bits = 8;
 

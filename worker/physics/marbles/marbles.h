@@ -71,8 +71,8 @@
 namespace sleight::physics {
 
 /// Called when a ball begins a motion. Returns a box that the ball, and k_touch_m around it, can't
-/// leave unless another ball touches it. Returns nothing if there is no such box or if the ball
-/// must not be left alone. A ball with a box is left alone until another ball comes near the box.
+/// leave unless another ball touches it. Returns nothing if there is no such box or if the caller
+/// needs the ball's motion. A ball with a box is left alone until another ball comes near the box.
 using MarbleConfinement =
     std::function<std::optional<Box>(BodyId marble, const Vec3& centre_m, const Twist& twist)>;
 
