@@ -48,7 +48,7 @@ void transform(std::vector<Complex>& z, const std::vector<Complex>& roots) {
     reversed ^= bit;
     if (i < reversed) std::swap(z[i], z[reversed]);
   }
-  // Join transforms of `half` values into transforms of twice as many.
+  // Join transforms of `half` values into transforms of twice as many values.
   for (std::size_t half = 1; half < size; half *= 2) {
     const std::size_t stride = size / (2 * half);
     for (std::size_t begin = 0; begin < size; begin += 2 * half) {

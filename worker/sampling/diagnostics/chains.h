@@ -21,7 +21,7 @@ struct Chains {
   }
 };
 
-/// The same, but owning the values.
+/// Like Chains, but owns the values.
 struct OwnedChains {
   std::vector<double> values;
   std::size_t chains = 1;

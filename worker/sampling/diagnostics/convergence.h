@@ -1,4 +1,4 @@
-// Judges from one scalar whether chains have mixed, with explanations for people.
+// Judges from one scalar whether chains have mixed, with explanations for people. Example:
 //
 //   const Convergence height = convergence_of({.values = draws, .chains = 4, .draws = 1000});
 //   for (const std::string& line : complaints("height", height)) print(line);
@@ -16,19 +16,19 @@
 
 namespace sleight::sampling {
 
-/// R-hat above this limit means that chains have not mixed. Source: Vehtari et al. (2021), who show
-/// that the older limit of 1.1 accepts chains that are far from mixed.
+/// R-hat above this limit of Vehtari et al. 2021 (transforms.h) means that chains have not mixed.
+/// The paper shows that the older limit of 1.1 accepts chains that are far from mixed.
 constexpr double k_r_hat_max = 1.01;
 
 /// Minimum bulk and tail effective sample size (Vehtari et al. 2021). At this minimum, the standard
 /// error of a mean is 1/20 of the standard deviation.
 constexpr double k_ess_min = 400;
 
-/// Minimum effective sample size per chain, if there are more than four chains. The paper's 400 is
-/// 50 per half of four chains. Below 50, R-hat and the sample sizes themselves are unreliable.
+/// Minimum effective sample size per chain, if there are more than four chains. The paper's minimum
+/// of 400 is 50 for each half of four chains. Below 50, R-hat and sample sizes are unreliable.
 constexpr double k_ess_per_chain_min = 100;
 
-/// Minimum draws per chain for an effective sample size: each half needs three.
+/// Minimum draws per chain for an effective sample size: each half needs three draws.
 constexpr std::size_t k_draws_per_chain_min = 6;
 
 /// Undefined numbers are NaN, as each function's header describes.
@@ -47,7 +47,7 @@ struct Convergence {
   double ess_tail = 0;
 };
 
-/// REQUIRES: the shape is that of Chains.
+/// REQUIRES: `draws` meets the requirements of Chains.
 Convergence convergence_of(const Chains& draws);
 
 /// Returns the greater of k_ess_min and k_ess_per_chain_min times the number of chains.
@@ -56,7 +56,7 @@ double ess_wanted(std::size_t chains);
 /// Returns the reasons to believe that chains have not mixed. Each sentence opens with the
 /// quantity's name and has no line break. Empty if there is no reason, or if the quantity is
 /// constant. If r_hat is NaN because all distances from the median are equal, r_hat_bulk decides.
-/// An ess_tail of NaN is ignored, because such a quantity has few values and no tail.
+/// If ess_tail is NaN, it is ignored, because the quantity then has few values and no tail.
 std::vector<std::string> complaints(std::string_view name, const Convergence& convergence);
 
 }  // namespace sleight::sampling

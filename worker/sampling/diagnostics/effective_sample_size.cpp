@@ -13,10 +13,10 @@ namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t k_draws_min = 3;
-// Smaller sums of two autocorrelations count as 0, because their errors are some 1e-15.
+// Sums of two autocorrelations below this limit count as 0, because their errors are some 1e-15.
 constexpr double k_zero_pair = 1e-12;
 
-/// rho at lags 0, 1, 2, ... with pairs (0, 1), (2, 3), ..., and the first omitted lag.
+/// Autocorrelations at lags 0, 1, 2, ..., in pairs (0, 1), (2, 3), ..., and the first omitted lag.
 struct Autocorrelations {
   std::vector<double> at_lag;
   std::size_t end = 0;  ///< Even. at_lag[end] has half a pair: 0 unless positive.

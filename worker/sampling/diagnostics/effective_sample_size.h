@@ -1,23 +1,23 @@
 // Effective sample sizes: the number of independent draws that would estimate as accurately.
 //
-// Idea. S draws of a stationary chain are worth S / tau, where tau = 1 + 2 (rho_1 + rho_2 + ...)
-// sums the autocorrelations. All chains, cut into halves, yield one estimate of each rho_t, which
-// includes the distance between their means. Sums of two neighbouring terms are positive for a
-// reversible chain. The total ends where such a sum turns negative, and the sums are made
-// non-increasing (C. Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7 (1992)
-// 473-483, section 3.3). Antithetic chains are worth more than independent draws, at most S log10
-// S.
-// Source: Vehtari et al. (2021), see transforms.h, on effective sample sizes of split chains, of
-// ranks and of quantiles. Results equal those of R's posterior 1.4.0 within 1e-10 relative
-// (tests/posterior), peculiarities included: chains whose halves have three to five draws are worth
-// half their number. There are two exceptions. If the sum of two terms is exactly 0, as in short
-// series of few values, our total ends, whereas posterior's depends on rounding. If the variance
-// overflows, posterior returns half the number of draws, but these functions return NaN.
+// Idea. S draws of a stationary chain are worth S / tau independent draws, where tau = 1 + 2 (rho_1
+// + rho_2 + ...) sums the autocorrelations. All chains, cut into halves, yield one estimate of each
+// rho_t, which includes the distance between their means. Sums of two neighbouring terms are
+// positive for a reversible chain. The total ends where a sum of two terms turns negative, and the
+// sums are made non-increasing (Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7
+// (1992) 473-483, section 3.3). Antithetic chains are worth more than independent draws, at most S
+// log10 S.
+// Source: Vehtari et al. 2021 (transforms.h), on effective sample sizes of split chains, ranks and
+// quantiles. Results equal the R package posterior 1.4.0 within 1e-10 relative (tests/posterior).
+// As in posterior, if half chains have three to five draws, the effective sample size is half the
+// number of draws. There are two exceptions. If the sum of two terms is exactly 0, as in short
+// series of few values, our total ends, whereas posterior's total depends on rounding. If the
+// variance overflows, posterior returns half the number of draws, but these functions return NaN.
 //
-// NaN means one of: a draw is NaN or infinite (the middle draw of an odd number counts only where
-// stated); all draws are within 2.2e-16 of each other; a half has fewer than three draws (see
-// split_in_halves for two and three draws); the variance overflows.
-// All functions REQUIRE: the shape is that of Chains. Cost: O(n log n). Thread safety: pure
+// The result is NaN if a draw is NaN or infinite, if all draws are within 2.2e-16 of each other, if
+// a half has fewer than three draws (see split_in_halves for two and three draws), or if the
+// variance overflows. The middle draw of an odd number counts only where stated. All functions
+// REQUIRE that `draws` meets the requirements of Chains. Cost: O(n log n). Thread safety: pure
 // functions.
 #pragma once
 
@@ -29,16 +29,16 @@ namespace sleight::sampling {
 /// distribution. Infinite draws are allowed, because they have ranks.
 double ess_bulk(const Chains& draws);
 
-/// Returns the smaller effective sample size of the quantiles at 0.05 and 0.95, for the tails. NaN
-/// also if a quantile is the greatest draw, as for most quantities with two values.
+/// Returns the smaller effective sample size of the quantiles at 0.05 and 0.95, for the tails. The
+/// result is also NaN if a quantile is the greatest draw, as for most quantities with two values.
 double ess_tail(const Chains& draws);
 
 /// Returns the effective sample size for the mean. The draws must have a finite variance.
 double ess_mean(const Chains& draws);
 
 /// Returns the effective sample size of indicators that a draw is at most the quantile. NaN if all
-/// are true. For probability 1, the quantile half a draw below is used. REQUIRES: probability in
-/// [0, 1].
+/// are true. Probability 1 counts as 1 - 0.5 / (number of all draws). REQUIRES: probability in [0,
+/// 1].
 double ess_quantile(const Chains& draws, double probability);
 
 }  // namespace sleight::sampling

@@ -4,13 +4,12 @@
 // all draws together over the variance within a half. The ratio is near 1 for mixed chains, and
 // larger if the halves' means differ. Rank normalisation makes R-hat valid without finite moments.
 // Folding about the median turns differences of scale into differences of mean.
-// Source: Vehtari et al. (2021), see transforms.h, on split, rank-normalised and folded R-hat.
-// Results equal those of R's posterior 1.4.0 within 1e-10 relative (tests/posterior).
+// Source: Vehtari et al. 2021 (transforms.h), on split, rank-normalised and folded R-hat. Results
+// equal the R package posterior 1.4.0 within 1e-10 relative (tests/posterior).
 //
-// NaN means one of: a draw in the halves is NaN; all draws are equal; each chain has one draw.
-// Infinite draws are allowed if the median is finite. If each half is constant but halves differ,
-// R-hat is infinite, or some 1e15 because means are rounded the way posterior rounds them.
-// Thread safety: pure functions.
+// R-hat is NaN if a draw in the halves is NaN, if all draws are equal, or if each chain has one
+// draw. Infinite draws are allowed if the median is finite. If each half is constant but halves
+// differ, R-hat is infinite, or some 1e15 by rounding. Thread safety: pure functions.
 #pragma once
 
 #include "worker/sampling/diagnostics/chains.h"
@@ -21,10 +20,11 @@ namespace sleight::sampling {
 double r_hat_bulk(const Chains& draws);
 
 /// Returns R-hat of the ranks of distances from the median, which is sensitive to differences of
-/// scale. NaN also if all distances are equal, as for a quantity with two equally frequent values.
+/// scale. The result is NaN if all distances are equal, as for two equally frequent values.
 double r_hat_tail(const Chains& draws);
 
-/// Returns the greater of the two, or NaN if either is NaN. posterior calls this rhat.
+/// Returns the greater of r_hat_bulk and r_hat_tail, or NaN if either is NaN. The R package
+/// posterior calls this rhat.
 double r_hat(const Chains& draws);
 
 }  // namespace sleight::sampling

@@ -13,7 +13,7 @@ double mean_of(std::span<const double> values) {
   CHECK(!values.empty());
   const auto count = static_cast<double>(values.size());
   const double rough = std::accumulate(values.begin(), values.end(), 0.0) / count;
-  // Correct the first pass's rounding, with A. Neumaier's compensation (1974).
+  // Correct the first pass's rounding with Neumaier's compensation (1974).
   double rest = 0;
   double lost = 0;
   for (const double value : values) {

@@ -1,8 +1,8 @@
 // Building blocks of the diagnostics: moments, quantiles, halves of chains, ranks.
 //
-// Source of all: A. Vehtari, A. Gelman, D. Simpson, B. Carpenter, P. Buerkner, "Rank-normalization,
-// folding, and localization: an improved R-hat for assessing convergence of MCMC", Bayesian
-// Analysis 16 (2021) 667-718, and the behaviour of the R package posterior 1.4.0.
+// Source of all: Vehtari, Gelman, Simpson, Carpenter, Buerkner, "Rank-normalization, folding, and
+// localization: an improved R-hat for assessing convergence of MCMC", Bayesian Analysis 16 (2021)
+// 667-718, and the behaviour of the R package posterior 1.4.0.
 //
 // Sums run in index order, so results depend only on the values and their order.
 // Thread safety: pure functions.
@@ -18,12 +18,12 @@ namespace sleight::sampling {
 /// Returns the mean, exact if all values are equal. REQUIRES: values not empty.
 double mean_of(std::span<const double> values);
 
-/// Returns each chain's sum in index order over its length. posterior rounds means in this way,
-/// which matters if means are large compared with the variance between them.
+/// Returns each chain's mean, rounded as in posterior: the sum in index order divided by the
+/// length. The rounding matters if means are large compared with the variance between them.
 std::vector<double> chain_means(const Chains& draws);
 
-/// Returns the sum of squared distances from the mean over n - 1. NaN for a single value; 0 only if
-/// all values are equal (or their squared distances underflow). REQUIRES: values not empty.
+/// Returns the sum of squared distances from the mean, divided by n - 1. NaN for a single value; 0
+/// only if all values are equal (or their squared distances underflow). REQUIRES: values not empty.
 double variance_of(std::span<const double> values);
 
 /// Returns whether a value is NaN or infinite, or all values are within 2.2e-16 of each other,
@@ -33,20 +33,19 @@ bool is_degenerate(std::span<const double> values);
 /// Returns NaN if a value is NaN. REQUIRES: values not empty.
 double median_of(std::span<const double> values);
 
-/// Returns the quantile by linear interpolation between order statistics (definition 7 of R.
-/// Hyndman and Y. Fan, "Sample quantiles in statistical packages", American Statistician 50 (1996)
-/// 361-365). REQUIRES: values not empty and without NaN, probability in [0, 1].
+/// Returns the quantile by linear interpolation between order statistics (definition 7 of Hyndman
+/// and Fan, "Sample quantiles in statistical packages", American Statistician 50 (1996) 361-365).
+/// REQUIRES: values not empty and without NaN, probability in [0, 1].
 double quantile_of(std::span<const double> values, double probability);
 
-/// Cuts each chain into two halves without the middle draw of an odd number: 2 chains of draws/2. A
-/// single draw stays unchanged. For two or three draws, the result is that of the R package
-/// posterior: 2 chains, one of all first draws and one of all last draws, each as long as the
-/// number of chains.
+/// Cuts each chain into two halves of draws/2, without the middle draw of an odd number. A single
+/// draw stays unchanged. Two or three draws per chain are split as in the R package posterior: into
+/// one chain of all first draws and one chain of all last draws.
 OwnedChains split_in_halves(const Chains& draws);
 
 /// Returns the normal score of each value's rank among all chains: the normal quantile of (rank -
-/// 3/8)/(count + 1/4) (G. Blom, 1958). Ties get the mean of their ranks. NaN stays NaN, and the
-/// other scores are then meaningless.
+/// 3/8)/(count + 1/4) (Blom 1958). Ties get the mean of their ranks. NaN stays NaN, and the other
+/// scores are then meaningless.
 OwnedChains normal_scores(const Chains& draws);
 
 /// Returns distances from the median of all draws. If one draw is NaN, all distances are NaN.
