@@ -1,14 +1,14 @@
 // Annealed importance sampling (Neal 2001, Annealed importance sampling): independent ascents from
 // the prior to inverse temperature 1, whose weights correct for their finite speed.
 //
-// An ascent passes 0 = beta_0 < beta_1 < ... < beta_K = 1, one scan each. x_0 is a draw from the
-// prior, and the kernel of beta_k makes x_k. The ascent's weight w is
+// An ascent makes one scan at each inverse temperature 0 = beta_0 < beta_1 < ... < beta_K = 1. x_0
+// is a draw from the prior, and the kernel of beta_k makes x_k. The log of the ascent's weight w is
 //
 //   log w = sum over k of (beta_k - beta_{k-1}) l(x_{k-1}),    l = log p_c.
 //
-// The mean of w is an unbiased estimate of Z. Weighted means over last states estimate means under
-// the target. Each lane runs one ascent after another. The temperatures come from a burn-in, with
-// `steps_per_level` equal steps between neighbouring levels. Not thread-safe.
+// The mean of w is an unbiased estimate of Z. Weighted means over the ascents' last states estimate
+// means under the target. Each lane runs one ascent after another. The temperatures come from a
+// burn-in, with `steps_per_level` equal steps between neighbouring levels. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace sleight::sampling {
 
-/// Log of the mean weight with its standard error (delta method), and (sum w)^2 / sum w^2.
+/// Log mean weight with its standard error (delta method), and effective size (sum w)^2 / sum w^2.
 struct WeightSummary {
   Estimate log_mean;
   double effective_size = 0;

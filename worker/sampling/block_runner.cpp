@@ -28,7 +28,7 @@ FlowLevels levels_of(const plan::Block& block) {
           .inverse_temperatures = block.ladder->inverse_temperatures};
 }
 
-/// A running part of a ladder. Replicas and levels are numbered from the part's first one.
+/// A running part of a ladder. Replica and level numbers start at 0 in the part.
 class PartRun {
  public:
   PartRun(const plan::UnitWorker& worker, const plan::Block& block)
@@ -37,7 +37,7 @@ class PartRun {
       flow_.sit(i, i, block.members[i].first_scan.value);
   }
 
-  /// Runs the members' first scans. Returns false if a state is neither given nor held.
+  /// Runs the members' first scans. Returns false if a member's state is neither given nor held.
   bool begin(const plan::Block& block, std::span<const plan::GivenState> states) {
     for (std::size_t i = 0; i < block.members.size(); ++i) {
       const plan::Unit& member = block.members[i];
@@ -75,7 +75,7 @@ class PartRun {
     return next;
   }
 
-  /// Runs one more scan of the member at a level, from its last state.
+  /// Runs one more scan of the member at a level, from the member's last state.
   void run(std::uint32_t level) {
     const SwapFlow::Seat& seat = flow_.seat(level);
     UnitResult& so_far = results_[*seat.replica];

@@ -1,7 +1,7 @@
 // Runs blocks (common/plan/block.h): a single unit, or a part of a ladder scan by scan, with the
 // swaps between its members (swap_flow.h).
-// Invariant: each member's records equal those of scans run one at a time at the levels that the
-// plan would have chosen. A member stops where only the plan can determine its next level.
+// Invariant: each member's records are the same as if its scans ran one at a time, at the levels
+// that the plan would choose. A member stops where only the plan can determine its next level.
 // Thread-safe if the worker is.
 #pragma once
 

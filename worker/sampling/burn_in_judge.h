@@ -1,14 +1,16 @@
 // Judges whether chains that started from searches (stage_search.h) have burnt in.
 //
-// All these chains lack what searches seldom produce, such as helped balls. So the chains agree
-// from the first scan on, and R-hat, which measures agreement, is no sufficient test by itself. The
-// judge looks at the second half of a tour's scans, over all chains together, and excludes no chain
-// for its values. The chains have burnt in if both conditions hold for each value:
+// All these chains start without details that searches seldom produce, such as helped balls. So the
+// chains agree from the first scan on, and R-hat, which measures agreement, isn't a sufficient
+// test. The judge looks at the second half of a tour's scans, over all chains together, and
+// excludes no chain for its values. The chains have burnt in if both conditions hold for each
+// value:
 //
 //   - Split R-hat is at most k_burnt_in_r_hat. Means of half chains then differ by at most 0.66
 //     standard deviations of a draw, as if each half held some 2.3 effective draws. Then the
 //     first half lasts 4.5 correlation times, so some 1% of the start's bias should be left.
-//   - A value that starts at one end has left it: at least one draw differs from all starts.
+//   - If all chains start at one end of the value's range, at least one draw differs from the
+//     starts.
 //
 // Source of R-hat: diagnostics/r_hat.h. Thread safety: pure functions.
 #pragma once

@@ -1,4 +1,4 @@
-// Methods that start from the results of a burn-in, as a Plan. Every chain runs some rounds of
+// A Plan for methods that start from the results of a burn-in. Every chain runs some rounds of
 // parallel tempering, and then its ChainPart (chain_part.h). The stop rule counts rounds from the
 // burn-in's end. Scan counts include the burn-in.
 #pragma once

@@ -1,10 +1,10 @@
-// Free islands alone, as a Plan for runs that request only the odds. Islands share nothing, so any
+// A Plan of free islands alone, for runs that request only the odds. Islands share nothing, so any
 // number of workers can run them. OddsRule (odds_rule.h) decides how many islands to make.
 //
-// In archives the islands are one chain's scans. Each draw is an island's drawn state, weighted by
-// the island's estimate of Z. An island whose particles all died adds a prior draw of weight 0.
-// Invariant: the number of islands is a function of their estimates in the order of island numbers.
-// Not thread-safe.
+// Archives store the islands as the scans of one chain. Each draw is an island's drawn state,
+// weighted by the island's estimate of Z. An island whose particles all died adds a prior draw of
+// weight 0. Invariant: the number of islands is a function of their estimates in the order of
+// island numbers. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -36,9 +36,9 @@ class FreeIslands final : public plan::Plan {
   void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override { return rule_.is_over() || scans_common() >= islands_max_; }
-  /// Number of islands before the first unfinished one.
+  /// Number of islands before the first unfinished island.
   std::uint64_t scans_common() const override { return islands_.scans(); }
-  /// Always 0, because weighted draws are no solutions in the model's proportions.
+  /// Always 0, because weighted draws aren't solutions in the model's proportions.
   std::uint64_t solutions_found() const override { return 0; }
   std::optional<std::uint64_t> solutions_wanted() const override { return std::nullopt; }
   std::vector<plan::Solution> solutions_between(std::uint64_t, std::uint64_t) const override {

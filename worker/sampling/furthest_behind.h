@@ -23,7 +23,7 @@ class FurthestBehind {
   /// Chains without scans. REQUIRES: at least one chain.
   explicit FurthestBehind(std::size_t chains);
 
-  /// Number of scans that every chain has.
+  /// Number of scans that every chain has completed.
   std::uint64_t least() const { return by_scans_.begin()->first; }
   /// Total scans over all chains, counting at most `end` scans of each.
   std::uint64_t sum(std::uint64_t end) const;
@@ -34,8 +34,8 @@ class FurthestBehind {
   void moved(std::size_t chain, std::uint64_t scans);
 
   /// Returns the first non-empty result of `next` over chains in order of (scans, chain). REQUIRES:
-  /// if `next` returns nothing for a chain, the chain has work in progress, or only another `asked`
-  /// can give it work.
+  /// if `next` returns nothing for a chain, the chain has work in progress, or gets work only with
+  /// another `asked`.
   template <class Next>
   auto first(const Asked& asked, const Next& next) -> decltype(next(std::size_t{0})) {
     if (asked != asked_) {

@@ -1,5 +1,5 @@
-// Chains that never interact, as a Plan. Each chain runs scans at inverse temperature 1 from its
-// own prior draw. The kernel is plain Metropolis-Hastings, the baseline for all other methods.
+// A Plan of chains that never interact. Each chain runs scans at inverse temperature 1 from its own
+// prior draw. The kernel is plain Metropolis-Hastings, the baseline for all other methods.
 // Alternatively, islands of particles start the chain and end each scan (worker/run/island_scan.h).
 // Invariant: the scan at which the run stops is a function of the results up to that scan.
 #pragma once
@@ -55,7 +55,7 @@ class IndependentChains final : public plan::Plan {
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
   /// Report of the islands, if any. If solutions end the run, only islands up to the end of the
-  /// first round count towards the odds, because these are made in any case.
+  /// first round count towards the odds, because these islands are made in any case.
   plan::Report report() const override;
   bool learns() const override { return has_islands_ || scans_before_draws_ > 0; }
 

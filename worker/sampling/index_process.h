@@ -3,7 +3,7 @@
 // level bring new draws there.
 //
 // The stored scans are the multiples of a stride, which doubles when the number of stored scans
-// exceeds a bound. So the stored set is a function of the scans added. Not thread-safe.
+// exceeds a bound. So the set of stored scans depends only on the scans added. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ class IndexProcess {
 
   struct Moment {
     std::uint64_t scan = 0;
-    /// Each replica's level, up to the last replica with a level. 0 is the hottest; k_no_level:
-    /// none.
+    /// Each replica's level, up to the last replica with a level. Level 0 is the hottest;
+    /// k_no_level marks a replica without a level.
     std::vector<std::uint16_t> level;
   };
 

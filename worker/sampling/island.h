@@ -4,44 +4,47 @@
 // and multiplies its weight by the choice's importance weight and by the change of potential.
 // Unequal weights cause resampling.
 //
-//   island(ground):
-//     each particle: the prefix without stages, weight 1
-//     for each stage:
-//       each particle: extend; weight *= p / q * psi after / psi before
-//       before the next stage, if the effective size is below a share of the particles:
-//         Z *= mean weight; resample; weights 1
-//     Z *= mean weight; draw one particle by weight
+//   Island on a given ground:
+//     Each particle starts as the prefix without stages, with weight 1.
+//     For each stage:
+//       Extend each particle; weight *= p / q * psi after / psi before.
+//       Before the next stage, if the effective size is below a share of the particles:
+//         Z *= mean weight; resample; set all weights to 1.
+//     Z *= mean weight; draw one particle by weight.
 //
-// After the last stage p_c replaces psi. For any number of particles, Z is an unbiased estimate of
+// After the last stage p_c replaces psi. For any number of particles, the result is an unbiased
+// estimate of
 //
-//   Z = integral of p_w p_c^beta,
+//   Z = integral of p_w p_c^beta.
 //
-// and the estimate of P(satisfied), the integral of p_w over states that satisfy, is unbiased too.
+// The estimate of P(satisfied), the integral of p_w over states that satisfy, is unbiased too.
 // Islands share nothing.
 //
-// A conditional island keeps the path of a given state as particle 0. The other particles are drawn
-// from the distribution of an island given that this path was drawn from it. Drawing one of its
-// particles is a Markov chain step that leaves p_w p_c^beta invariant (particle Gibbs). The
-// independence sampler over islands (particle_steps.h) uses the conditional island's Z as the
+// A conditional island keeps the path of a given state as particle 0. The other particles have an
+// island's distribution, conditioned on this path being the island's draw. Drawing one of the
+// island's particles is a Markov chain step that leaves p_w p_c^beta invariant (particle Gibbs).
+// The independence sampler over islands (particle_steps.h) uses the conditional island's Z as the
 // current state's Z.
 //
 // If a target can list its choices, an island's particles may choose together (joint). One pair per
 // particle is drawn from all pairs of a particle and an alternative, with probability proportional
-// to weight times the choice's density q. The draws are systematic, in order of sorts:
+// to weight times the choice's density q. The draws are systematic, in order of sorts.
 //
-//     resample and extend: mass = sum of weight * q over pairs; pairs by weight * q / mass;
-//                          Z *= mass / particles; weight = p / q * psi after / psi before
+//     Resample and extend:
+//       mass = sum of weight * q over pairs; draw pairs in proportion to weight * q / mass.
+//       Z *= mass / particles; weight = p / q * psi after / psi before.
 //
-// Expected numbers stay the same, so Z stays unbiased. But the number of particles of each sort
-// differs from its expectation by at most one, and rare sorts with large weights make Z vary less.
+// The expected number of draws of each pair is the same as for independent draws, so Z stays
+// unbiased. But the number of particles of each sort differs from its expectation by at most one,
+// and rare sorts with large weights make Z vary less.
 //
 // Invariants
 //   1. Random numbers are addressed by (seed, chain, island, stage, particle). An island is a pure
 //      function of its streams, its number and, if conditional, the state.
 //   2. A particle of weight 0 is dead and is not extended. If all particles are dead, Z is 0.
 // Memory: one prefix per particle, and two during resampling.
-// Sources: C. Andrieu, A. Doucet, R. Holenstein, Particle Markov chain Monte Carlo methods (Journal
-// of the Royal Statistical Society B 72, 2010); Chopin and Papaspiliopoulos (stages.h), chapter 16.
+// Sources: Andrieu, Doucet, Holenstein, Particle Markov chain Monte Carlo methods (Journal of the
+// Royal Statistical Society B 72, 2010); Chopin and Papaspiliopoulos (stages.h), chapter 16.
 #pragma once
 
 #include <cstdint>
@@ -100,7 +103,7 @@ class Islands {
     CHECK_GE(options.particles, 1U);
   }
 
-  /// Stream for accepting or rejecting an island, distinct from those of local moves.
+  /// Stream for accepting or rejecting an island, distinct from the streams of local moves.
   random::Stream acceptance_of(std::uint64_t number) const {
     return stream_of(random::Purpose::particle, number, 1);
   }
@@ -184,7 +187,7 @@ class Islands {
   };
 
   /// One choice per particle. Choices are drawn in proportion to weight times mass, systematically:
-  /// sort by sort, and particle by particle. log_mass is the log of the mean over particles of
+  /// sort by sort, and particle by particle. `log_mass` is the log of the mean, over particles, of
   /// weight times mass.
   struct Chosen {
     std::vector<Choice> choices;
@@ -246,7 +249,7 @@ class Islands {
         continue;
       }
       const Choice& choice = chosen.choices[n];
-      // If the choice equals the previous one, copy its result.
+      // If the choice equals the previous particle's choice, copy the previous particle's result.
       if (n > 0 && chosen.choices[n - 1].is_same(choice)) {
         prefixes.push_back(prefixes.back());
         log_potentials.push_back(log_potentials.back());

@@ -1,5 +1,5 @@
-// A free island's estimates (island.h), without its states. Each estimate occupies four of the
-// method_values of a scan's record, which has one estimate per free island of the scan.
+// A free island's estimates (island.h), without its states. Each estimate occupies four
+// `method_values` of a scan's record. The record has one estimate per free island of the scan.
 #pragma once
 
 #include <cstddef>

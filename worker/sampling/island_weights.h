@@ -1,6 +1,6 @@
 // Log weights of an island's particles, and the resulting estimate of Z:
 //
-//   log Z = sum over resamplings of log(mean weight then) + log(mean weight now)
+//   log Z = sum of log(mean weight) over resamplings + log(current mean weight).
 //
 // Dead particles count in the mean with weight 0. A value type.
 #pragma once

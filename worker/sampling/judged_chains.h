@@ -1,10 +1,10 @@
-// Chains that start from searches and burn in, as a Plan. All chains make their tours together:
+// A Plan of chains that start from searches and burn in. All chains make their tours together:
 //
-//   until there are enough independent solutions:
-//     each chain starts from a search of its own
-//     rounds of round_scans, 2 round_scans, 4 round_scans, ... scans, until the last round,
-//       judged over all chains, is independent of the starts (burn_in_judge.h)
-//     each chain that satisfied in that round has one solution: a satisfying scan drawn by the seed
+//   Until there are enough independent solutions:
+//     Each chain starts from a search of its own.
+//     Each chain makes rounds of round_scans, 2 round_scans, 4 round_scans, ... scans, until the
+//       last round, judged over all chains, is independent of the starts (burn_in_judge.h).
+//     Each chain that satisfied in that round has one solution: a satisfying scan drawn by seed.
 //
 // The scans of the rounds that passed are the draws. Earlier scans and unfinished tours yield no
 // draws.

@@ -12,7 +12,7 @@ namespace {
 /// Minimum rejection rate, so that levels stay distinct even if no swap is rejected.
 constexpr double k_rejection_min = 1e-3;
 
-/// A monotone cubic through points, with Fritsch and Carlson's slopes by harmonic means.
+/// A monotone cubic through points. The slopes are harmonic means (Fritsch and Carlson).
 class MonotoneCurve {
  public:
   MonotoneCurve(std::span<const double> x, std::span<const double> y)

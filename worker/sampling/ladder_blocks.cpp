@@ -14,7 +14,7 @@ bool LadderRun::may_run(std::uint32_t id, std::uint64_t horizon) const {
   return !replica.handed_out && replica.next_scan < horizon;
 }
 
-/// Returns the lowest id among equals, or k_nobody.
+/// Returns the lowest id among the runnable replicas that are furthest behind, or k_nobody.
 std::uint32_t LadderRun::furthest_behind(std::uint64_t horizon) const {
   std::uint32_t chosen = k_nobody;
   for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
@@ -80,7 +80,7 @@ std::uint64_t LadderRun::whole_rows_end(std::span<const std::uint32_t> ready,
   return std::min(end_scan, std::max(begin + 1, most));
 }
 
-/// Returns the ready replica by level, or k_nobody.
+/// Returns each level's replica that can run, or k_nobody if that level has none.
 std::vector<std::uint32_t> LadderRun::ready_by_level(std::uint64_t horizon) const {
   std::vector<std::uint32_t> ready(levels(), k_nobody);
   for (std::uint32_t id = 0; id < replicas_.size(); ++id) {

@@ -169,7 +169,7 @@ void write_levels(Tables& tables) {
                   });
 }
 
-/// Returns the index process from a scan on.
+/// Returns the moments of the index process from `first_scan` on.
 std::span<const IndexProcess::Moment> moments_from(const LadderRun& ladder,
                                                    std::uint64_t first_scan) {
   const std::vector<IndexProcess::Moment>& all = ladder.index_process().moments();

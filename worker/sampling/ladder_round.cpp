@@ -44,7 +44,7 @@ std::vector<std::vector<double>> next_scales(const LadderOptions& options, const
     learnt.push_back(tuned(last.scales[level], last.counts[level], options.has_scale));
     kinds = std::max(kinds, learnt.back().size());
   }
-  // The hottest level draws from the prior and has no proposals, so it copies its neighbour.
+  // The hottest level draws from the prior without proposals, so it copies its neighbour's scales.
   learnt.front() = learnt[1];
   for (std::size_t kind = 0; kind < kinds; ++kind) {
     std::vector<double> logs;

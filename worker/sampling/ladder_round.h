@@ -25,8 +25,8 @@ struct LadderOptions {
   std::uint64_t round_scans = 64;  ///< Of the first round; each later one is twice as long.
   /// Annealing scans before the first round, in equal steps to each replica's temperature.
   std::uint64_t anneal_scans = 0;
-  /// Whether the first replicas start from searches, except for the hottest. Requires anneal_scans
-  /// = 0.
+  /// Whether the first replicas, except the hottest, start from searches. Requires anneal_scans =
+  /// 0.
   bool starts_by_search = false;
 };
 

@@ -174,12 +174,12 @@ const Solutions& LadderRun::solutions_since(std::uint64_t first_scan) const {
   return found->since;
 }
 
-/// Whether a lineage descends from a search's find, from which all replicas but the hottest start.
+/// Whether a lineage descends from a search's find. All replicas but the hottest start from finds.
 bool LadderRun::began_by_search(std::uint64_t lineage) const {
   return options_.starts_by_search && lineage != 0 && plan::scan_of_lineage(lineage) == 0;
 }
 
-/// Counts the scans that all levels have, in order.
+/// Counts the scans that all levels have completed, in order.
 void LadderRun::retire() {
   while (!rows_.empty() && retired_ < round_end() &&
          std::ranges::all_of(rows_.front().result, [](const auto& r) { return r.has_value(); })) {
@@ -228,7 +228,8 @@ void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
   }
 }
 
-/// Returns the replicas by level. The coolest replicas stay the coolest; new ones are the hottest.
+/// Returns the replicas by level. The coolest replicas stay coolest; new replicas become the
+/// hottest.
 std::vector<std::uint32_t> LadderRun::replicas_of_new_round() {
   const std::uint32_t stay = std::min(flow_.size(), levels());
   std::vector<std::uint32_t> at;

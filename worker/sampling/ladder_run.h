@@ -1,15 +1,12 @@
 // One running ladder of parallel tempering, whose replicas run on any number of workers, some ahead
-// of others. tests/tempering/tempering_loop.cpp computes the same in a few lines.
+// of others. tests/tempering/tempering_loop.cpp computes the same results in a few lines.
 //
 // Idea. Replicas keep their states and exchange temperatures. A swap (swap.h) needs only its two
 // replicas, so rounds have no internal barrier (swap_flow.h). All replicas wait at a round's end
 // for the next round's ladder and proposal scales (ladder_round.h).
 //
-//   scan s of all levels
-//     level 0 --+                 the hottest draws from the prior, and begins a lineage
-//     level 1 --+-- swap?         s even
-//     level 2 --+
-//     level 3 --+-- swap?
+// In each scan, the hottest level draws from the prior and begins a lineage. After scan s, levels i
+// and i+1 can swap if i + s is even (swap.h).
 //
 // If a round has more levels than the last, new replicas start from prior draws and become the
 // hottest. If a round has fewer levels, the hottest replicas are removed.
@@ -17,7 +14,7 @@
 // Invariants
 //   1. The ladder's behaviour is a function of the results, not of their order of delivery.
 //   2. A round's ladder and proposal scales depend on earlier rounds alone.
-//   3. Each swap's random number has an address of its own: (seed, chain, pair of levels, scan).
+//   3. Each swap's random number has the address (seed, chain, pair of levels, scan).
 // Not thread-safe.
 #pragma once
 
@@ -44,7 +41,7 @@ class LadderRun {
   /// Returns a unit of a replica that is furthest behind. Empty if no more replicas can run.
   /// `horizon`: scans below this number may begin.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
-  /// Returns a block, which consists of such a unit and, within the limits, of runnable units of
+  /// Returns a block: a unit as from next_unit() and, within the limits, runnable units of
   /// neighbouring levels. With at least one ladder per thread, a block has a whole ladder, so no
   /// swap waits and no state travels. Otherwise a block has half a thread's share of the levels.
   std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits,
@@ -52,14 +49,14 @@ class LadderRun {
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
                std::span<const plan::ScanRecord> records);
 
-  /// Number of scans that every level has.
+  /// Number of scans that every level has completed.
   std::uint64_t scans() const;
   std::uint64_t records_consumed() const { return records_; }
   /// Number of records of all levels, in the scans that every level has completed.
   std::uint64_t records_counted() const;
   std::uint64_t round_trips() const;
   const Solutions& solutions() const { return solutions_.front().since; }
-  /// Solutions of lineages in scans from `first_scan` on. REQUIRES: replicas start from searches;
+  /// The lineages' solutions in scans from `first_scan` on. REQUIRES: replicas start from searches;
   /// a round that has begun starts at `first_scan`.
   const Solutions& solutions_since(std::uint64_t first_scan) const;
   /// The first scan at which no level's state descends from a search's find, so all levels'
@@ -91,7 +88,7 @@ class LadderRun {
     std::deque<Result> waiting;  ///< Results from next_scan on.
     Way way = Way::unknown;
   };
-  /// A scan that some level still lacks.
+  /// A scan that at least one level has not completed.
   struct Row {
     std::vector<std::uint32_t> replica;  ///< Replica by level; k_nobody while unknown.
     std::vector<std::optional<Result>> result;

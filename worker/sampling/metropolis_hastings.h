@@ -4,10 +4,10 @@
 // pure function of the state before it. Proposal and acceptance use separate streams, so the count
 // of random numbers in a proposal affects nothing else.
 //
-// Simulations dominate the cost, so the step skips those whose effect is known: a candidate that
-// equals the current state, and a candidate that would be rejected even at its greatest possible
-// constraint density (BoundsConstraint). Early rejection is exact, because the acceptance number is
-// drawn first and the ratio is monotone in that density, even in rounded arithmetic.
+// Simulations dominate the cost, so the step skips simulations whose effect is known: a candidate
+// that equals the current state, and a candidate that would be rejected even at its greatest
+// possible constraint density (BoundsConstraint). Early rejection is exact, because the acceptance
+// number is drawn first and the ratio is monotone in that density, even in rounded arithmetic.
 //
 // A candidate whose simulation fails is always rejected, so the chain samples the target
 // conditioned on success of the simulation.
@@ -81,8 +81,8 @@ Sample<T> initialize(const T& target, const ChainStreams& streams) {
 }
 
 /// Returns log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)), line 7. A candidate of zero density is
-/// never accepted. From a current state of zero density (a start that breaks a hard constraint),
-/// the prior alone weighs candidates, so the chain moves until it finds support.
+/// never accepted. If the current state has zero density (a start that breaks a hard constraint),
+/// only the prior counts, so the chain moves until a state has positive density.
 inline double log_acceptance_ratio(double current_log_prior, double current_log_constraint,
                                    double candidate_log_prior, double candidate_log_constraint,
                                    double inverse_temperature, double log_q_ratio) {
@@ -148,7 +148,7 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
   return report;
 }
 
-/// Like the function above, with the streams of an iteration. REQUIRES: each iteration of a replica
+/// Like the overload above, with the streams of `iteration`. REQUIRES: each iteration of a replica
 /// at most once.
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,

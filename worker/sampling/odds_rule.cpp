@@ -22,7 +22,7 @@ void OddsRule::add(double log_satisfied) {
 void OddsRule::judge_pilot() {
   const math::IslandOdds odds = pilot_.odds();
   if (odds.islands % k_pilot_islands != 0) return;
-  // If all estimates are 0, the share is NaN and the pilot counts as wild.
+  // If all estimates are 0, the largest share is NaN and counts as too large.
   const bool is_wild = !(odds.largest_share <= k_pilot_share_max);
   if (is_wild && odds.islands < k_pilot_islands_max) return;
   if (!std::isfinite(odds.log_mean)) {

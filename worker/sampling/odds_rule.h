@@ -1,22 +1,18 @@
 // Decides how many free islands a run makes: a pilot, and a batch that estimates the odds.
 //
-//   island  0            32                              p + n
-//           |-- pilot, p --|-- batch, n: estimates P --|-- extended by n / 2 ...
-//                     sizes the batch
-//
 // The pilot has 32 islands. The pilot grows by 32 islands at a time, up to 1,024, as long as one
 // island exceeds a third of the sum, because the spread is then unreliable. If all estimates are 0,
 // the run ends.
 //
-// The batch is large enough for the requested error of log P even if its relative variance is half
-// as large again as the pilot's, since small pilots mostly miss the largest islands. The batch has
-// at least math::k_islands_min islands.
+// The batch is large enough for the requested error of log P even if the batch's relative variance
+// is 1.5 times the pilot's, because small pilots mostly miss the largest islands. The batch has at
+// least math::k_islands_min islands.
 //
 // If one island exceeds a tenth of the batch's sum, there is no error estimate. The batch then
 // grows by half of its first length, repeatedly, up to 32 times its first length.
 //
-// The pilot determines the number of islands, so its islands must not count: a run that ends when
-// its own estimate looks good ends before the rare large islands appear, and underestimates P.
+// The pilot determines the number of islands, so its islands must not count. A run that ended when
+// its own estimate looked good would end before the rare large islands appear, and underestimate P.
 // Extensions have a small bias of this kind: a batch with a large island grows and dilutes it,
 // while a batch without one stops. docs/MEASUREMENTS quantifies the bias.
 // Invariant: the rule's results are a function of the estimates in order. A value type.
@@ -48,7 +44,7 @@ class OddsRule {
   bool is_sized() const { return batch_islands_ > 0; }
   /// Number of the batch's first island. REQUIRES: is_sized().
   std::uint64_t pilot_islands() const { return pilot_.odds().islands; }
-  /// Odds of the batch once the rule is over and has a batch; otherwise of all islands so far.
+  /// Odds from the batch once the rule is over and has a batch. Otherwise, odds from all islands.
   math::IslandOdds odds() const { return is_over_ && is_sized() ? batch_.odds() : all_.odds(); }
 
  private:

@@ -43,12 +43,12 @@ class ParallelTempering final : public plan::Plan {
   }
   std::vector<plan::Solution> solutions_between(std::uint64_t after,
                                                 std::uint64_t until) const override;
-  /// Each ladder's rounds, including those of the burn-in.
+  /// Each ladder's rounds, including the burn-in's rounds.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
                                                std::uint64_t until) const override;
   std::optional<std::uint64_t> round_trips() const override;
   std::uint64_t scans_consumed() const override;
-  /// Estimated from the current numbers of levels.
+  /// An estimate that assumes the current numbers of levels.
   std::optional<std::uint64_t> scans_total() const override;
   /// Tables of rounds (barrier, round trips, log Z, log P(satisfied)) and of their levels.
   plan::Report report() const override;

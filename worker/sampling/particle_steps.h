@@ -1,12 +1,13 @@
 // Markov chain steps by islands (island.h), for a world that acts in stages. Both steps leave p_w
 // p_c^beta invariant for any potentials and any number of particles, which only affect mixing.
 //
-//   independence step  accepts a free island with probability min(1, Z' / Z), where Z is from the
-//                      island that the current state was drawn from; its draw is then the state
-//   conditional step   makes an island with the current state's path; its draw is always the state
+//   Independence step: accepts a free island with probability min(1, Z' / Z), where Z is from the
+//     island that the current state was drawn from. An accepted island's draw is the next state.
+//   Conditional step: makes an island with the current state's path. The island's draw is the next
+//     state.
 //
-// Both steps leave a state unchanged, and never produce it, if no path of prefixes with positive
-// potentials leads to it. Local moves have to reach such states.
+// If no path of prefixes with positive potentials leads to a state, both steps leave that state
+// unchanged and never produce it. Only local moves can reach a state without such a path.
 //
 // An accepted local move makes the island's Z stale, because this Z belongs to another state. The
 // next independence step then draws a conditional island, and uses only its Z. The step must not
@@ -47,7 +48,7 @@ ParticleStepReport report_of(const Island<T>& island) {
           .effective_size = island.effective_size};
 }
 
-/// The draw is the next state. REQUIRES: as Islands::given; each island number of a chain once.
+/// The draw is the next state. REQUIRES: as Islands::given; a chain uses each number once.
 template <ActsInStages T>
 ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t number,
                                     ParticleSample<T>& current) {

@@ -1,16 +1,14 @@
-// Finds of a search, each relaxed by a chain of its own, as a Plan that ends:
+// A Plan that relaxes each find of a search by a chain of its own, and then ends:
 //
-//   search for one find per requested take
-//   relax each find: a chain runs a fixed number of scans from it
-//   the state after the last scan is a take if it satisfies; otherwise another find is searched
-//     for and relaxed
+//   Search for one find per requested take.
+//   Relax each find: a chain runs a fixed number of scans from the find.
+//   The state after the last scan is a take if it satisfies. Otherwise search for another find.
 //
 // Only the state after a chain's last scan can be a take, so takes are never selected among scans.
-// The takes are the first ones in the order of finds, regardless of which worker makes them.
+// Takes are counted in the order of finds, regardless of which worker makes them.
 //
 // Takes are distributed almost like draws of the target; docs/MEASUREMENTS.md quantifies the
-// difference. If chains seldom leave a kind of animation, the kind's share remains that of the
-// search.
+// difference. If chains seldom leave a kind of animation, the kind keeps its share among finds.
 //
 // Chain k starts from find k, both counted from 0. Not thread-safe.
 #pragma once

@@ -58,7 +58,7 @@ std::vector<std::uint32_t> resampled_with_first(std::span<const double> shares,
   const double offset = stream.uniform() < with_more ? fraction * stream.uniform()
                                                      : fraction + (1 - fraction) * stream.uniform();
   std::vector<std::uint32_t> ancestors = ancestors_by_points(shares, offset);
-  // The first arc's points come first; if rounding moved its end, add a point.
+  // The first arc's points come first; if rounding moved the arc's end, add a point.
   const auto points = static_cast<std::uint64_t>(std::ranges::count(ancestors, 0U));
   if (points == 0) {
     ancestors[0] = 0;

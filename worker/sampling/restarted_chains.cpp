@@ -23,8 +23,7 @@ RestartedChains::RestartedChains(const RestartedChainsOptions& options)
 
 std::optional<plan::Unit> RestartedChains::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  // Only when all chains have ended the current tour, the run decides whether another one is
-  // needed.
+  // The run decides whether another tour is needed once all chains have ended the current tour.
   const std::uint64_t horizon =
       options_.independent_solutions ? std::min(end_, end_of_tour(tours_)) : end_;
   return behind_.first({.horizon = horizon}, [&](std::size_t id) -> std::optional<plan::Unit> {
@@ -113,7 +112,7 @@ plan::Report RestartedChains::report() const {
   std::vector<const IslandsOfChain*> islands;
   for (const Chain& chain : chains_)
     islands.push_back(&chain.islands);
-  // Islands decide, through solutions, whether there are tours after the first one.
+  // Islands affect solutions, which decide whether there are tours after the first.
   const bool can_end_early = options_.independent_solutions.has_value();
   const std::uint64_t in_any_case = std::min(end_of_tour(0), options_.scans.value_or(k_no_end));
   const bool are_there = can_end_early && scans_common() >= in_any_case;

@@ -1,9 +1,9 @@
-// Chains of islands that restart, as a Plan, for the sequential method with tour_scans. Each chain
+// A Plan of chains of islands that restart, for the sequential method with `tour_scans`. Each chain
 // makes tours of a fixed number of scans, one after another:
 //
-//   the first scan is the draw of a free island
-//   the scans after it, local moves and islands (worker/run/island_scan.h), burn the chain in
-//   the last scan alone is a draw, and an independent solution if it satisfies
+//   The first scan is the draw of a free island.
+//   The scans after it, local moves and islands (worker/run/island_scan.h), burn the chain in.
+//   The last scan alone is a draw, and an independent solution if it satisfies.
 //
 // First visits to solutions would be biased, because a chain stays long at states of large weight
 // but counts each of them once. At a scan fixed beforehand, a burnt-in chain has the model's

@@ -4,7 +4,7 @@
 // With l = log p_c and E_beta the mean at beta (stepping stones, Xie et al. 2011):
 //
 //   log Z = sum over levels of log E_{beta_i}[exp((beta_{i+1} - beta_i) l)]
-//   log P(satisfied) = log Z + log E_1[1{satisfied} / p_c]
+//   log P(satisfied) = log Z + log E_1[1{satisfied} / p_c].
 //
 // Errors are jackknife errors over k_batches equal parts of the round. These errors include
 // correlations between replicas and over time, as long as a part is longer than the correlation
@@ -50,7 +50,7 @@ class RoundStatistics {
   Estimate log_z() const;
   /// log Z_{i+1} - log Z_i, whose sum is log_z.
   std::vector<double> log_z_steps() const;
-  /// -infinity, without an error, if nothing satisfied.
+  /// -infinity, without an error, if no state satisfied.
   Estimate log_satisfied() const;
 
  private:

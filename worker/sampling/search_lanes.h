@@ -1,8 +1,8 @@
 // The starts of a search (stage_search.h) as units of work, their finds, and the search's end.
 //
 // Starts are numbered (plan::k_search_lanes). A find counts once all earlier starts are done, so
-// the counted finds don't depend on workers. No further starts are handed out if, at the success
-// rate so far, those in progress are expected to yield the missing finds. Not thread-safe.
+// the counted finds don't depend on workers. No further starts are handed out if starts in progress
+// are expected to yield the missing finds, at the success rate so far. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ class SearchLanes {
                std::span<const plan::ScanRecord> records);
   bool finished() const { return finds_.found >= finds_.wanted || finds_.gave_up; }
   const plan::Finds& finds() const { return finds_; }
-  /// Starts that finds() covers: all before the first unfinished start.
+  /// Starts that finds() covers: all starts before the first unfinished start.
   std::uint64_t starts_done() const { return counted_; }
   std::vector<plan::Find> finds_between(std::uint64_t first, std::uint64_t end) const;
   /// Starts whose results have arrived.

@@ -20,8 +20,8 @@ SimulatedTempering::SimulatedTempering(const BurnIn& burn_in)
       proposed_(burn_in.ladder.size() - 1, 0),
       accepted_(burn_in.ladder.size() - 1, 0) {
   CHECK_EQ(burn_in.log_z_steps.size() + 1, burn_in.ladder.size());
-  // Sum from the coolest level down. If a level has zero density, that level and all hotter ones
-  // get no weight.
+  // Sum the steps of log Z from the coolest level to the hottest. If a level has zero density, that
+  // level and all hotter levels get no weight.
   for (std::size_t level = burn_in.log_z_steps.size(); level-- > 0;)
     log_weights_[level] = log_weights_[level + 1] + burn_in.log_z_steps[level];
 }

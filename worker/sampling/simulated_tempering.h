@@ -3,8 +3,8 @@
 //
 // The chain samples (level i, x) with density proportional to w_i p_w(x) p_c(x)^beta_i. With w_i =
 // 1 / Z_i the chain visits all levels equally often. The weights come from a burn-in, relative to
-// the coolest level's weight of 1, and are then fixed, so the chain keeps its distribution even if
-// they are inaccurate. After each scan the chain proposes one level up or down, each with
+// the coolest level's weight of 1. They are then fixed, so the chain keeps its distribution even if
+// the weights are inaccurate. After each scan the chain proposes one level up or down, each with
 // probability 1/2, and accepts with probability
 //
 //   min(1, exp((beta_j - beta_i) l + log w_j - log w_i)),    l = log p_c(x).

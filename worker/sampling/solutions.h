@@ -1,5 +1,5 @@
-// Independent solutions of one chain: the lineages that have satisfied at inverse temperature 1,
-// with the first scan at which each did. Not thread-safe.
+// Independent solutions of one chain: each lineage that has satisfied at inverse temperature 1,
+// with its first satisfied scan. Not thread-safe.
 #pragma once
 
 #include <compare>

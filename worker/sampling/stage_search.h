@@ -1,13 +1,13 @@
 // Search: builds a solution stage by stage, for a world that acts in stages.
 //
-//   start from a ground of the prior
-//   until all stages are accepted:
-//     try the next stage, and accept a try that is promising
-//     after too many tries at one stage: take the last stage back
-//     after too many tries in total: give up
+//   Start from a ground of the prior.
+//   Until all stages are accepted:
+//     Try the next stage, and accept a try that is promising.
+//     After too many tries at one stage, take the last stage back.
+//     After too many tries in total, give up.
 //
-// The prior can produce each quantity of a find. But finds don't occur in the proportions of p_w
-// p_c. Chains may start from finds, but no average, weight or odds may be computed from finds.
+// A find has only values that the prior can produce, but finds don't occur in the proportions of
+// p_w p_c. Chains may start from finds, but no average, weight or odds may be computed from finds.
 //
 // A builder is a world together with its guide. Thread safety: as the builder's.
 #pragma once

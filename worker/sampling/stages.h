@@ -5,9 +5,9 @@
 // A state consists of its ground, which no stage chooses (a box's offsets), and of one choice for
 // each stage. A prefix is the ground with the choices of the first stages, and the result of
 // simulating them. Extending a prefix draws the next stage's choice from a density q that the world
-// defines and that may depend on the prefix, and continues the simulation.
+// defines and that may depend on the prefix, and continues the simulation. The prior is the product
 //
-//   p_w(A) = p(ground) prod_i p(choice i | ground, choices before i)
+//   p_w(A) = p(ground) prod_i p(choice i | ground, choices before i).
 //
 // A potential psi_i >= 0 rates how promising a prefix of i stages is. The potential replaces p_c
 // before the last stage; after the last stage p_c itself counts. So weights are exact for any psi
@@ -18,17 +18,19 @@
 // choice succeeds). The guide shapes q and psi; it is computed before sampling and then fixed.
 //
 // Invariants of a world that acts in stages
-//   1. extend draws a choice x from q(x | guide, ground, prefix) and returns
+//   1. `extend` draws a choice x from q(x | guide, ground, prefix) and returns
 //      log p(x | ground, prefix) - log q(x | guide, ground, prefix), or -infinity if no
-//      choice is left or the simulation failed. q > 0 for every x with p > 0 and psi > 0.
-//   2. draw_ground draws a ground from p, possibly with auxiliary random numbers for extend (such
-//      as drops that an island's particles share). Invariant 1 then holds on average over these
-//      numbers: the mean product of weights, over auxiliary numbers and choices, stays the same.
-//   3. ground_given and extend_as are draw_ground and extend given the state. Auxiliary numbers are
-//      drawn given that the state is the path of one particle. Weights equal extend's.
+//      choice is left or the simulation failed. The density q is positive wherever p and psi are
+//      positive.
+//   2. `draw_ground` draws a ground from p, possibly with auxiliary random numbers for `extend`
+//      (such as drops that an island's particles share). Invariant 1 then holds on average over
+//      these numbers: the mean product of weights over numbers and choices stays the same.
+//   3. `ground_given` and `extend_as` are the versions of `draw_ground` and `extend` for a given
+//      state. Auxiliary numbers are drawn given that the state is the path of one particle.
+//      `extend_as` returns the same weights as `extend`.
 //   4. Every function is a pure function of its arguments. Randomness comes from the stream.
-// Source: N. Chopin, O. Papaspiliopoulos, An introduction to sequential Monte Carlo (2020),
-// chapters 10 and 16. Thread safety: as for a target (target.h).
+// Source: Chopin and Papaspiliopoulos, An introduction to sequential Monte Carlo (2020), chapters
+// 10 and 16. Thread safety: as for a target (target.h).
 #pragma once
 
 #include <concepts>
@@ -67,15 +69,15 @@ concept ActsInStages = Target<T> && std::copyable<typename T::Prefix> &&
   { target.stages() } -> std::same_as<std::uint32_t>;
   { target.draw_ground(guide, stream) } -> std::same_as<typename T::Ground>;
   { target.ground_given(guide, state, stream) } -> std::same_as<typename T::Ground>;
-  /// Simulations that made the ground; at least the failed ones.
+  /// Reports of the simulations that made the ground, at least of failed simulations.
   { target.simulations_of(ground) } -> std::convertible_to<std::span<const SimulationReport>>;
   { target.no_stages(guide, ground) } -> std::same_as<typename T::Prefix>;
   /// Extends a prefix of `stage` stages (from 0) by one stage.
   { target.extend(guide, ground, stage, longer, stream) } -> std::same_as<Extension>;
-  /// Extends by the state's own choice. REQUIRES: ground_given made `ground` for this state, and
-  /// the prefix has the state's first `stage` stages.
+  /// Extends the prefix by the choice in `state`. REQUIRES: ground_given made `ground` for this
+  /// state, and the prefix has the state's first `stage` stages.
   { target.extend_as(guide, ground, state, stage, longer) } -> std::same_as<Extension>;
-  /// log psi. Not called for empty prefixes (psi = 1) and complete ones (p_c).
+  /// Returns log psi. Never called for empty prefixes (psi is 1) or complete prefixes.
   { target.log_potential(guide, ground, prefix) } -> std::same_as<double>;
   /// The state and the outcome of a complete prefix. REQUIRES: the prefix has all stages.
   { target.state_of(ground, prefix) } -> std::same_as<typename T::State>;
@@ -95,7 +97,7 @@ concept ListsChoices = ActsInStages<T> &&
   {
     target.alternatives(guide, ground, stage, prefix, /*sort=*/number)
     } -> std::same_as<std::vector<Alternative>>;
-  /// Extends by an alternative, deterministically. Weight 1, or 0 if the simulation failed.
+  /// Extends by an alternative, deterministically. The weight is 1, or 0 if the simulation failed.
   { target.take(guide, ground, stage, number, longer) } -> std::same_as<Extension>;
 };
 

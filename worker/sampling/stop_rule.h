@@ -1,10 +1,9 @@
 // Decides when a run ends: by scans, by rounds, or by independent solutions at the ends of rounds.
 //
-// Rounds double: round r, from 1, has round_scans * 2^(r-1) scans of every chain (or ladder).
-// Solutions are judged at round ends only, so all chains wait there for the slowest chain. The
-// other rules need no barrier.
-// Invariant: a judge's results are a function of the results before the last round end that it has
-// passed.
+// Rounds double: round r, counted from 1, has round_scans * 2^(r-1) scans of every chain (or
+// ladder). Solutions are judged at round ends only, so all chains wait there for the slowest chain.
+// The other rules need no barrier.
+// Invariant: a StopJudge depends only on results before the last round end that it has passed.
 #pragma once
 
 #include <cstdint>
@@ -49,8 +48,8 @@ class StopJudge {
   /// Common rounds of all chains that end with after < scans <= until.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
 
-  /// Number of scans that each chain makes in any case if solutions end the run: to the end of the
-  /// first round, or less if `scans` ends the run earlier. Empty if solutions don't end the run.
+  /// Minimum number of scans of each chain if solutions end the run: through the first round, or
+  /// fewer if `scans` ends the run earlier. Empty if solutions don't end the run.
   std::optional<std::uint64_t> scans_in_any_case() const;
 
  private:

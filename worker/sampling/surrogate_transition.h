@@ -1,6 +1,6 @@
 // Surrogate transitions (Liu 2001, Monte Carlo Strategies in Scientific Computing, 9.4.3): some
-// steps of a cheap target, then one simulation. With one step this is the delayed acceptance of
-// Christen and Fox (2005, Markov chain Monte Carlo using an approximation).
+// steps of a cheap target, then one simulation. With one step, the transition is the delayed
+// acceptance of Christen and Fox (2005, Markov chain Monte Carlo using an approximation).
 //
 // Idea. A surrogate (target.h) guesses l = log p_c of a state as l*, far more cheaply than a
 // simulation. From the current state x, some Metropolis-Hastings steps that sample p_w p_c*^beta
@@ -12,16 +12,16 @@
 // surrogate already rejects cost no simulation, and a walk of several steps costs only one.
 //
 // Anchors. If the surrogate is wrong about x, its steps would try to "mend" parts of x that are
-// already right. Let F(x) be the parts of x that only the simulation gets right (say, balls that
-// reach their place because others push them). Each part is kept with some probability. The kept
-// parts are the anchor A. The surrogate treats them as right as long as its steps don't change
-// them. The reverse move must have the same anchor. With P the probability to draw an anchor,
+// already right. Let F(x) be the parts of x that only the simulation gets right (for example balls
+// that reach their place because other balls push them). Each part is kept with some probability.
+// The kept parts are the anchor A. The surrogate treats these parts as right as long as its steps
+// don't change them. The reverse move must have the same anchor. With P an anchor's probability,
 //
 //   log ratio += log P(A | y) - log P(A | x),
 //
 // which is -infinity if A is not part of F(y). If nothing is kept, the surrogate works unaided. If
-// all is kept, the guess is best, but F never changes. So transitions of one step keep either all
-// parts, or each part with probability 1/2.
+// all parts are kept, the guess is best, but F never changes. So transitions of one step keep
+// either all parts, or each part with probability 1/2.
 //
 // Exactness requires three things. The surrogate has the target's p_w. If l(x) > -infinity, then
 // l*(x) > -infinity with any anchor that x may have. F and P are computed from the surrogate's
@@ -41,8 +41,8 @@ namespace sleight::sampling {
 
 /// Share of iterations that are walks, for targets with walks.
 inline constexpr double k_walk_share = 0.25;
-/// Share of one-step transitions that keep all of F. The others keep each part with probability
-/// k_keep.
+/// Share of one-step transitions that keep all of F. The other transitions keep each part with
+/// probability k_keep.
 inline constexpr double k_keep_all_share = 0.7;
 inline constexpr double k_keep = 0.5;
 

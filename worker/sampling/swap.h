@@ -35,7 +35,7 @@ struct SwapPair {
   double log_constraint_cooler = 0;
 };
 
-/// Returns the level that swaps with `level` after a scan. Empty at an end without a partner.
+/// Returns the level that swaps with `level` after a scan. Empty if an end level has no partner.
 std::optional<std::uint32_t> even_odd_partner(std::uint32_t level, std::uint64_t scan,
                                               std::uint32_t levels);
 

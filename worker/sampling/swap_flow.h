@@ -1,22 +1,18 @@
 // The order of scans and swaps in a ladder: how replicas move through neighbouring levels, and
-// which ones wait for each other.
+// which replicas wait for each other.
 //
 // Idea. Each level has a seat: the replica at that level, and the replica's scan there. After the
 // scan, the level's partner (swap.h) determines the next step:
 //
 //   1. Without a partner, the replica continues at its level.
-//   2. If the partner is outside this part, the replica leaves. Its next level is unknown here.
+//   2. If the partner is outside this part, the replica leaves. The replica's next level isn't
+//      known.
 //   3. If the partner has not made its scan, the replica waits.
 //   4. If the partner has made its scan, the two swap or don't (swap.h), and both continue.
 //
-//   scan s     . a b c d e .     a part of a longer ladder: a and b swap, c and d; e leaves
-//        s+1     a b c d         b and c swap; a leaves, d waits for the level that e has left
-//        s+2       b c
-//
-// So each replica waits for at most one other, and replicas on both sides of a slow one can run
-// ahead of it. After a replica has left, later partners of its level wait until the end. Plans
-// apply this to whole ladders (ladder_run.h), and workers to the part in their block
-// (block_runner.h).
+// So each replica waits for at most one other, and replicas on both sides of a slow replica can run
+// ahead. After a replica has left, later partners of its level wait until the end. Plans apply
+// these rules to whole ladders (ladder_run.h), workers to the part in their block (block_runner.h).
 // Invariant: the flow is a function of the reported densities, not of the order of levels' reports.
 // Not thread-safe.
 #pragma once
@@ -45,7 +41,7 @@ class SwapFlow {
   struct Seat {
     std::optional<std::uint32_t> replica;  ///< Empty if the replica has left, or none ever came.
     std::uint64_t scan = 0;
-    /// log p_c of the state after the scan. While set, the swap waits for the partner.
+    /// log p_c of the state after the scan. While this is set, the replica waits for its partner.
     std::optional<double> log_constraint;
 
     bool may_run() const { return replica && !log_constraint; }
@@ -65,7 +61,7 @@ class SwapFlow {
   void sit(std::uint32_t level, std::uint32_t replica, std::uint64_t scan);
 
   /// Reports that a level's scan is made. Returns the replicas (at most two) that can now continue.
-  /// The result is valid until the next call. REQUIRES: the level's seat may run.
+  /// The result is valid until the next call. REQUIRES: the level's seat has may_run().
   std::span<const GoesOn> made(std::uint32_t level, double log_constraint);
 
  private:

@@ -6,9 +6,9 @@
 // simulation's result (Outcome).
 //
 // Invariants of a target
-//   1. draw_prior is exact: its density is exp(log_prior), normalised.
-//   2. propose's log_q_ratio is log q(current|candidate) - log q(candidate|current), so that
-//      Algorithm 2.1's acceptance is right for the mixture over all kinds.
+//   1. `draw_prior` is exact: its density is exp(log_prior), normalised.
+//   2. The `log_q_ratio` of `propose` is log q(current|candidate) - log q(candidate|current), so
+//      that Algorithm 2.1's acceptance is right for the mixture over all kinds.
 //   3. Every function is a pure function of its arguments. All randomness comes from the stream.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -30,7 +30,7 @@ struct Proposal {
   State candidate;
   double log_q_ratio = 0;  ///< log q(current|candidate) - log q(candidate|current).
   std::uint32_t kind = 0;  ///< The target's kind of proposal.
-  /// If set, log_q_ratio is an upper bound, and the ratio depends on the outcome
+  /// If set, `log_q_ratio` is an upper bound, and the ratio depends on the outcome
   /// (ProposesByOutcome).
   bool ratio_waits = false;
 };
@@ -55,8 +55,8 @@ concept BoundsConstraint = Target<T> && requires(const T& target, const typename
 };
 
 /// A target whose simulation may fail (common/plan/failure.h). A failed state is never a sample,
-/// and `log_constraint` and `satisfied` of its outcome mean nothing. Starts that overlap have p_c =
-/// 0.
+/// and `log_constraint` and `satisfied` of its outcome mean nothing. If bodies overlap at the
+/// start, p_c is 0.
 template <class T>
 concept MayFail = Target<T> && requires(const T& target, const typename T::Outcome& outcome) {
   { target.failure(outcome) } -> std::same_as<plan::FailurePointer>;
@@ -101,7 +101,7 @@ concept ScalesProposals = Target<T> &&
 };
 
 /// A target whose proposals also use the current outcome. If a proposal's ratio depends on the
-/// candidate's outcome, ratio_waits is set, and log_q_ratio is called after the simulation.
+/// candidate's outcome, `ratio_waits` is set, and `log_q_ratio` is called after the simulation.
 template <class T>
 concept ProposesByOutcome = ScalesProposals<T> &&
     requires(const T& target, const typename T::State& state, const typename T::Outcome& outcome,
@@ -128,8 +128,8 @@ struct SurrogateSteps {
 };
 
 /// A target with a surrogate: another target over the same states with the same p_w, whose much
-/// cheaper simulation predicts most of an outcome. Anchor{} anchors nothing. simulate_from accepts
-/// outcomes made with another anchor. States are equality-comparable.
+/// cheaper simulation predicts most of an outcome. `Anchor{}` anchors nothing. `simulate_from`
+/// accepts outcomes made with another anchor. States are equality-comparable.
 template <class T>
 concept HasSurrogate = Target<T> && SimulatesChanges<typename T::Surrogate> &&
     std::same_as<typename T::State, typename T::Surrogate::State> &&
@@ -158,7 +158,7 @@ struct SurrogateOutcome<T> {
   using type = std::optional<typename T::Surrogate::Outcome>;
 };
 
-/// A state with everything computed from it. log_prior and log_constraint always belong to this
+/// A state with everything computed from it. `log_prior` and `log_constraint` always belong to this
 /// state, so no stale density survives an acceptance.
 template <Target T>
 struct Sample {

@@ -21,7 +21,7 @@ struct AscentStep {
   double l_before = 0;  ///< l of the state sampled one temperature below.
   double l_after = 0;   ///< l of the state sampled at `to`.
 };
-/// Returns the log of the step's weight (annealed_importance.h; Neal 2001, equation 3).
+/// Returns the log of the step's weight (annealed_importance.h, Neal 2001, equation 3).
 double ascent_log_weight(const AscentStep& step);
 
 /// Returns the level that a simulated-tempering chain proposes; `level` itself at an end.
@@ -38,7 +38,7 @@ struct LevelMove {
 /// Returns the log of the acceptance ratio (simulated_tempering.h).
 double log_level_ratio(const LevelMove& move);
 
-/// A tempered transition's step between two temperatures; `above` is the cooler one.
+/// A tempered transition's step between two temperatures; `above` is the cooler temperature.
 struct ExcursionStep {
   double above = 1;
   double below = 0;

@@ -8,7 +8,7 @@
 //
 //   log ratio = sum over k of (beta_{k+1} - beta_k) (l(x_k) - l(x'_k)),    l = log p_c.
 //
-// x_k is the state that goes down from beta_k, and x'_k the state that has come up to it. All
+// x_k is the state that goes down from beta_k, and x'_k the state that comes up to beta_k. All
 // kernels are reversible. At inverse temperature 0 the two passes merge into one prior draw.
 #pragma once
 
@@ -49,7 +49,7 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                                     const ChainStreams& streams, std::uint64_t scan,
                                     Sample<T>& current, const Told& told) {
   CHECK_LT(2 * excursion.below.size() * excursion.steps, k_excursion_steps_max);
-  // Use iteration numbers that only this excursion has, above those of plain iterations.
+  // Use iteration numbers that only this excursion has, above the numbers of plain iterations.
   std::uint64_t iteration = (std::uint64_t{1} << 63U) + scan * k_excursion_steps_max;
   Sample<T> candidate = current;
   double log_ratio = 0;
