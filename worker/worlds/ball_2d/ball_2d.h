@@ -46,7 +46,7 @@ class Ball2d {
   bool has_scale(std::uint32_t /*kind*/) const { return true; }
   std::uint32_t proposal_kinds() const { return 1; }
 
-  /// Encodes a state as one double per collision. decode refuses any other length.
+  /// Encodes a state as one double per collision. `decode` refuses any other length.
   base::Bytes encode(const State& normals) const;
   std::size_t owned_bytes(const State&, const Outcome&) const { return 0; }
   std::optional<State> decode(base::BytesView bytes) const;

@@ -1,10 +1,10 @@
 // The 2D ball's simulation (thesis 2.4.1): closed-form hops on a table whose normal differs from
 // collision to collision.
 //
-// Frame: x to the right, z up, the origin where the ball's centre is when the ball touches the
-// table below its start. The ball falls from (0, drop height), is reflected at each collision about
-// that collision's normal with the normal component scaled by the restitution, and lands on the
-// collision after the last normal. There is no spin, as in the thesis.
+// Frame: x to the right, z up. The origin is the ball's centre when the ball touches the table
+// below its start. The ball falls from (0, drop height). Each collision reflects the ball about
+// that collision's normal, with the normal component scaled by the restitution. The ball lands on
+// the collision after the last normal. There is no spin, as in the thesis.
 //
 // The thesis leaves two cases open. A table only pushes, so a ball that already moves away from the
 // tilted table keeps its velocity. A ball that doesn't leave the table (vertical velocity not above
@@ -24,7 +24,7 @@ namespace sleight::worlds::ball_2d {
 /// WorldParameters::collisions on are unused and zero.
 using NormalAngles = std::array<double, k_collisions_max>;
 
-/// One parabolic hop, from the collision that began it (or the start) to the next.
+/// One parabolic hop, from the start or a collision to the next collision.
 struct Flight {
   double start_s = 0;
   double duration_s = 0;
@@ -43,7 +43,7 @@ struct Motion {
   Landing landing;
 };
 
-/// Pure, and bit-equal on every machine. REQUIRES: finite angles.
+/// A pure function with the same bits on every machine. REQUIRES: finite angles.
 Landing simulate_landing(const WorldParameters& world, const NormalAngles& normals);
 
 Motion simulate_motion(const WorldParameters& world, const NormalAngles& normals);
