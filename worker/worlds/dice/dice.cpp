@@ -108,9 +108,9 @@ ViewedOutcome Dice::simulate_and_view(const State& state) const {
 
 Outcome Dice::simulate_from(const State& candidate, const State& state,
                             const Outcome& outcome) const {
-  // Without resemblance, nothing can be replayed, and the candidate stores no history: most such
-  // candidates are rejected. If such a candidate is accepted, the next candidate that resembles it
-  // stores a history.
+  // If the candidate doesn't resemble the state, nothing can be replayed. The candidate then stores
+  // no history, because most such candidates are rejected. After an acceptance, the next candidate
+  // that resembles the new state stores a history.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
   return simulated(candidate, {.history = true}, outcome.history);
 }

@@ -5,7 +5,7 @@
 //     die's start that aren't fixed (state.h).
 //   `log p_w`: see state.h.
 //   `outcome`: the dice at rest or at the time limit, and at the times of the goals.
-//   `log p_c`: see goals.h; at most 0; -infinity if there is no simulation.
+//   `log p_c`: at most 0 (goals.h); -infinity if there is no simulation.
 //   `satisfied`: all goals are met, and all dice rest.
 //   `proposal`: see proposals.h.
 //
@@ -14,7 +14,7 @@
 //
 // Invariants
 //   1. An animation is a function of the state and the parameters.
-//   2. simulate_from returns the same bits as simulate, except for Outcome::history.
+//   2. `simulate_from` returns the same bits as `simulate`, except for Outcome::history.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -71,8 +71,8 @@ struct Outcome {
   double offset_squares = 0;
   std::vector<DieView> at_end{};   ///< unnumbered; the judgement has numberings
   plan::FailurePointer failure{};  ///< reason if End is failed
-  /// Input for simulate_from, which also creates it. Null if not requested, or if the candidate had
-  /// nothing in common with the state.
+  /// Input for `simulate_from`, which also creates histories. Null if no history was requested, or
+  /// if the candidate had nothing in common with the state.
   std::shared_ptr<const physics::History> history{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
@@ -90,7 +90,7 @@ struct Animation {
   physics::Recording recording;
 };
 
-/// Whether simulations reuse the histories of similar ones. Changes no result.
+/// Whether simulations reuse the histories of similar simulations. Changes no result.
 enum class Replays : std::uint8_t { no, yes };
 
 class Dice {

@@ -26,8 +26,8 @@ double angle_between(const Vec3& a, const Vec3& b) {
 
 /// A face's outward normal in the world's frame.
 Vec3 normal_of(const Quat& orientation, std::uint32_t face, std::uint32_t numbering) {
-  // A column of the matrix or its negative, so the bits are equal for all numberings that put the
-  // face there.
+  // The normal is a column of the matrix or the column's negative, so the bits are equal for all
+  // numberings that put the face there.
   const AxisDirection direction = direction_of_face(face, numbering);
   const math::Mat3 axes = math::matrix_of(orientation);
   const double sign = direction.sign;

@@ -14,15 +14,15 @@
 //
 // Numbering (numbering.h). With Numbering::fixed, each die keeps the numbering that it starts with.
 // With Numbering::free, a throw consists of unnumbered cubes. Each cube represents 24 dice that are
-// equally likely before the throw. So the constraint is that of a die with unknown numbering,
-// p_c(x) = 1/24 sum over numberings s of p_c(x, s).
+// equally likely before the throw. So the constraint averages over the unknown numbering: p_c(x) =
+// 1/24 sum over numberings s of p_c(x, s).
 //
 // The sum is the exact marginal at beta = 1, and at most 1, so p_w p_c^beta is a path to the
-// target. The program shows the numbering with the greatest p_c(x, s), or the least of equal ones.
-// The goals are met if that numbering meets them. If any numbering meets the goals, the shown one
-// does: tolerances of faces are below 45 degrees, so two faces never meet one goal. Rotations that
-// leave the faces of all goals in place give further numberings that meet the goals;
-// numberings_that_meet counts them.
+// target. The program shows the numbering with the greatest p_c(x, s), the least numbering among
+// equals. The goals are met if that numbering meets them. Tolerances of faces are below 45 degrees,
+// so two faces never meet one goal. So if any numbering meets the goals, the shown numbering does
+// too. Rotations that leave the faces of all goals in place give further numberings that meet the
+// goals; numberings_that_meet counts them.
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -109,7 +109,7 @@ std::string contradiction_of(const Goal& a, const Goal& b, double side_m);
 /// Returns the times of all goals, ascending, without duplicates.
 std::vector<double> goal_times(std::span<const Goal> goals);
 
-/// Returns the distance of one goal with a numbering. `times` are goal_times.
+/// Returns the distance of one goal for a given numbering. `times` are goal_times.
 double distance_of(const Goal& goal, const Views& views, std::span<const double> times,
                    std::uint32_t numbering);
 
@@ -132,7 +132,7 @@ Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& v
 /// the die's face goals have the same time.
 std::uint32_t numberings_that_meet(std::span<const Goal> goals, std::uint32_t die);
 
-/// Returns "place", "face", "yaw", ... for use in names; unit_of returns "m" or "rad".
+/// name_of() returns "place", "face", "yaw", ...; unit_of() returns "m", "rad", "mps" or "s".
 std::string name_of(const Goal& goal);
 std::string unit_of(const Goal& goal);
 

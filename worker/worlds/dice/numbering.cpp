@@ -81,7 +81,7 @@ Quat rotation_of_numbering(std::uint32_t numbering) {
 
 Quat orientation_with_face_up(std::uint32_t face, double yaw_rad) {
   constexpr double k_quarter = 0.5 * math::k_pi;
-  // The turns that bring faces 1 to 6 to the top: +x about -y, +y about +x, and so on.
+  // The turns that bring faces 1 to 6 to the top. For example, face 1 (+x) turns about -y.
   const std::array<Vec3, k_faces> turns{Vec3(0, -k_quarter, 0), Vec3(k_quarter, 0, 0),
                                         Vec3(0, 0, 0),          Vec3(math::k_pi, 0, 0),
                                         Vec3(-k_quarter, 0, 0), Vec3(0, k_quarter, 0)};

@@ -1,8 +1,8 @@
 // The faces of a die, and the 24 ways to number them.
 //
-// In its own frame, a die has face 1 on the side of +x, 2 on +y, 3 on +z. Opposite faces add up to
-// 7: 4 is on -z, 5 on -y, 6 on -x. Seen from outside, 1, 2 and 3 go anticlockwise round their
-// common corner.
+// In its own frame, a die has face 1 on the side of +x, face 2 on +y and face 3 on +z. Opposite
+// faces add up to 7: face 4 is on -z, face 5 on -y and face 6 on -x. Seen from outside, faces 1, 2
+// and 3 are anticlockwise round their common corner.
 //
 // Idea. A cube that is turned by one of its 24 rotations before a throw moves in the same way and
 // shows other faces. So one motion of an unnumbered cube stands for 24 throws of a die. Numbering s

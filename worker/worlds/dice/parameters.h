@@ -1,8 +1,8 @@
 // Parameters of the dice on a random table (thesis 2.4.4). SI units, z up, the table around the
 // origin at height 0.
 //
-// The thesis gives no values. The die, its throw and the table's bumps are those of the dice scene
-// in the project's speed comparison.
+// The thesis gives no values. The die, its throw and the table's bumps come from the dice scene in
+// the project's speed comparison.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +30,8 @@ struct TableParameters {
   double spacing_m = 0.021;  ///< distance between control points
   std::uint32_t columns = 64;
   std::uint32_t rows = 64;
-  /// Standard deviation of a control point's height. The surface's heights have 0.48 times this:
-  /// 0.6 mm.
+  /// Standard deviation of a control point's height. The surface's heights have 0.48 times this
+  /// standard deviation, 0.6 mm by default.
   double height_sd_m = 0.00125;
   Range restitution{0.5, 0.5};
   Range friction{0.4, 0.4};

@@ -3,27 +3,28 @@
 //
 //   `change_all` draws a state from p_w, including the table. The log q ratio is log p_w of the
 //     present state minus log p_w of the candidate.
-//   `change_die` draws the throw of one die, chosen uniformly. The ratio is that of change_all for
-//     this die.
+//   `change_die` draws the throw of one die, chosen uniformly. The ratio is computed as for
+//     `change_all`, but for this die alone.
 //   `change_start` adds a Gaussian to one random component of one die. An orientation is turned by
 //     a Gaussian angle about a uniform axis, which is symmetric in the uniform measure.
 //   `change_control` adds a Gaussian to one random field of one control point of the table, chosen
-//     uniformly. Restitution and friction are reflected at their ranges' ends, also symmetric.
-//   `change_contact` changes a control point that influenced a collision, like change_control.
-//     First a collision with the table is chosen, with probability proportional to the preceding
-//     flight's duration, then one of the sixteen points around it with the probability of its
-//     weight there.
+//     uniformly. Restitution and friction are reflected at their ranges' ends; symmetric.
+//   `change_contact` changes a control point that influenced a collision, in the same way as
+//     `change_control`. First a collision with the table is chosen, with probability proportional
+//     to the preceding flight's duration, then one of the sixteen points around it with the
+//     probability of its weight there.
 //
-// The reverse of change_contact has a different probability, because another table causes other
+// The reverse of `change_contact` has a different probability, because another table causes other
 // collisions. Let share(c) be the mean weight of point c over collisions, each weighted by its
 // flight's duration. Then log q ratio = log share(c) of the candidate's collisions - log share(c)
-// of the present ones. The ratio is known after the simulation. Before the simulation, the ratio is
-// at most log(4/9) - log share(c), since no weight of a bicubic B-spline exceeds (2/3)^2. If the
-// candidate doesn't touch the point, there is no reverse proposal.
+// of the present collisions. The ratio is known after the simulation. Before the simulation, the
+// ratio is at most log(4/9) - log share(c), since no weight of a bicubic B-spline exceeds (2/3)^2.
+// If the candidate doesn't touch the point, there is no reverse proposal.
 //
-// Throws are chaotic: a change early in a throw must be far smaller than a late one to have a small
-// effect on the end, and the right size differs from throw to throw. So a step's standard deviation
-// is the configured maximum, halved a uniformly drawn number of times, independently of the state.
+// Throws are chaotic: a change early in a throw must be far smaller than a late change to have a
+// small effect on the end, and the right size differs from throw to throw. So a step's standard
+// deviation is the configured maximum, halved a uniformly drawn number of times, independently of
+// the state.
 //
 // If a kind finds nothing to change, it proposes the present state.
 // Thread safety: pure functions.
@@ -62,7 +63,7 @@ struct ContactShare {
 /// Ascending by index. Shares add up to 1 minus the weight of the apron.
 using ContactShares = std::vector<ContactShare>;
 
-/// Returns 0 if contacts don't contain the index.
+/// Returns 0 if `contacts` don't contain the index.
 double share_of(const ContactShares& contacts, GridIndex index);
 
 /// Upper bound for a weight and for a mean of weights, rounding included.

@@ -9,12 +9,12 @@
 // uniformly drawn key draws one of 2^64 tables. Overrides store the points that a sampler has
 // changed.
 //
-// Frame: the world's. The table has `columns` points with i = -columns/2 ... (integer division),
-// and likewise `rows` points with j. The table is surrounded by a flat apron with height 0 and the
-// mean restitution and friction of the ranges.
+// Frame: the world's. The table has `columns` points along i, the first at -columns/2 (integer
+// division), and likewise `rows` points along j. The table is surrounded by a flat apron with
+// height 0 and the mean restitution and friction of the ranges.
 //
 // Invariants
-//   1. at() of two tables with the same key and parameters differs at most where overrides differ.
+//   1. Tables with the same key and parameters differ only where their overrides differ.
 //   2. Overrides are in ascending order of index, without duplicates, all on the table.
 // Thread safety: immutable after construction.
 #pragma once
@@ -36,7 +36,7 @@ inline constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 using physics::GridIndex;
 using physics::SurfaceControl;
 
-/// A control point that replaces the key's.
+/// A control point that replaces the point drawn from the key.
 struct Override {
   GridIndex index;
   SurfaceControl control;
@@ -48,7 +48,7 @@ GridIndex first_of(const TableParameters& table);
 GridIndex last_of(const TableParameters& table);
 bool is_on_table(const TableParameters& table, GridIndex index);
 
-/// Returns the key's control point at an index, or the apron's outside the table.
+/// Returns the control point that the key draws at an index. Outside the table: the apron's point.
 SurfaceControl control_of_key(const TableParameters& table, std::uint64_t key, GridIndex index);
 
 /// Log density of a control point on the table, normalised over the random fields. -infinity if a
@@ -69,8 +69,8 @@ class RandomTable final : public physics::SurfaceControls {
   RandomTable(const TableParameters& table, std::uint64_t key, Overrides overrides);
 
   SurfaceControl at(GridIndex index) const override;
-  /// Returns the indices at which overrides differ. Nothing if `before` isn't a RandomTable or has
-  /// another key or other parameters.
+  /// Returns the indices at which overrides differ. Returns nothing if `before` isn't a RandomTable
+  /// or has another key or other parameters.
   std::optional<std::vector<GridIndex>> changed_from(const SurfaceControls& before) const override;
 
  private:

@@ -31,7 +31,7 @@ double log_normal_density(const Vec3& mean, const Vec3& sd, const Vec3& x) {
 }  // namespace
 
 DieThrow draw_throw(const DieStart& start, random::Stream& stream) {
-  // Separate statements, because the order in which random words are drawn is part of the format.
+  // Draw in separate statements, because the order of draws is part of the format.
   DieThrow one;
   one.position_m = draw_normal(start.position_m, start.position_sd_m, stream);
   one.orientation = start.orientation == StartOrientation::uniform

@@ -1,7 +1,7 @@
 // The byte encoding of throws of dice.
 //
 // The bytes contain the table's key (u64) and the number of overrides (u64), then each override's
-// index (i32, i32), height, restitution and friction (f64). Each die follows with its position,
+// index (i32, i32), height, restitution and friction (f64). Then each die has its position,
 // orientation (w, x, y, z), velocity and spin (f64).
 // Thread safety: pure functions.
 #pragma once

@@ -7,7 +7,7 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// Draws from the map before the walk, and steps of the walk.
+/// Number of draws from the map before the walk, and number of the walk's steps.
 constexpr std::uint32_t k_draws = 8;
 constexpr std::uint32_t k_walk_steps = 60;
 

@@ -60,7 +60,7 @@ Normals normals_of(const std::vector<std::vector<double>>& rows) {
   return n;
 }
 
-/// Conditions on the k-th number plus noise (of the given standard deviation) being 0.
+/// Conditions the numbers on the k-th number plus noise of the given standard deviation being 0.
 void condition_on_zero(Normals& n, std::size_t k, double noise_sd) {
   const double variance = n.cov(k, k) + noise_sd * noise_sd;
   if (!(variance > 0)) return;
@@ -85,7 +85,7 @@ ThrowMap::ThrowMap(const DieStart& start, std::span<const LoneThrow> throws) : s
                .velocity_mps = start.velocity_sd_mps,
                .spin_radps = start.spin_sd_radps};
   for (std::size_t place = 0; place < k_components_max; ++place) {
-    // A score whose standard deviation is within rounding of the mean is noise.
+    // If a standard deviation is within rounding of the mean, the component's score is noise.
     if (at(sds, place) > k_sd_min * std::fabs(at(means, place)))
       components_.push_back({place, at(means, place), at(sds, place)});
   }
@@ -130,7 +130,7 @@ void ThrowMap::learn(std::span<const LoneThrow> throws) {
   for (std::size_t k = 0; k < misses; ++k)
     condition_on_zero(normals, scores + k, throws.front().misses[k].sigma);
 
-  // The Cholesky root from which g is drawn.
+  // Compute the Cholesky root for draws from g.
   for (std::size_t i = 0; i < scores; ++i) {
     mean_[i] = normals.mean[i];
     for (std::size_t j = 0; j <= i; ++j) {

@@ -37,8 +37,8 @@ class ThrowMap {
  public:
   static constexpr double k_prior_share = 0.2;
 
-  /// Learns the map of a die with this start. q is the prior if no goal has signed misses, if there
-  /// are too few throws, or if only the orientation is random.
+  /// Learns the map of a die with this start. The density q is the prior if no goal has signed
+  /// misses, if there are too few throws, or if only the orientation is random.
   ThrowMap(const DieStart& start, std::span<const LoneThrow> throws);
 
   DieThrow draw(random::Stream& stream) const;
@@ -46,8 +46,8 @@ class ThrowMap {
   double prior_over_q(const DieThrow& one) const;
   bool is_prior() const { return is_prior_; }
   /// Returns false if fewer than one in 10,000 prior throws are as far from the start's means as
-  /// this throw. The squares of n scores add up to n + 2 sqrt(n t) + 2 t with probability at most
-  /// e^-t (B. Laurent, P. Massart, Adaptive estimation of a quadratic functional by model
+  /// this throw. The squares of n scores add up to at least n + 2 sqrt(n t) + 2 t with probability
+  /// at most e^-t (Laurent and Massart, Adaptive estimation of a quadratic functional by model
   /// selection, Annals of Statistics 28, 2000, lemma 1).
   bool is_plausible(const DieThrow& one) const;
 

@@ -131,8 +131,8 @@ sampling::Extension StagedDice::add(const Ground& ground, std::uint32_t stage, s
     prefix.outcome = first(stage + 1).simulate(prefix.state);
     extension.simulation = sampling::report_of(first(stage + 1), prefix.outcome);
   }
-  // If all dice are thrown at once, dice that overlap still do so with further dice. If a die is
-  // thrown later, another die may first push away the die that it would overlap.
+  // If all dice are thrown at once, dice that overlap also overlap after further dice are added. If
+  // a die is thrown later, another die may first push away the die that it would overlap.
   const bool is_last = stage + 1 == stages();
   if (!prefix.outcome.is_animation() && (is_last || thrown_at_once_)) return extension;
   extension.log_weight =

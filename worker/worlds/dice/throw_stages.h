@@ -1,28 +1,28 @@
-// Dice as a world that acts in stages (worker/sampling/stages.h). Stage i adds die i to the throw:
-// first simulated alone, then with the dice before it.
+// Dice as a world that acts in stages (worker/sampling/stages.h). Stage i adds die i to the throw.
+// The die is simulated first alone, then with the dice before it.
 //
 // Ground: the table, and for each die a pool of n throws that an island's particles share. The
 // throws are drawn from the die's q (throw_map.h). Each throw is simulated once without other dice,
 // so a particle can compare all throws before it chooses.
 //
 // Choice. A particle chooses throw j of the die's pool with probability v_j g_j / S. Here v = p /
-// q, and S is the sum over the pool. The guess g is p_c of the die's goals for the lone throw, but
-// at least e^log_floor, since the other dice may turn any throw into one that meets the goals. The
-// weight is
+// q, and S is the sum of v_j g_j over the pool. The guess g is p_c of the die's goals for the lone
+// throw, but at least e^log_floor, since the other dice may turn any throw into one that meets the
+// goals. The weight is
 //
 //   S / (n g_j).
 //
-// The estimate is unbiased over pools: the probability of throw j times its weight is v_j / n.
-// Summed over a pool drawn from q, this has mean p for any g. Each die has its own pool, so no
-// throw is used twice.
+// The estimate is unbiased over pools: the probability of throw j times its weight is v_j / n. The
+// sum over a pool drawn from q has mean p for any g. Each die has its own pool, so no throw is used
+// twice.
 //
 // Given a state (ground_given), the ground has the state's table, and the state's throws come first
 // in their pools. The other throws of the pools are drawn as usual. A throw's place in its pool
 // doesn't matter, since all throws of a pool are drawn alike. So conditional islands keep the
 // table; local moves change it.
 //
-// Potential: p_c of the goals of the dice so far, but at least e^log_floor. So the potential is
-// above 0, and every state can be reached, even a state whose last die pushes another die to its
+// The potential is p_c of the goals of the dice so far, but at least e^log_floor. So the potential
+// is above 0, and every state can be reached, even a state whose last die pushes another die to its
 // goal. Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -98,11 +98,11 @@ class StagedDice : public Dice {
     return guide.failures;
   }
   ThrowBuilder builder(const Guide& guide) const;
-  /// Declares no value that starts at one end: searches find tables and throws from the whole
-  /// range.
+  /// No value starts at one end of its range, because searches find tables and throws from the
+  /// whole range.
   std::vector<sampling::BurnInValue> burn_in_values() const;
   std::vector<double> burn_in_values_of(const State& state, const Outcome& outcome) const;
-  /// Calls simulate, which always runs to the end.
+  /// Calls `simulate`, which always runs to the end.
   Outcome simulate_to_rest(const State& state) const { return simulate(state); }
 
   std::uint32_t stages() const { return static_cast<std::uint32_t>(dice()); }
@@ -122,7 +122,7 @@ class StagedDice : public Dice {
     return ground.simulations;
   }
 
-  /// The worlds of a single die and of the first dice, with their goals.
+  /// Worlds that contain only one die, or only the first dice, with the goals of these dice.
   const Dice& alone(std::size_t die) const { return die == 0 ? first_[0] : alone_[die - 1]; }
   const Dice& first(std::size_t dice) const { return first_[dice - 1]; }
 
