@@ -416,7 +416,7 @@ class DiceReader final : public archive::StateReader {
     }
   }
 
-  /// Greatest distance at the nth time; 0 if no die has started in both.
+  /// Greatest distance at the nth time; 0 if no die has started in both animations.
   double most_apart_m(const Likeness& left, const Likeness& right, std::size_t nth) const {
     double most_m = 0;
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {

@@ -1,6 +1,6 @@
 // The reader of dice archives.
 //
-// Segments show each die with its shown numbering (numbering.h): orientations are those of the
+// Segments show each die with its shown numbering (numbering.h), so orientations refer to the
 // numbered die.
 //
 // Likeness distance of two animations: the greatest distance between a die's centres at the same
