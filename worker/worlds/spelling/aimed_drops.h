@@ -2,13 +2,13 @@
 // empty bin. The thesis has no aimed drops: a drop as in A.2.2 finds the last empty bin once in
 // thousands of times.
 //
-// The two kinds are each other's reverse. For an animation A, L(A) are the balls that fill no
-// designated bin (inactive ones included), R(A) the balls that fill one, and U(A) the empty
-// designated bins; |L| = |U| = N - |R|. f_b(x) is the density of drops aimed at bin b (Windows),
-// roughly the density of drops that end in bin b. f_U is the mean of f_b over U.
+// Aiming and scattering a ball are each other's reverse. For an animation A, let L(A) be the balls
+// that fill no designated bin (inactive ones included), R(A) the balls that fill a designated bin,
+// and U(A) the empty designated bins. So |L| = |U| = N - |R|. The density f_b(x) of drops aimed at
+// bin b (Windows) is roughly the density of drops that end in bin b. The mean of f_b over U is f_U.
 //
-//   aim_ball      drops a uniform ball of L at x drawn from f_U:     q = aim / |L(A)| f_U(x)
-//   scatter_ball  drops a uniform ball of R as the prior draws it:   q = scatter / |R(A)| p_w(ball)
+//   `aim_ball` drops a uniform ball of L at x drawn from f_U, q = aim / |L(A)| f_U(x).
+//   `scatter_ball` drops a uniform ball of R as the prior draws it, q = scatter / |R(A)| p_w(ball).
 //
 // If an aimed ball fills no bin, or a scattered ball fills one, there is no reverse proposal, and
 // the ratio is 0. So the ratio depends on the candidate's outcome. The ratio is known after the
@@ -29,9 +29,9 @@
 namespace sleight::worlds::spelling {
 
 /// Shares of aimed drops: uniform in squares around the bin that are one, three, five and seven
-/// bins wide, and uniform anywhere. The lone balls that a bin catches were dropped above the bin
-/// itself (29%), above the ring of bins around it (39%), and above the next rings (20% and 8%), by
-/// 20,000 drops on the box of ACM.
+/// bins wide, and uniform anywhere. In 20,000 drops on the box of ACM, the lone balls that a bin
+/// caught were dropped above the bin itself (29%), above the ring of bins around it (39%), and
+/// above the next rings (20% and 8%).
 inline constexpr std::array<double, 5> k_window_shares{0.24, 0.34, 0.22, 0.12, 0.08};
 
 /// The windows of all designated bins, in the order of the pattern. Windows are clipped to the
@@ -76,7 +76,7 @@ struct AimParameters {
   double scatter = 0;  ///< probability of scatter_ball among all kinds
 };
 
-/// Return a proposal whose ratio is an upper bound. Return nothing if there is no such ball.
+/// Return a proposal whose ratio is an upper bound. Return nothing if there is no ball to move.
 std::optional<sampling::Proposal<State>> aim_ball(const Prior& prior, const Windows& windows,
                                                   const AimParameters& parameters,
                                                   const State& state, const Filling& filling,
@@ -87,8 +87,8 @@ std::optional<sampling::Proposal<State>> scatter_ball(const Prior& prior, const 
                                                       random::Stream& stream);
 
 /// Return the log q ratio once the candidate's filling is known; -infinity if there is no reverse
-/// proposal. scatter_ball's ratio is the inverse of aim_ball's ratio from the candidate to the
-/// state.
+/// proposal. The ratio of `scatter_ball` is the inverse of the ratio of `aim_ball` from the
+/// candidate to the state.
 double aim_log_q_ratio(const Prior& prior, const Windows& windows, const AimParameters& parameters,
                        const State& state, const Filling& filling, const State& candidate,
                        const Filling& candidate_filling);

@@ -30,7 +30,7 @@ physics::StaticConvex block(const char* name, const Vec3& low_m, const Vec3& hig
 }  // namespace
 
 /// Collects vertices and triangles. A crossing is where lines between bins meet, including the
-/// box's border: column line i of columns + 1, row line j of rows + 1.
+/// box's border. There are columns + 1 column lines (i) and rows + 1 row lines (j).
 struct Bins::Builder {
   const WorldParameters& world;
   const Bins& bins;

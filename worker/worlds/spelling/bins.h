@@ -1,7 +1,7 @@
 // The geometry of the box of bins (thesis A.2.1, figure A.1).
 //
-// Frame: the origin is in the middle of the box on the floor's rim; x points right along the
-// columns, y upwards along the rows (row 0 of a pattern has the largest y), z up.
+// Frame: the origin is in the middle of the box on the floor's rim. The x axis points right along
+// the columns, y upwards along the rows (row 0 of a pattern has the largest y), and z up.
 //
 // Idea. Floor domes, partition sides and partition tops form one closed surface, so that bodies
 // can't meet the surface from inside or meet an edge twice. At a crossing of two partitions, their
@@ -11,8 +11,8 @@
 // The walls are blocks around the box.
 //
 // Invariants
-//   1. Vertices 0 to vertex_count() - 1 of the mesh are the partition vertices, ordered by
-//      crossing, row by row from the lowest y and x, and likewise by corner within a crossing.
+//   1. Vertices 0 to vertex_count() - 1 of the mesh are the partition vertices. Crossings are
+//      ordered row by row from the lowest y and x, and so are the corners within a crossing.
 // Thread safety: const after construction.
 #pragma once
 
@@ -67,7 +67,8 @@ class Bins {
     return corners_[std::size_t{bin.row} * columns_ + bin.column];
   }
 
-  /// Returns the surface with moved partition vertices. Nothing if the offsets turn it inside out.
+  /// Returns the surface with moved partition vertices. Returns nothing if the offsets turn the
+  /// surface inside out.
   std::shared_ptr<const physics::TriangleMesh> surface(std::span<const Vec3> offsets_m) const;
   /// Returns a copy of the surface without offsets.
   std::shared_ptr<physics::TriangleMesh> unmoved_surface() const {

@@ -23,8 +23,8 @@
 
 namespace sleight::worlds::spelling {
 
-/// Counts of displacements at which lone balls were dropped, relative to the bin that they filled,
-/// by cell of a square grid.
+/// Counts of lone balls by cell of a square grid. A ball's cell contains the displacement of its
+/// drop from the bin that it filled.
 class Landings {
  public:
   /// Cells per bin pitch, and the grid's reach to each side in bins.
@@ -44,7 +44,7 @@ class Landings {
   std::uint64_t total() const { return total_; }
   std::uint64_t count(std::size_t cell) const { return counts_[cell]; }
   double pitch_m() const { return pitch_m_; }
-  /// Failed simulations of balls. Such balls count as landed nowhere.
+  /// Failed simulations. A ball whose simulation failed counts as landed nowhere.
   const std::vector<plan::FailurePointer>& failures() const { return failures_; }
   void add_failure(plan::FailurePointer failure) { failures_.push_back(std::move(failure)); }
 
@@ -61,7 +61,7 @@ Landings landings_of_batch(const Spelling& world, std::uint64_t seed, std::uint6
 /// Returns the sum of the first `batches` batches.
 Landings landings_of(const Spelling& world, std::uint64_t seed, std::uint64_t batches);
 
-/// Landings as a density from which displacements are drawn.
+/// A density of displacements, estimated from landings.
 class LandingMap {
  public:
   /// Without any landing, all displacements within reach are equally likely.

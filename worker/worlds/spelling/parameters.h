@@ -47,9 +47,9 @@ struct ConstraintParameters {
 /// How states are drawn and proposals weighted (proposals.h).
 enum class Kernel : std::uint8_t {
   correct,  ///< preserves the target distribution
-  /// A.2.2 as printed, which doesn't preserve the target distribution. Use only to reproduce the
-  /// thesis's figures: requests allow it only with plain Metropolis-Hastings, and archives carry a
-  /// warning.
+  /// A.2.2 as printed, which doesn't preserve the target distribution. This kernel is only for
+  /// reproducing the thesis's figures: requests allow it only with plain Metropolis-Hastings, and
+  /// archives carry a warning.
   thesis
 };
 

@@ -32,7 +32,7 @@ enum class Font : std::uint8_t { rows_5 = 5, rows_7 = 7 };
 base::Result<Pattern, std::string> pattern_of_rows(std::string_view rows);
 
 /// Draws upper- or lower-case letters, digits and spaces, one column apart, with a ring of empty
-/// bins around. An error names the first character without a picture.
+/// bins around the word. An error names the first character without a picture.
 base::Result<Pattern, std::string> pattern_of_word(std::string_view word, Font font);
 
 /// Returns the picture in the middle of a larger grid; one bin nearer to the left or the top if it

@@ -1,4 +1,4 @@
-// A pouring: balls that drop one after another, and the outcome of those dropped so far. Search
+// A pouring: balls that drop one after another, and the outcome of the balls dropped so far. Search
 // builds pourings (pouring_builder.h), and islands extend them (pouring_stages.h).
 // Thread safety: values and pure functions.
 #pragma once
@@ -17,7 +17,7 @@ struct Pouring {
 
 Pouring no_balls(const Spelling& world, std::vector<Vec3> offsets_m);
 
-/// Adds one ball, simulated from the pouring before it. REQUIRES: the ball is inactive.
+/// Adds one ball, and simulates the result. REQUIRES: the ball is inactive.
 Pouring with_ball(const Spelling& world, const Pouring& pouring, std::size_t ball,
                   const Vec2& drop_m);
 

@@ -28,8 +28,8 @@ std::uint8_t range_of(double bins) {
   return bins < 1 ? 0 : bins < 1.5 ? 1 : bins < 2.5 ? 2 : 3;
 }
 
-/// Kinds of drops. Sorts number the values of DropOdds: `own_bin` is sort 0, kind k at range r is
-/// sort 1 + (k - 1) k_ranges + r.
+/// Kinds of drops. The sorts are numbers for the values of DropOdds: `own_bin` is sort 0, kind k at
+/// range r is sort 1 + (k - 1) k_ranges + r.
 enum SortOfDrop : std::uint8_t { own_bin, beside, above_full, meets_full, misses };
 constexpr std::size_t k_sorts = 1 + 4 * k_ranges;
 constexpr std::size_t k_first_that_misses = 1 + 2 * k_ranges;  ///< fills no bin alone
@@ -95,7 +95,7 @@ PouringGuide StagedSpelling::learn(std::uint64_t seed) const {
 }
 
 PouringGuide StagedSpelling::for_odds(Guide guide) const {
-  // A ball elsewhere is worth slightly less than a ball in a bin.
+  // A ball that fills no bin is worth slightly less than a ball that fills a bin.
   constexpr double k_log_less = 1;
   guide.odds = flattened(guide.odds);
   guide.log_elsewhere = parameters().constraint.log_lambda - k_log_less;
@@ -214,7 +214,7 @@ PouringGround StagedSpelling::ground_given(const Guide& guide, const State& stat
                                            random::Stream& stream) const {
   Ground ground = empty_ground(guide, state.offsets_m);
 
-  // Put each ball's drop in an unused place of a stratum that may have produced it.
+  // Put each ball's drop in an unused place of a stratum that may have produced the drop.
   const std::uint32_t n = drops_per_bin(guide);
   std::vector<std::uint8_t> is_retained(ground.pool.size(), 0);
   std::vector<std::uint32_t> used_of_bin(balls(), 0);
@@ -327,7 +327,7 @@ std::size_t StagedSpelling::sorts() const {
   return k_sorts + 1;
 }
 
-/// The mass of leaving a ball out is always positive, but of little use if nothing can be dropped.
+/// Leaving a ball out always has positive mass, but is of little use if nothing can be dropped.
 double StagedSpelling::mass_left_out(const Guide& guide, double mass_of_drops) const {
   constexpr double k_mass_min = 1e-300;
   return std::max(mass_of_drops, k_mass_min) * (1 - guide.takes_part);

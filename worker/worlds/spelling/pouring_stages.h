@@ -21,16 +21,17 @@
 // The estimate is unbiased over pools. The probability of a sequence of drops times its weights is
 // the product of v_j s_j / K. A sequence uses each drop of the pool at most once, so its drops are
 // independent. The sum of s_j / K over the unused drops of a stratum gives (n / K) q_b. The sum
-// over strata gives q, and q v is p. n must be at least the number of balls, so that no stratum is
-// used up.
+// over strata gives q, and q v = p. The number n must be at least the number of balls, so that no
+// stratum is used up.
 //
-// Given a state (ground_given), its drops' places in the pool are drawn one after another. First
-// the stratum b is drawn with probability proportional to q_b at the drop, then an unused place in
-// the stratum. The rest of the pool is drawn as usual.
+// For a given state (ground_given), the places of the state's drops in the pool are drawn one after
+// another. First the stratum b is drawn with probability proportional to q_b at the drop, then an
+// unused place in the stratum. The rest of the pool is drawn as usual.
 //
-// Potential: lambda for each filled bin (p_c of the prefix), times exp(log_elsewhere) for each ball
-// that fills no bin or a full one. Each filled bin also contributes 1 / (the share of prior drops
-// that fill it alone, by the pool), because a bin that is hard to fill is worth more.
+// The potential has a factor lambda for each filled bin (p_c of the prefix), and exp(log_elsewhere)
+// for each ball that fills no bin, including second balls in a bin. Each filled bin also
+// contributes the inverse of the share of prior drops that fill the bin alone, estimated from the
+// pool. So a bin that is hard to fill is worth more.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -66,8 +67,8 @@ struct DropOdds {
 
 /// Drops per designated bin in an island's pool. A pool has at least one drop per bin and ball.
 inline constexpr std::uint32_t k_drops_per_bin_min = 40;
-/// Maximum drops per designated bin if a request wants only odds. Such pools have four drops per
-/// bin for each ball, because all particles lack what their shared pool lacks.
+/// Maximum drops per designated bin if a request wants only odds. Pools for odds have four drops
+/// per bin for each ball, because all particles lack the drops that their shared pool lacks.
 inline constexpr std::uint32_t k_drops_per_bin_max = 120;
 
 /// Fixed before sampling starts.
@@ -77,7 +78,7 @@ struct PouringGuide {
   DropOdds odds{};
   double takes_part = 0.98;   ///< in (0, 1); learn lets at most 0.2 balls stay out on average
   double log_elsewhere = -3;  ///< -infinity: prefixes with a ball elsewhere have potential 0
-  /// If set, a ball elsewhere is worth less the fewer balls are left that may push it into a bin.
+  /// If set, a ball that fills no bin is worth less if fewer later balls may push it into a bin.
   bool elsewhere_declines = false;
   double prior_share = 0.15;                          ///< in (0, 1]
   std::uint32_t drops_per_bin = k_drops_per_bin_min;  ///< minimum; never below the number of balls
@@ -133,7 +134,7 @@ class StagedSpelling : public Spelling {
   /// chain starts without any.
   std::vector<sampling::BurnInValue> burn_in_values() const;
   std::vector<double> burn_in_values_of(const State& state, const Outcome& outcome) const;
-  /// Counts helped balls: those that fill a bin which they wouldn't fill alone. A ball whose lone
+  /// Counts helped balls, which fill a bin that they wouldn't fill alone. A ball whose lone
   /// simulation fails counts as helped, since its simulation isn't a sample.
   std::uint32_t helped_balls(const State& state, const Outcome& outcome) const;
 
@@ -151,13 +152,13 @@ class StagedSpelling : public Spelling {
   sampling::Extension extend_as(const Guide& guide, const Ground& ground, const State& state,
                                 std::uint32_t stage, Prefix& prefix) const;
   /// Returns the guide for islands whose particles choose together. Particles that choose together
-  /// are resampled at each stage, so a ball elsewhere needs a potential of about what it may still
-  /// contribute. Otherwise all prefixes with a ball elsewhere are lost, and so are all animations
-  /// in which a later ball pushes that ball into its bin. With two or three balls, such animations
-  /// are a tenth of all solutions.
+  /// are resampled at each stage, so a ball that fills no bin needs a potential of about what it
+  /// may still contribute. Otherwise all prefixes with such a ball are lost, and so are all
+  /// animations in which a later ball pushes that ball into its bin. With two or three balls, such
+  /// animations are a tenth of all solutions.
   Guide for_odds(Guide guide) const;
-  /// Number of sorts of alternatives: those of DropOdds, then leaving the ball out. Alternatives
-  /// are numbered like the pool's drops.
+  /// Number of sorts of alternatives: the sorts of DropOdds, then leaving the ball out.
+  /// Alternatives are numbered like the pool's drops.
   std::size_t sorts() const;
   std::vector<double> masses(const Guide& guide, const Ground& ground, std::uint32_t stage,
                              const Prefix& prefix) const;

@@ -37,10 +37,10 @@ double wrapped(double x, double half) {
   return std::clamp(x - turns * (2 * half), -half, half);
 }
 
-/// Maximum flip probability. The maximum is below 1, so that both directions are possible.
+/// Maximum flip probability. The maximum is below 1, so that reverse proposals are possible.
 constexpr double k_flip_probability_max = 0.9;
 
-/// Disables active balls, or enables inactive ones, each with a probability. Returns log q ratio.
+/// Disables active balls or enables inactive balls, each with a probability. Returns log q ratio.
 double flip_balls(const Prior& prior, const ProposalParameters& p, double scale, bool enable,
                   State& state, random::Stream& stream) {
   const double flip_probability =

@@ -3,7 +3,8 @@
 //
 // Each of the five kinds is its own reverse, except disable_balls and enable_balls, which are each
 // other's reverse and have the same probability. So each pair of kinds preserves the target by
-// itself. Let N be the number of balls, n the active ones, and a the area of the drop region:
+// itself. Let N be the number of balls, n the number of active balls, and a the area of the drop
+// region:
 //
 //   `change_all` draws from p_w independently of the state: log q ratio = log p_w of the present
 //     state - log p_w of the candidate.
@@ -22,7 +23,7 @@
 //
 //   `change_all` draws offsets as lengths N(0, vertex_sd) in uniform directions, although p_w
 //     scores the isotropic Gaussian. The proposal counts as symmetric: log q ratio = 0. Chains
-//     start with such a draw.
+//     start with a draw by this `change_all`.
 //   `change_vertices` adds a length N(0, vertex_sd) in a uniform direction; symmetric.
 //   `disable_balls` has log q ratio = m log a: the text has a factor a for "a ball", so m balls
 //     give a^m.
@@ -53,7 +54,7 @@ struct State {
   std::vector<std::uint8_t> active;  ///< by ball: 1 if it takes part
   std::vector<Vec2> drops_m;         ///< by ball: drop place; 0 if inactive
   std::uint32_t active_count() const { return active_before(active.size()); }
-  /// Number of active balls with a lower number.
+  /// Number of active balls with lower numbers than `ball`.
   std::uint32_t active_before(std::size_t ball) const;
   friend bool operator==(const State&, const State&) = default;
 };
@@ -72,7 +73,7 @@ enum class Kind : std::uint8_t {
   solo_step   ///< one step, which uses what is known of the state
 };
 inline constexpr std::uint32_t k_kinds = 9;
-/// The first kinds are those of A.2.2.
+/// The first kinds are the thesis's kinds (A.2.2).
 inline constexpr std::uint32_t k_thesis_kinds = 5;
 
 /// The distribution p_w of the variables.
@@ -91,7 +92,7 @@ struct Prior {
   double log_density(const State& state) const;
 };
 
-/// Draws a chain's start, which is also what the kernel's change_all proposes. Same as
+/// Draws a chain's start. The kernel's `change_all` proposes states in the same way. Same as
 /// prior.draw(stream) for Kernel::correct.
 State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream);
 

@@ -57,8 +57,7 @@ void length_mm(request::Binder& binder, std::string_view key, double& value_m,
   value_m = value_mm / 1e3;
 }
 
-/// Returns the pattern of a word or a bitmap; the thesis's HI if neither is set; nothing on an
-/// error.
+/// Returns the pattern of a word or a bitmap, else the thesis's HI, or nothing on an error.
 std::optional<Pattern> given_pattern(request::Binder& world, const std::string& word,
                                      const std::string& bitmap, Font font) {
   const char* key = word.empty() ? "bitmap" : "word";
@@ -280,7 +279,7 @@ void check_memory(request::Binder& sampler, std::uint32_t balls) {
                             k_island_bytes_max >> 20U, particles_max(balls)));
 }
 
-/// Refuses methods other than the thesis's own, since they require a kernel with the right
+/// Refuses methods other than the thesis's, because those methods require a kernel with the right
 /// distribution.
 void check_kernel(request::Binder& sampler, Kernel kernel) {
   if (kernel != Kernel::thesis || !sampler.valid("method")) return;
@@ -375,10 +374,10 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
 }
 
 /// With more balls, weights of islands with 32 particles differ so much that chains of islands
-/// hardly move. Such words use chains from a search.
+/// hardly move. Words with more balls use chains that start from a search.
 constexpr std::uint32_t k_balls_by_islands_max = 20;
 
-/// Scans per tour of islands, and particles. docs/MEASUREMENTS has measurements with HI.
+/// Numbers of scans and particles in a tour of islands. Measured with HI in docs/MEASUREMENTS.
 constexpr std::uint32_t k_tour_scans = 16;
 constexpr std::uint32_t k_tour_particles = 32;
 /// Number of chains, one more than the usual number of solutions, because five of six draws of HI
@@ -398,7 +397,7 @@ std::uint32_t particles_for_odds(std::uint32_t balls) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, particles_max(balls)));
 }
 
-/// Settings for odds. Islands estimate odds from the first one on, so they need no chain.
+/// Settings for odds. Islands estimate odds from the first island on, so they need no chain.
 void settle_odds(request::Settled& settled, std::uint32_t balls,
                  request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
@@ -449,7 +448,7 @@ void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
   settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
 }
 
-/// Scans that relax a find. docs/MEASUREMENTS reports how much of the start remains after them.
+/// Number of scans that relax a find. docs/MEASUREMENTS reports how much of the start remains.
 std::uint32_t relax_scans_for(std::uint32_t balls) {
   return 90 + 3 * balls / 2;
 }
@@ -470,8 +469,8 @@ struct Moves {
   double ball_move_sd_mm = 2;
 };
 
-/// Finds lack helped balls. Such balls are usually dropped above a neighbouring bin, so most
-/// proposals move a drop about as far.
+/// Finds lack helped balls, which are usually dropped above a neighbouring bin. So most proposals
+/// move a drop about as far as the next bin.
 Moves moves_that_relax(const WorldParameters& world) {
   constexpr double k_bins = 1.2;
   return {.change_all = 0,
@@ -501,8 +500,8 @@ void serve_best(request::WorldSections& sections, request::SamplerParameters& sa
                 const request::StopRule& stop, Parameters& parameters) {
   request::Settled settled(sections.sampler);
   const std::uint32_t balls = parameters.pattern.count();
-  // Lambda is so strict that most draws satisfy: a missing ball weighs as much as the number of
-  // balls times e^6. A few balls relax sooner with a smaller lambda.
+  // Lambda is so strict that most draws satisfy: each missing ball divides p_c by about e^6 times
+  // the number of balls. Finds with few balls relax sooner with a smaller lambda.
   const double strict = std::round(6 + math::log(balls));
   const bool is_loose = stop.takes && balls <= k_balls_by_islands_max;
   settle_log_lambda(sections.constraint, parameters, is_loose ? strict - 1 : strict);

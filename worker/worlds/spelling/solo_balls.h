@@ -34,8 +34,8 @@ class SoloBalls {
     Filling alone{};    ///< by ball: the bin that it fills alone
     Filling filling{};  ///< same as `alone`, without second balls in a bin
     std::uint32_t filled = 0;
-    /// Failure of the first failed ball among those simulated for this outcome. The guess is that
-    /// such a ball fills no bin.
+    /// Failure of the first failed ball among the balls simulated for this outcome. The guess for a
+    /// failed ball is that it fills no bin.
     plan::FailurePointer failure{};
   };
   /// A failed simulation leaves a usable guess.

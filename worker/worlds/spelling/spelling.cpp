@@ -20,8 +20,8 @@ constexpr double k_look_every_s = 0.1;
 constexpr double k_slack_sds = 5;
 /// Limit of events. Ten balls take about 300 events together until the outcome is decided. A ball
 /// wedged in a box without room may have half a million events. A ball that leans on another,
-/// nearly in balance, has thousands per second. A run to rest has more events, and so a larger
-/// limit.
+/// nearly in balance, has thousands of events per second. A run to rest has more events, and so a
+/// larger limit.
 constexpr std::uint64_t k_work_per_ball_max = 10'000;
 constexpr std::uint64_t k_work_to_rest = 5;
 /// Minimum distance of dropped balls from the walls.
@@ -32,12 +32,12 @@ constexpr double k_solo_walk_max = 60;
 constexpr double k_walk_scale_min = 0.5;
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
-/// Observes a ball now. `known`: what the simulation that recorded the ball's history observed at
-/// this tick, if it looked.
+/// Observes a ball now. `known`: the ball at this tick in the simulation that recorded its history,
+/// or null.
 Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   if (const physics::MarbleHistory* history = marbles.replayed({ball})) {
-    // If that simulation left the ball alone but the ball's history continues, the ball isn't alone
-    // now, because of the places of other balls.
+    // An observation of a ball left alone holds only if its history has the ball alone at this
+    // tick. Otherwise the ball isn't alone now, because of the places of other balls.
     if (known != nullptr && (!known->was_alone || history->is_alone_at(marbles.now())))
       return *known;
     if (history->stays && history->last.tick <= marbles.now()) {
@@ -52,7 +52,7 @@ Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   }
   const physics::Segment& segment = marbles.segment({ball});
   const bool rests = segment.mode == physics::MotionMode::resting;
-  // A ball that is left alone is trapped. Its state is from the moment when it was left alone.
+  // A suspended ball is trapped. The ball's state is from the moment of suspension.
   if (marbles.is_suspended({ball})) {
     return {.ball = {.centre_m = segment.flight.position_m,
                      .twist = {segment.flight.velocity_mps, segment.flight.angular_velocity_radps},
@@ -110,7 +110,7 @@ physics::MarbleConfinement within(const Traps& traps) {
   };
 }
 
-/// The bin that a helped ball fills. k_fills_none if the ball fills it alone, or fills none.
+/// Returns the bin that a helped ball fills, or k_fills_none if the ball isn't helped.
 std::int16_t filled_with_help(const Outcome& outcome, const SoloBalls::Outcome& solo,
                               std::size_t ball) {
   return outcome.filling[ball] == solo.alone[ball] ? k_fills_none : outcome.filling[ball];
@@ -332,9 +332,9 @@ Outcome Spelling::simulate(const State& state) const {
 
 Outcome Spelling::simulate_from(const State& candidate, const State& state,
                                 const Outcome& outcome) const {
-  // Without resemblance, nothing can be replayed, and the candidate stores no history: most such
-  // candidates are rejected. If such a candidate is accepted, the next candidate that resembles it
-  // stores a history.
+  // If the candidate doesn't resemble the state, nothing can be replayed. The candidate then stores
+  // no history, because most such candidates are rejected. After an acceptance, the next candidate
+  // that resembles the new state stores a history.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
   if (!outcome.history) return simulated(candidate, Until::decided, true).outcome;
   const Known known{.state = state, .history = *outcome.history};
@@ -376,7 +376,7 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
                 until == Until::decided ? within(traps) : physics::MarbleConfinement{}, work_max,
                 {.histories = known != nullptr ? &in_common.histories : nullptr,
                  .changes = in_common.changes,
-                 // Traps depend on the vertices too.
+                 // Traps depend on the partition vertices too.
                  .confinement_differs = !in_common.changes.empty(),
                  .records = records});
   if (const auto error = marbles.run_until(physics::Tick{})) {

@@ -12,8 +12,8 @@
 //   `proposal`: A.2.2 with corrected ratios (proposals.h).
 //
 // There are as many balls as designated bins. Ball i is dropped from rest after i drop intervals;
-// an inactive ball leaves a gap. The box stands on the ground. A ball that leaves the box is
-// elsewhere, and so is a ball that still moves at the time limit and isn't trapped.
+// an inactive ball leaves a gap. The box stands on the ground. A ball counts as elsewhere if it
+// leaves the box, or if it still moves at the time limit and isn't trapped.
 //
 // Deciding early. A trapped ball isn't simulated further until another ball comes near. When all
 // balls are trapped or at rest, the outcome is decided. A decided outcome equals the outcome of the
@@ -24,7 +24,7 @@
 //   2. An early decision equals the result of a run to rest, unless the run to rest fails. A
 //      simulation with far more events than usual fails, for example with a wedged ball, and a run
 //      to rest has more events.
-//   3. With Kernel::thesis, draws and ratios are those that A.2.2 prints. Invariants 1 and 2 of a
+//   3. With Kernel::thesis, draws and ratios are as printed in A.2.2. Then invariants 1 and 2 of a
 //      target (target.h) don't hold, and Algorithm 2.1 has another distribution.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -61,13 +61,14 @@ enum class End : std::uint8_t {
 struct Outcome {
   std::uint32_t filled = 0;     ///< designated bins with a ball that stays there
   std::uint32_t elsewhere = 0;  ///< active balls that fill no bin, including second balls in a bin
-  /// Time of the decision. After the last drop, the simulation is tested every tenth of a second.
+  /// Time of the decision. After the last drop, the simulation tests every tenth of a second
+  /// whether the outcome is decided.
   double end_s = 0;
   End end = End::settled;
   Filling filling{};               ///< empty if there is no animation
   plan::FailurePointer failure{};  ///< reason if End is failed
-  /// Input for simulate_from, which also creates it. Null if not requested, or if the candidate had
-  /// nothing in common with the state.
+  /// Input for `simulate_from`, which also creates histories. Null if no history was requested, or
+  /// if the candidate had nothing in common with the state.
   std::shared_ptr<const SpellingHistory> history{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
@@ -79,7 +80,7 @@ struct Animation {
   std::vector<std::uint32_t> balls{};  ///< the balls' numbers, in the recording's order
 };
 
-/// Whether simulations reuse the histories of similar ones. Changes no result.
+/// Whether simulations reuse the histories of similar simulations. Changes no result.
 enum class Replays : std::uint8_t { no, yes };
 
 class Spelling {
@@ -103,14 +104,14 @@ class Spelling {
   State draw_prior(random::Stream& stream) const {
     return draw_state(prior_, parameters_.proposal.kernel, stream);
   }
-  /// Draws a state in which all balls are dropped into a box of the prior.
+  /// Draws a box from the prior, and a drop for every ball.
   State draw_throw(random::Stream& stream) const;
   double log_prior(const State& state) const { return prior_.log_density(state); }
   /// Simulates until the outcome is decided.
   Outcome simulate(const State& state) const;
   /// Simulates a candidate, faster if it resembles a state whose outcome is known.
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
-  /// Simulates until all balls are at rest. Returns the same outcome as simulate except for
+  /// Simulates until all balls are at rest. Returns the same outcome as `simulate` except for
   /// `end_s`.
   Outcome simulate_to_rest(const State& state) const;
   double log_constraint(const Outcome& outcome) const;
@@ -128,7 +129,7 @@ class Spelling {
                                     random::Stream& stream) const {
     return spelling::propose(prior_, parameters_.proposal, state, scales, stream);
   }
-  /// Also proposes the kinds that depend on the outcome (aimed_drops.h).
+  /// Proposes all kinds, including the kinds that depend on the outcome (aimed_drops.h).
   sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
                                     std::span<const double> scales, random::Stream& stream) const {
     return propose(state, outcome.is_animation() ? &outcome.filling : nullptr, scales, stream);
@@ -139,7 +140,7 @@ class Spelling {
     return log_q_ratio(state, outcome.is_animation() ? &outcome.filling : nullptr, proposal,
                        candidate_outcome.is_animation() ? &candidate_outcome.filling : nullptr);
   }
-  /// Uses only the filling, from a simulation or a surrogate. Null: no filling.
+  /// Proposes from a filling, which a simulation or a surrogate computed. Null: no filling.
   sampling::Proposal<State> propose(const State& state, const Filling* filling,
                                     std::span<const double> scales, random::Stream& stream) const;
   double log_q_ratio(const State& state, const Filling* filling,
@@ -167,8 +168,8 @@ class Spelling {
   std::uint32_t proposal_kinds() const { return k_kinds; }
 
   base::Bytes encode(const State& state) const { return spelling::encode(state); }
-  /// Bytes of the arrays of the state and of the outcome. Includes two arrays of the surrogate's
-  /// outcome, with an entry for each ball, which may be stored with the sample.
+  /// Bytes of the arrays of the state and of the outcome. The sum includes two arrays of the
+  /// surrogate's outcome, with an entry for each ball, which may be stored with the sample.
   std::size_t owned_bytes(const State& state, const Outcome& outcome) const {
     return state.offsets_m.capacity() * sizeof(Vec3) + state.active.capacity() +
            state.drops_m.capacity() * sizeof(Vec2) +
@@ -181,16 +182,16 @@ class Spelling {
   /// Returns the values in the order of the archive layout's outcomes.
   std::vector<double> outcome_values(const Outcome& outcome) const;
 
-  /// Returns the physics scene; its bodies are the active balls in ascending order. Nothing if the
-  /// offsets turn the box inside out.
+  /// Returns the physics scene; its bodies are the active balls in ascending order. Returns nothing
+  /// if the offsets turn the box inside out.
   std::optional<physics::Scene> scene(const State& state) const;
   /// REQUIRES: simulate_to_rest(state) is an animation.
   Animation animate(const State& state) const;
   /// By bin, row by row from the lowest y: the number of the ball that fills the designated bin, or
   /// -1. Counted as by simulate.
   std::vector<int> balls_of_bins(const State& state) const;
-  /// Returns the outcome, without filling, of balls that stay with their centres at the given
-  /// places and of `others` balls that are elsewhere.
+  /// Returns the outcome of balls that stay with their centres at the given places, plus `others`
+  /// balls that fill no bin. The outcome has no filling.
   Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
 
  private:
@@ -223,7 +224,7 @@ class Spelling {
   };
   InCommon in_common_with(const Known& known, const State& state,
                           const BoxGeometry& geometry) const;
-  /// Returns the result for the balls observed at the end, without the time.
+  /// Returns the result for the balls as observed at the end. The result has no end time.
   Result came_to(const State& state, std::span<const Traps::Ball> balls, const Traps& traps) const;
   Filling filling_of(const Result& result) const;
   static Result stopped(const physics::SceneError& error, const State& state);

@@ -9,7 +9,7 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Greater than the touch distance and rounding.
+/// Margin around moved vertices, greater than the touch distance and rounding.
 constexpr float k_margin_m = 1e-5F;
 
 constexpr physics::TouchBox k_nowhere = physics::k_unmeetable;

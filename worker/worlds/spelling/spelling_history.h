@@ -1,6 +1,6 @@
-// The history that a simulation of spelling balls stores for simulations of similar states: each
-// ball's history (physics/marbles/marbles.h), and all balls' places at each look, that is, each
-// test of whether they stay.
+// The history that a simulation of spelling balls stores for simulations of similar states. A look
+// is a test of whether all balls stay. The history contains each ball's history
+// (physics/marbles/marbles.h) and all balls' places at each look.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -18,8 +18,8 @@
 
 namespace sleight::worlds::spelling {
 
-/// A ball's state at a look. If the simulation has suspended the ball (Marbles), the state at that
-/// moment.
+/// A ball's state at a look. For a suspended ball (Marbles), this is the state at the moment of
+/// suspension.
 struct Seen {
   Traps::Ball ball;
   bool was_alone = false;

@@ -11,9 +11,9 @@ namespace {
 /// Minimum margin of a height, far more than rounding adds.
 constexpr double k_margin_least_m = 1e-4;
 
-/// Pieces of motion exceed the height allowed by energy by half the height of the slowest bounces
-/// (edge_motion.h), that is, by a quarter of the square of bounce_end in diameters. The margin is
-/// twice that.
+/// A piece of motion may exceed the height that the energy allows by half the height of the slowest
+/// bounces (edge_motion.h). In diameters, this is a quarter of the square of bounce_end. The margin
+/// is twice that.
 double margin_of(const WorldParameters& world) {
   return std::max(k_margin_least_m,
                   0.5 * world.bounce_end * world.bounce_end * world.ball_diameter_m);

@@ -36,10 +36,9 @@ class Traps {
     physics::Twist twist{};
     bool rests = false;
   };
-  /// Whether each ball is in its final place: at rest, or trapped in a bin without other balls,
-  /// over which no ball at rest reaches. The result depends only on the balls' places, not on the
-  /// engine or on how far the engine has simulated. For a trapped ball, pass any state that it had
-  /// since it was trapped.
+  /// Whether each ball is in its final place: at rest, or trapped in a bin where it can touch no
+  /// other ball. The result depends only on the balls' places, not on the engine or on how far the
+  /// engine has simulated. For a trapped ball, pass any state that it had since it was trapped.
   bool all_stay(std::span<const Ball> balls) const;
 
  private:
