@@ -5,8 +5,11 @@
 // replicas, so rounds have no internal barrier (swap_flow.h). All replicas wait at a round's end
 // for the next round's ladder and proposal scales (ladder_round.h).
 //
-// In each scan, the hottest level draws from the prior and begins a lineage. After scan s, levels i
-// and i+1 can swap if i + s is even (swap.h).
+//   scan s of all levels
+//     level 0 --+                 the hottest draws from the prior, and begins a lineage
+//     level 1 --+-- swap?         s even
+//     level 2 --+
+//     level 3 --+-- swap?
 //
 // If a round has more levels than the last, new replicas start from prior draws and become the
 // hottest. If a round has fewer levels, the hottest replicas are removed.

@@ -1,5 +1,9 @@
 // Decides how many free islands a run makes: a pilot, and a batch that estimates the odds.
 //
+//   island  0            32                              p + n
+//           |-- pilot, p --|-- batch, n: estimates P --|-- extended by n / 2 ...
+//                     sizes the batch
+//
 // The pilot has 32 islands. The pilot grows by 32 islands at a time, up to 1,024, as long as one
 // island exceeds a third of the sum, because the spread is then unreliable. If all estimates are 0,
 // the run ends.

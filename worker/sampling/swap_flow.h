@@ -10,6 +10,10 @@
 //   3. If the partner has not made its scan, the replica waits.
 //   4. If the partner has made its scan, the two swap or don't (swap.h), and both continue.
 //
+//   scan s     . a b c d e .     a part of a longer ladder: a and b swap, c and d; e leaves
+//        s+1     a b c d         b and c swap; a leaves, d waits for the level that e has left
+//        s+2       b c
+//
 // So each replica waits for at most one other, and replicas on both sides of a slow replica can run
 // ahead. After a replica has left, later partners of its level wait until the end. Plans apply
 // these rules to whole ladders (ladder_run.h), workers to the part in their block (block_runner.h).
