@@ -1,6 +1,6 @@
-// Goal: an archive's odds have an interval if its ladders can be trusted; otherwise the odds are
-// unknown, and the answer names a request key and a value that would make them known. Method: fill
-// an in-memory archive with made-up tables of /tempering.
+// Goal: an archive's odds have an interval if its ladders can be trusted. Otherwise the odds are
+// unknown, and the answer names a request key and a value that would make the odds known. Method:
+// fill an in-memory archive with made-up tables of /tempering.
 #include "clients/analysis/archive_odds.h"
 
 #include <gmock/gmock.h>
@@ -120,8 +120,8 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
     const Made made = archive_of(tables);
     return odds_of(made.source, made.summary).value().how_to_know.value().besides;
   };
-  // The tables have 8 of the 40 required round trips. Five times 256 scans are needed, so the sixth
-  // round (2,048 scans) is the first that is long enough.
+  // The tables have 8 of the 40 required round trips, so a round needs five times 256 scans. The
+  // sixth round (2,048 scans) is the first with enough scans.
   EXPECT_EQ(json(tables)["to_know"]["rounds"], 6);
   EXPECT_EQ(json(tables)["to_know"]["scans"], 4032);
   EXPECT_THAT(besides(), HasSubstr("iterations_per_scan"));
@@ -138,7 +138,7 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
 TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
   Tables tables;
   tables.log_p = {-4.8};
-  // A first round that was cut off needs the same number of rounds.
+  // The advice stays the same if the first round was cut off.
   for (const double scans : {64.0, 20.0}) {
     tables.scans = {scans};
     EXPECT_EQ(json(tables)["to_know"]["rounds"], 2);
@@ -147,8 +147,8 @@ TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
 }
 
 TEST(ArchiveOdds, ThrowsThatAreNoDrawsAreNamed) {
-  // For a word of three balls, one draw in e^6.88 satisfies. Among natural throws (one draw in 8),
-  // satisfying ones are 8 times as frequent.
+  // For a word of three balls, one draw in e^6.88 satisfies the constraint. One draw in 8 is a
+  // natural throw, and natural throws satisfy the constraint 8 times as often.
   Tables tables;
   tables.world = "spelling";
   tables.log_natural_throw = 3 * std::log(0.5);
@@ -239,7 +239,7 @@ TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
 
 TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
   // Goal: islands before `odds_from` don't count, even if their estimates would dominate the sum.
-  // Method: make the first 20 islands of each chain e^9 times as large.
+  // Method: make the estimates of each chain's first 20 islands e^9 times as large.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 20 ? 9 : 0) + (i % 3 == 0 ? -4.8 : -5.8));
@@ -253,7 +253,7 @@ TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
 }
 
 TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
-  // The advice doesn't repeat a request's invalid number.
+  // The advice never repeats an invalid `odds` of the request.
   for (const auto& [rule, advised] :
        {std::pair{"independent_solutions = 2\n", 0.1}, std::pair{"odds = 0.3\n", 0.3},
         std::pair{"odds = 7.0\n", 0.1}}) {
@@ -269,8 +269,8 @@ TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
 }
 
 TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
-  // In a sized round, one island holds 0.4 of the sum. Four times as many islands are needed, which
-  // halves the error.
+  // In a round sized by earlier islands, one island holds 0.4 of the sum of estimates. Four times
+  // as many islands are needed, which halves the error.
   IslandTables tables;
   tables.values.assign(240, -210);
   tables.values[100] = -210 + std::log(160);
@@ -282,10 +282,10 @@ TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
 }
 
 TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
-  // Goal: a request with the advised error gets more islands than it had. Method: use 160 islands
-  // with a heavy tail, sized by 80 pilot islands of which a third is larger. The pilot islands
-  // predict an error of sqrt(0.5 * 80 / 79 / 160) = 0.0563, so a request for any larger error gives
-  // the same round. The advised error must be below nine tenths of the prediction.
+  // Goal: a request with the advised error gets more islands. Method: use 160 islands with a heavy
+  // tail after 80 pilot islands, a third of which have larger estimates. The pilot islands predict
+  // an error of sqrt(0.5 * 80 / 79 / 160) = 0.0563, so a request for any larger error gives the
+  // same round. The advised error must be below nine tenths of the prediction.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i) {
     const bool is_large = i % tables.islands < 20 ? (i / 60 * 20 + i % 60) % 3 == 0 : i == 30;

@@ -1,6 +1,6 @@
-// Goal: the diagnosis judges the right draws of the right scalars, reports every reason, and
-// refuses invalid ladders of a hostile archive with an error that names the table. Method: judge a
-// fake in-memory run, with and without ladders, by a judge that records its input and complains on
+// Goal: the diagnosis judges the right draws of the right scalars and reports every reason. If a
+// hostile archive has invalid ladders, the error names their table. Method: diagnose a fake
+// in-memory run, with and without ladders, with a judge that records its input and complains on
 // request.
 #include "clients/analysis/diagnosis.h"
 
@@ -154,7 +154,7 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
   EXPECT_EQ(shown_.at("lp").draws, 120U);
   EXPECT_EQ(shown_.at("lp").first, 1234);
   EXPECT_EQ(shown_.at("height_m").draws, 12U);
-  // The third round has only begun, so the second has more draws.
+  // The third round has only begun, so the longer second round is judged.
   archive_tempered(options(100), {0, 30, 90});
   EXPECT_EQ(diagnose().judged.first_scan, 30U);
   EXPECT_EQ(shown_.at("lp").draws, 60U);
@@ -163,8 +163,8 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
 
 TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
   // Goal: independent draws always pass all measures, so the diagnosis doesn't rely on measures for
-  // draws of tours. Means are still shown. Method: use a judge that likes all draws, and one that
-  // dislikes some.
+  // draws of tours. Means are still shown. Method: use a judge that accepts all draws, and a judge
+  // that complains about some.
   archive::ArchiveOptions of_tours = archive::testing::options_for(options(201));
   of_tours.request_text = "[sampler]\nmethod = \"sequential\"\ntour_scans = 16\n";
   archive::write_digested(archive_, [&](archive::Sink& sink) {
@@ -235,7 +235,7 @@ TEST_F(DiagnosisTest, TooFewDrawsAreSaidOnce) {
   archive_plain(options(1));
   disliked_ = {"lp", "height_m"};
   EXPECT_THAT(diagnose().reasons, ElementsAre(tests::HasFacts("judged scans: |1|6")));
-  // Only every tenth scan has a state, so each chain has five judged states.
+  // Only every tenth scan has a state, so the judge gets five states per chain.
   disliked_ = {"height_m"};
   archive_plain(options(100));
   values(archive::k_sample_stats, "log_constraint").assign(k_chains * 100, 0);

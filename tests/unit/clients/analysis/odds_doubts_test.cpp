@@ -38,7 +38,7 @@ TEST(OddsDoubts, GoodLaddersHaveNone) {
 }
 
 TEST(OddsDoubts, EachLadderHasToMakeRoundTrips) {
-  // Round trips of the other ladders don't help, because this ladder's bias stays in the mean.
+  // A ladder without round trips biases the mean, however many round trips other ladders have.
   LadderFacts facts = good();
   facts.round_trips = {400, 0, 400, 400};
   std::vector<Doubt> doubts = doubts_of(facts);
@@ -85,8 +85,8 @@ TEST(OddsDoubts, TheFirstRoundIsNotTrusted) {
 }
 
 TEST(OddsDoubts, RoundsHaveToAgree) {
-  // The rounds' means are -4.8 and -4.8 + shift. Their errors are 0.05 and 0.1 (by jackknife), so
-  // three errors of the difference are 0.335.
+  // The rounds' means are -4.8 and -4.8 + shift. The means' jackknife errors are 0.05 and 0.1, so
+  // three errors of their difference are 0.335.
   LadderFacts facts = good();
   const auto shifted = [&](double shift) {
     facts.before.clear();
@@ -144,9 +144,9 @@ TEST(OddsDoubts, LaddersWithoutAValueAreNotLeftOut) {
 }
 
 TEST(OddsDoubts, ManyShortLaddersAsForAcm) {
-  // These facts are like those of requests/acm_tempered.toml, whose only round has sixteen ladders,
-  // 13 of them without a round trip. The mean is 6 below the truth, and the standard error between
-  // ladders is 0.5.
+  // The example resembles a run of requests/acm_tempered.toml. The only round has sixteen ladders,
+  // 13 of them without a round trip. The mean log estimate is 6 below the truth, and the standard
+  // error between ladders is 0.5.
   LadderFacts facts{.judged = {}, .before = {}, .round_trips = {}, .round = "round 1 of 1"};
   for (int i = 0; i < 16; ++i) {
     facts.judged.push_back({-66.4 + 4 * (i - 7.5) / 9.2, 0.8});
@@ -218,7 +218,7 @@ TEST(OddsDoubts, IslandsNeedParticles) {
 }
 
 TEST(OddsDoubts, IslandsWithoutDoubtsAreKnown) {
-  // There are no doubts exactly if IslandOdds::known() of common/math is true.
+  // doubts_of_islands() returns no doubts exactly if IslandOdds::known() is true.
   for (const std::uint64_t count :
        {std::uint64_t{0}, math::k_islands_min - 1, math::k_islands_min}) {
     for (const double share : {0.01, 0.1, 0.11, 1.0}) {

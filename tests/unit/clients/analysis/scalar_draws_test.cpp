@@ -20,7 +20,7 @@ struct Shape {
   std::vector<archive::Dimension> inner;
 };
 
-/// One variable, whose element number n is the double n.
+/// A source with one variable, whose element number n is the double n.
 class CountingSource final : public archive::Source {
  public:
   explicit CountingSource(const Shape& shape) {

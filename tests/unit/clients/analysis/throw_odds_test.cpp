@@ -70,7 +70,7 @@ TEST(ThrowOdds, AreAmongNaturalThrows) {
   EXPECT_NEAR(odds.log10_throws, 5, 1e-12);
   EXPECT_NEAR(odds.log10_low, 4, 1e-12);
   EXPECT_NEAR(odds.log10_high, 6, 1e-12);
-  // By chance, an estimate can exceed a natural throw's probability; then every throw counts.
+  // If an estimate exceeds a natural throw's probability by chance, the odds are one throw in one.
   EXPECT_EQ(odds_of({.value = 1, .error = 0}, 0).log10_throws, 0);
 }
 

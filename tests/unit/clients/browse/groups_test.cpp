@@ -142,7 +142,7 @@ TEST(Groups, HierarchyJoinsTheNearest) {
     const std::vector<std::size_t> found = hierarchy_of(matrix, size, k);
     EXPECT_EQ(std::set<std::size_t>(found.begin(), found.end()).size(), k);
     EXPECT_TRUE(is_same_division(found, plain_hierarchy(matrix, size, k)));
-    // Members that share a group when there are k groups also share one when there are k - 1.
+    // Members that share one of k groups also share one of k - 1 groups.
     if (k == 1) continue;
     const std::vector<std::size_t> wider = hierarchy_of(matrix, size, k - 1);
     std::map<std::size_t, std::size_t> into;
@@ -237,7 +237,7 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
   const NeighbourTest far = test_of(5);
   EXPECT_EQ(far.share, 1);
   EXPECT_NEAR(far.p_value, 1.0 / (k_deals + 1), 1e-12);
-  // For similar sets, p is uniform or slightly larger.
+  // If both sets are alike, the p-value is uniformly distributed or slightly larger.
   int small = 0;
   for (int i = 0; i < 100; ++i) {
     const NeighbourTest same = test_of(0);
@@ -248,9 +248,9 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
 }
 
 TEST(AlikeSets, AreGroupedAgainAsTheFirstTime) {
-  // Goal: state stored between groupings doesn't change the groups. Method: vary the number of
-  // groups by both methods, for a set with a full matrix and for a sampled set, and compare with a
-  // grouping from scratch. Compare distances with Sketches.
+  // Goal: the state that an AlikeSet stores between groupings doesn't change the groups. Method:
+  // vary the number of groups by both methods, for a set with a full matrix and for a sampled set,
+  // and compare with a grouping from scratch. Compare distances with Sketches.
   random::Stream stream = testing::stream_of(k_seed, 27);
   for (const std::size_t size : {60UL, 505UL}) {
     const Index index = random_index(size, stream);

@@ -42,7 +42,8 @@ TEST(Queries, AreAnsweredAsSlowlyAndPlainly) {
     }
   }
   if (property::all_cases()) {
-    // The random queries must often be met and often not, and rounding may decide few of them.
+    // Between a tenth and nine tenths of the answers must be positive, and rounding may decide less
+    // than a thousandth of them.
     EXPECT_GT(met, asked / 10);
     EXPECT_LT(met, asked - asked / 10);
     EXPECT_LT(close, asked / 1000);

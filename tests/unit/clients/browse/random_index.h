@@ -1,8 +1,8 @@
 // Random animations of a made-up scene with two twin balls, another ball, a table and a wall.
 //
-// Segments resemble those of recordings: they are parabolas, straight lines and rests. Some start
-// where the previous segment ended, others elsewhere. A body may enter late or never. Bodies hit
-// fixed features or other bodies; some hits are simultaneous.
+// As in recordings, segments are parabolas, straight lines and rests. Some segments start where the
+// previous one ended, others elsewhere. A body may enter late or never. Bodies hit fixed features
+// or other bodies; some hits are simultaneous.
 #pragma once
 
 #include <algorithm>

@@ -176,8 +176,8 @@ TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(read.value().taken_over, 0U);
   expect_same(read.value().index, whole);
-  // The reader doesn't reuse an index of another run, with other numbers, or with contacts of
-  // missing features.
+  // The reader doesn't reuse an index that belongs to another run, has other numbers, or has
+  // contacts with missing features.
   for (int damage = 0; damage < 3; ++damage) {
     Index other = whole;
     if (damage == 0) other.run_id = "another";

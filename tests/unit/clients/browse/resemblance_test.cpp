@@ -96,8 +96,8 @@ Resemblance between(const Index& index) {
 }
 
 TEST(Resemblance, IsWhatTheFormulaSays) {
-  // A ball moves 1 m to the right in one animation and stays in the other. The mean distance is
-  // 33/65 m over 64 times from 0 to 1 s and one time at rest. The other two bodies don't differ.
+  // A ball moves 1 m to the right in one animation and stays in the other. The mean distance over
+  // 64 times from 0 to 1 s and one time at rest is 33/65 m. The other two bodies don't differ.
   const Resemblance of_one = between(two_ways({{{0, 0, 0}, {1, 0, 0}}, {{0, 0, 0}, {0, 0, 0}}}));
   EXPECT_NEAR(of_one.greatest_m, 1, 1e-6);
   EXPECT_NEAR(of_one.mean_m, 33.0 / 65.0 / 3, 1e-2);
@@ -141,8 +141,8 @@ TEST(Resemblance, OfContactsCountsTheOrderOfTheFirst) {
 }
 
 TEST(Resemblance, OfPlacesThatNoSceneHasIsFinite) {
-  // These positions, as of a hostile archive, have squares that overflow a float. Valid places end
-  // at 1e18 m.
+  // A hostile archive may contain positions whose squares overflow a float. Valid places end at
+  // 1e18 m.
   const math::Vec3 far = math::Vec3::Constant(1e27);
   const math::Vec3 here{0, 0, 0};
   const Index index = two_ways({{here, far, far, here}, {far, here, here, -far}});

@@ -169,7 +169,8 @@ TEST_F(JobCommands, RefusalsHaveTheirExitCodes) {
 }
 
 TEST_F(JobCommands, NamesReachTheServiceAsTargets) {
-  // Goal: a group needs one call, and a range one call per job. A range skips missing jobs.
+  // Goal: a command makes one call for a group, and one call per job for a range. A range skips
+  // missing jobs.
   std::vector<rpc::Target> targets;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     const rpc::Target& target = ask.target;
@@ -187,7 +188,7 @@ TEST_F(JobCommands, NamesReachTheServiceAsTargets) {
   EXPECT_EQ(targets,
             (std::vector{rpc::Target::of(rpc::GroupId{5}), rpc::Target::of(rpc::JobId{20}),
                          rpc::Target::of(rpc::JobId{21}), rpc::Target::of(rpc::JobId{22})}));
-  // A refused job is named and doesn't stop the others.
+  // The command reports a refused job and continues with the other jobs.
   EXPECT_EQ(out([&] {
               return change(socket_, {.jobs = {"21", "17", "22"}}, k_cancel);
             }),
@@ -312,8 +313,8 @@ TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
 }
 
 TEST_F(JobCommands, ChangesReachTheServiceWithTheirWords) {
-  // Goal: all fields of a change arrive. The output has the command's own text for changes that the
-  // job's state doesn't show, and otherwise the service's text.
+  // Goal: all fields of a change reach the service. The command prints its own text for priorities
+  // and pins, and the service's text for other changes.
   std::vector<rpc::ChangeAsk> asks;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     asks.push_back(ask);
@@ -337,7 +338,7 @@ TEST_F(JobCommands, ChangesReachTheServiceWithTheirWords) {
 }
 
 TEST(ExtendOptions, TakeOneRule) {
-  // Goal: an extension requires exactly one rule with its number.
+  // Goal: the options of an extension must contain exactly one stop rule.
   ExtendOptions options;
   EXPECT_THROW(extension_of(options), base::Error);
   options.scans = 1'000'000'000'000;
@@ -508,8 +509,8 @@ TEST(FetchAsk, PlacesAreNamedByJobs) {
 }
 
 TEST_F(JobCommands, ServerCommandsTellOfTheServer) {
-  // Goal: JSON has the server's process number. Without a server, `status` exits with 12, and
-  // `stop` succeeds.
+  // Goal: the JSON output contains the server's process number. Without a server, `status` exits
+  // with 12, and `stop` succeeds.
   out([&] { return show_server(socket_, false); });
   EXPECT_EQ(code_, 12);
   out([&] { return stop_server(socket_, false); });

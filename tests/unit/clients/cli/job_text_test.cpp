@@ -69,9 +69,9 @@ rpc::JobView queued_job() {
 }
 
 TEST_F(JobText, TableHasWhatPeopleAskFor) {
-  // Goal: a table shows the place in the queue and its reason, the time left by scans and by
-  // solutions, finds and draws separately, and failures by kind. Method: show a running and a
-  // queued job.
+  // Goal: a job table has separate columns for the time left by scans and by solutions, and for
+  // finds and draws. The table shows queue places with reasons, and failures by kind. Method: show
+  // a running and a queued job.
   const std::vector<rpc::JobView> jobs{running_job(), queued_job()};
   EXPECT_EQ(job_table(jobs, {}),
             "ID  NAME    GROUP  STATE    PLACE              SCANS  FOUND  IN PROPORTION  SIMS/S  "
@@ -83,7 +83,7 @@ TEST_F(JobText, TableHasWhatPeopleAskFor) {
 }
 
 TEST_F(JobText, TableNamesUsersWhereAsked) {
-  // Goal: users appear by name. Method: use a table of names.
+  // Goal: users appear by name. Method: map one user id to a name.
   const std::vector<rpc::JobView> jobs{queued_job()};
   const std::string text =
       job_table(jobs, {.width = 60, .with_users = true, .user_name = [](std::uint32_t uid) {

@@ -20,7 +20,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Returns fake functions of the worlds' texts. The fake normalised text shows its input.
+/// Returns fake functions, whose normalised text lists the inputs.
 RequestTexts texts() {
   return {.normalised = [](std::string_view text, std::string_view file,
                            std::span<const request::KeySet> sets,
@@ -97,8 +97,8 @@ TEST(Submit, ARangeMakesAGroup) {
 }
 
 TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
-  // Goal: before anything is sent, a bad request gives the same errors as `sleight check`. Their
-  // places include the option -n.
+  // Goal: before anything is sent, a bad request gives the same errors as `sleight check`. The
+  // errors' places include the option -n.
   const auto bad = submission_of(
       {.request_path = "hi.toml", .asked = request::Asked{.number = 7}, .asked_by = "-n 7"},
       {"hi.toml", "bad"}, texts());
@@ -109,8 +109,8 @@ TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
 }
 
 TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
-  // Goal: a `--set` that contradicts an option is refused. Method: combine --word and -n with
-  // conflicting and other sets.
+  // Goal: a `--set` that contradicts an option is refused. Method: combine --word and -n with sets
+  // that conflict and sets that don't.
   const auto is_taken = [](const SubmitOptions& options) {
     return submission_of(options, {"x", "text"}, texts()).ok();
   };

@@ -89,7 +89,7 @@ TEST_F(TokenCommands, AFileOfATokenIsNewAndItsOwners) {
   EXPECT_FALSE(std::filesystem::exists(options.output));
 }
 
-// An empty user name, as from a script's unset variable, doesn't mean the caller.
+// An empty user name, as from a script's unset variable, is refused.
 TEST_F(TokenCommands, AUserIsOneThatThereIs) {
   for (const char* user : {"", " ", "no such user", "4294967295", "4294967296", "-1", "1.5"}) {
     TokenCreateOptions options{.name = "laptop", .user = user};

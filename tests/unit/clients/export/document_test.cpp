@@ -57,8 +57,8 @@ Clip clip_of(const std::string& name, double table_m, const std::vector<Segment>
           .extras = {{"id", name}, {"log_prior", -1.5}}};
 }
 
-/// Returns two clips. In the first, the ball enters late and the second die never enters. The
-/// second has all bodies.
+/// Returns two clips. In the first clip, the ball enters late and the second die never enters. The
+/// second clip has all bodies.
 Document two_clips() {
   const Segment rest{.start_s = 1, .mode = motion::Mode::resting, .position_m = {0.5, 0, 0.4}};
   Segment ball = rest;

@@ -1,6 +1,6 @@
 // Goal: each shape is at its place in the scene, is closed, and has outward normals; goals follow
-// the table's surface. Method: count triangles; compare the stored normals with those of the
-// triangles, and heights and slopes with common/scene's surface.
+// the table's surface. Method: count triangles; compare the stored normals with the triangles'
+// normals, and heights and slopes with common/scene's surface.
 #include "clients/export/look.h"
 
 #include <gmock/gmock.h>

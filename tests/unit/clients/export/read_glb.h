@@ -81,7 +81,8 @@ inline std::vector<std::vector<double>> vectors_of(const File& file, const Json&
   return vectors;
 }
 
-/// Checks that everything is used, bounds match the numbers, numbers are finite, and times ascend.
+/// Checks that all accessors are used, bounds match the numbers, numbers are finite, and times
+/// ascend.
 inline void expect_sound(const File& file) {
   const auto listed = [&](const char* name) {
     return file.json.value(name, Json::array()).elements();

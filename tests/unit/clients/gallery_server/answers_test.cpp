@@ -151,7 +151,8 @@ TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
 }
 
 TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
-  // Goal: malformed JSON does no harm. Method: use wrong types and numbers, and an old generation.
+  // Goal: malformed JSON does no harm. Method: use wrong types and numbers, and an out-of-date
+  // generation number.
   const Json good = at();
   const auto status = [&](const char* place, const Json& question) {
     return post(place, question.dump()).status;
@@ -195,8 +196,8 @@ TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
 }
 
 TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
-  // Goal: traces show /sample_stats with its marks, and histograms cover all draws. Method: compare
-  // with the archive's columns.
+  // Goal: traces show /sample_stats and mark the chain's changes, and histograms cover all draws.
+  // Method: compare with the archive's columns.
   const Json titles = Json::parse(get("/api/archives/0/series").content.text());
   EXPECT_GT(titles.size(), 5U);
   const web::Answer answer = get("/api/archives/0/series/trace.lp", {{"chain", "0"}});
@@ -218,7 +219,7 @@ TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
       if (satisfied[i - 1] != 0 && satisfied[i] == 0) falls.push_back(i);
     EXPECT_EQ(trace.column<std::uint32_t>("fall"), falls);
     EXPECT_FALSE(falls.empty());
-    // The first of the two kinds of proposals changes everything.
+    // The first of the two kinds of proposals is `change_all`.
     const auto accepted = std::get<std::vector<std::int32_t>>(
         source.read(archive::k_sample_stats, "accepted", 0, 2 * 101));
     std::vector<std::uint32_t> changes_of_all;
@@ -259,7 +260,7 @@ class Damaged final : public archive::Source {
   const std::vector<archive::Group>& groups() const override { return groups_; }
   archive::Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
                        std::uint64_t count) const override {
-    // The reader of real files ends the program if these checks fail.
+    // With a real file, the archive reader would end the program if these checks failed.
     const archive::Group* found = archive::find_group(*this, group);
     const archive::DatasetSpec* spec =
         found == nullptr ? nullptr : archive::find_dataset(*found, dataset);
@@ -275,8 +276,8 @@ class Damaged final : public archive::Source {
 
 TEST_F(AnswersTest, AnArchiveThatLacksSomethingIsRefusedInWords) {
   // Goal: a foreign file never crashes the server, which reads only existing data. Method: remove
-  // or cut columns of draws and of the prior. Either the archive is refused, or the server answers
-  // all offered plots except the damaged column's; both must occur.
+  // or cut columns of draws and of the prior. Some of these archives must be refused. For the
+  // others, the server must answer all offered plots except the damaged column's.
   int refused = 0;
   int answered = 0;
   for (const std::string_view group : {archive::k_sample_stats, archive::k_sample_stats_prior}) {

@@ -135,7 +135,7 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
 }
 
 TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
-  // An open page must not confuse its entries with those of a restarted gallery.
+  // An open page must not confuse its entries with the entries of a restarted gallery.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
   std::vector<json::Value> said;
@@ -150,7 +150,7 @@ TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
 
 TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
   // Goal: a deleted or damaged file is reported, its data stays, and the restored file is read
-  // again. Method: do one after the other.
+  // again. Method: remove, damage and restore one file.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
   Gallery gallery(options({archive}));
@@ -169,8 +169,8 @@ TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
 
 TEST_F(GalleryTest, AFolderShowsWhatLiesInItAndNothingElse) {
   // Goal: a folder's archives are shown, including archives that are added later. A damaged archive
-  // affects no other; a link that leads outside the folder is reported and not opened. Method: show
-  // one of each.
+  // affects no other archive, and a link that leads outside the folder is reported and not opened.
+  // Method: show a folder with a sound archive, a damaged one and a link.
   std::filesystem::create_directories(path("runs"));
   std::filesystem::create_directories(path("elsewhere"));
   files.put(path("runs/b.h5"), made_up(50));

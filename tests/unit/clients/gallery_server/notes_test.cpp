@@ -54,7 +54,7 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
   EXPECT_EQ(kept["c0.250"]["note"], "näher");
   EXPECT_EQ(kept["c0.250"]["tags"], Json::array({"calm"}));
   EXPECT_EQ(kept["find.3"]["star"], true);
-  // Older galleries wrote names in this format.
+  // Older galleries wrote an animation's name as "0.250" instead of "c0.250".
   base::PosixFileSystem files;
   const std::string file = path("notes/" + run + ".json");
   std::string text = base::read_text_file(file, 10'000);

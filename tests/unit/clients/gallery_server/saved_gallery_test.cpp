@@ -111,7 +111,7 @@ class SavedGallery : public archive::testing::Scratch {
   }
 
   testing::ShownFiles files;
-  // Only the diagnosis uses the judge; the made-up world's plots don't.
+  // The diagnosis calls `judge`; the made-up world's plots don't.
   analysis::Rules rules{
       .draws_min = 4,
       .ess_wanted = [](std::size_t) { return 400.0; },
@@ -337,8 +337,8 @@ fs::path work_in(const fs::path& folder) {
 
 TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
   // Goal: an interrupted save leaves nothing but the earlier gallery. Method: save with a progress
-  // callback that throws halfway, with a callback that damages a file so that a rename fails
-  // halfway, and with a file that appears during the save.
+  // callback that throws halfway, and with a callback that removes a file so that a rename fails
+  // halfway. In a third save, a file appears in the gallery.
   save(options("saved"));
   std::ofstream(path("saved/index.html")) << "the first";
   const auto before = files_in(path("saved"));
@@ -372,7 +372,7 @@ TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
 
 TEST(NamedArchives, AbandonedFoldersAreRemoved) {
   // Goal: a killed gallery's temporary folder is removed, and a running gallery's stays. Method:
-  // make folders of that name with and without a lock, and other files and folders.
+  // make folders with such names, with and without a lock, and other files and folders.
   std::string form = (fs::temp_directory_path() / "sleight-test-XXXXXX").string();
   const fs::path temporary = ::mkdtemp(form.data());
   for (const char* name : {"sleight-gallery-aaaaaa", "sleight-gallery-bbbbbb", "sleight-gallery-c",

@@ -18,8 +18,9 @@ namespace {
 using Groups = std::vector<std::optional<std::size_t>>;
 
 TEST(Shares, ADrawGoesToWhatWasKeptLastOfItsLineage) {
-  // Goal: each draw counts for the latest animation kept at or before it; lineages without kept
-  // animations are separate. Method: use two lineages by hand, and one without kept animations.
+  // Goal: each draw counts for its lineage's latest animation kept at or before the draw. Draws of
+  // lineages without kept animations are counted separately. Method: use two lineages by hand, and
+  // one without kept animations.
   const std::vector<LineageDraw> kept{{.chain = 0, .lineage = 5, .draw = 10},
                                       {.chain = 0, .lineage = 5, .draw = 20},
                                       {.chain = 1, .lineage = 5, .draw = 3}};

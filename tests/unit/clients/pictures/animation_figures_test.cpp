@@ -44,8 +44,8 @@ scene::Scene dice_scene() {
           .has_own_points = true};
 }
 
-/// Die 1 flies for half a second, with a quarter turn about y that brings its 6 up, and rests at
-/// (50, 0) mm; die 2 rests at (0, y) with its 3 up.
+/// Die 1 flies for half a second and rests at (50, 0) mm. A quarter turn about y brings the 6 of
+/// die 1 up. Die 2 rests at (0, y) with its 3 up.
 ShownAnimation throw_of(double y_m = 0.04) {
   const double half_root = std::sqrt(0.5);
   const std::vector<motion::Segment> segments{
@@ -132,7 +132,7 @@ TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
   EXPECT_NEAR(rings[0].center.x, 50, 1e-12);
   EXPECT_NEAR(rings[0].center.y, 3, 1e-12);
   EXPECT_DOUBLE_EQ(rings[0].radius_x, 5);
-  // Die 1's centres are a sixtieth of a second apart, at 0.1 m/s.
+  // Die 1 moves at 0.1 m/s, and its centre is marked every sixtieth of a second.
   const auto centres = all_of<plot::Markers>(panel);
   ASSERT_EQ(centres.size(), 2U);
   ASSERT_GE(centres[0].points.size(), 30U);

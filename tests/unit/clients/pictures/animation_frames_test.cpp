@@ -106,7 +106,8 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
-/// Replaces PATH, or prepends a folder, during its lifetime.
+/// Replaces the environment variable PATH, or prepends a folder to it, during the object's
+/// lifetime.
 class OtherPath {
  public:
   explicit OtherPath(const std::string& programs) : before_(std::getenv("PATH")) {

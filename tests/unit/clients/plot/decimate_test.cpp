@@ -68,8 +68,8 @@ TEST(Decimation, BoundsMarkersByTheArea) {
 }
 
 TEST(Runs, AreWhatLiesBetweenGaps) {
-  // Goal: a NaN or an infinity splits a line and belongs to neither part. Method: put gaps at both
-  // ends, two together, and none.
+  // Goal: a NaN or an infinity splits a line and belongs to neither part. Method: use points with a
+  // gap at each end and two adjacent gaps, and no points.
   const std::vector<Point> points = {{k_nan, 0},      {1, 1}, {2, 2},    {3, k_nan},
                                      {4, -1.0 / 0.0}, {5, 5}, {6, k_nan}};
   const auto runs = drawable_runs(points);

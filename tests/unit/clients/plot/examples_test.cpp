@@ -43,8 +43,8 @@ TEST(Png, RefusesWhatIsNoPicture) {
 }
 
 TEST(Save, ExplainsWhatIsWrong) {
-  // Goal: a wrong ending and a missing folder have different exit codes, name the path and leave no
-  // file. Method: catch both errors.
+  // Goal: errors about a wrong file ending and a missing folder have different exit codes and name
+  // the path. No file is left. Method: catch both errors.
   const Figure figure{.panels = {Panel{}}};
   try {
     save(figure, "trace.jpeg");

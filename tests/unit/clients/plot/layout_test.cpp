@@ -84,7 +84,7 @@ TEST(Layout, LinesUpPanelsOfAColumn) {
 
 TEST(Layout, DrawingsWithoutAxesFillTheirCell) {
   // Goal: a panel without axes has its whole cell below the title, so that its units can be pixels.
-  // Method: check the frame's sides; there are no ticks.
+  // Method: compare the sides of frame and cell, and expect no ticks.
   const Panel panel{.title = "a drawing", .x_label = "x", .y_label = "y", .axes = false};
   const PanelLayout layout = layout_of({.panels = {panel}}).panels[0];
   EXPECT_DOUBLE_EQ(layout.frame.left, layout.cell.left);
@@ -96,7 +96,7 @@ TEST(Layout, DrawingsWithoutAxesFillTheirCell) {
 }
 
 TEST(Layout, LegendNamesEachLabelOnceAndWraps) {
-  // Goal: arrows with one label share an entry, and entries wrap into rows within the frame.
+  // Goal: arrows with one label share a legend entry, and entries wrap into rows within the frame.
   // Method: put many labels into a narrow figure.
   Panel panel;
   for (int i = 0; i < 3; ++i)

@@ -132,7 +132,7 @@ TEST(Svg, DrawsEachKindOfSeries) {
   EXPECT_EQ(occurrences(svg_of(Arrow{}), "<polygon"), 0U);
   EXPECT_EQ(occurrences(svg_of(Disc{}), "<ellipse"), 1U);
   EXPECT_EQ(occurrences(svg_of(Disc{.filled = false}), "<ellipse"), 1U);
-  // The page and the frame's clip are rectangles too.
+  // Besides the series, the page and the frame's clip are `<rect>` elements.
   EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, 1}}), "<rect"), 3U);
   EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, 1}, .filled = false}), "fill=\"none\""),
             1U + occurrences(svg_of(Rectangle{.high = {1, 1}}), "fill=\"none\""));

@@ -9,7 +9,7 @@ namespace sleight::service_client {
 namespace {
 
 TEST(JobNames, AreNumbersRangesAndGroups) {
-  // Goal: a parsed job name prints as the same text. Method: use one of each form.
+  // Goal: a parsed job name prints as the same text. Method: use one name of each form.
   const std::vector<std::string> texts{"17", "3..8", "g5"};
   const auto names = job_names_of(texts);
   ASSERT_TRUE(names);
@@ -53,7 +53,8 @@ TEST(JobNames, OtherTextsAreNone) {
 }
 
 TEST(JobNames, ARangeIsBounded) {
-  // Goal: ranges up to the limit are accepted. Method: use the largest range and the next.
+  // Goal: ranges up to the limit are accepted. Method: use the largest valid range, and a range
+  // with one more job.
   EXPECT_TRUE(job_names_of(std::vector<std::string>{"1..10000"}));
   EXPECT_FALSE(job_names_of(std::vector<std::string>{"2..10002"}));
 }

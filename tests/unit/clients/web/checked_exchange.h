@@ -1,9 +1,9 @@
 // Passes a connection's bytes through the server's parts (intake.h, guard.h, reply.h) and checks
 // properties that hold for any bytes. Tests and the fuzzer use it.
 //
-//   - A slow, plain second reader finds the same method, path and body in every accepted request,
-//     a single Host header that names this server, and the secret in a Cookie or a token in the
-//     target.
+//   - A slow, plain second reader finds the same method, path and body in every accepted request.
+//     The second reader also finds a single Host header, which names this server, and the secret in
+//     a Cookie or a token in the target.
 //   - The result doesn't depend on the pieces in which bytes arrive.
 //   - Buffered bytes never exceed their limits, and none are left at the end.
 //   - Answers have the right header lines and contain nothing of the request.
@@ -42,7 +42,7 @@ struct Outcome {
 
 Outcome exchange_in_pieces(std::string_view bytes, std::size_t piece);
 
-/// Passes `bytes` in pieces and whole, and checks everything. REQUIRES: piece > 0.
+/// Passes `bytes` whole and in pieces, and checks the properties listed above. REQUIRES: piece > 0.
 Outcome checked_exchange(std::string_view bytes, std::size_t piece);
 
 struct PlainRequest {

@@ -222,7 +222,7 @@ TEST(HostilePeers, AboveTheLimitAreToldSo) {
   Served served(options);
   const Browser browser(served.server());
   EXPECT_TRUE(comes_true([&] { return served.server().counts().connections == 0; }));
-  // Connections that have shown the cookie keep their places.
+  // Connections that have sent the cookie stay open when many others arrive.
   std::vector<std::unique_ptr<RawClient>> known;
   for (int i = 0; i < 8; ++i) {
     known.push_back(std::make_unique<RawClient>(served.port()));

@@ -99,8 +99,8 @@ class RawClient {
     buffer_.erase(0, end);
     return received;
   }
-  /// Waits until the other end closes the connection. Returns whether it sent at most `bytes_max`
-  /// bytes.
+  /// Waits until the other end closes the connection. Returns false after a timeout or more than
+  /// `bytes_max` bytes.
   bool is_closed(std::size_t bytes_max = 0) {
     while (buffer_.size() <= bytes_max)
       if (!read_more()) return !has_waited_in_vain_;

@@ -1,5 +1,5 @@
-// Goal: answers have all protective headers, and handlers or requests can't inject others. Method:
-// compare heads with their texts; try values with line ends.
+// Goal: answers have all protective headers, and handlers or requests can't inject other headers.
+// Method: compare heads with their texts; try values with line ends.
 #include "clients/web/reply.h"
 #include "common/json/value.h"
 

@@ -19,7 +19,7 @@
 
 namespace sleight::web::testing {
 
-/// Closed at first; opening it releases all waiting threads.
+/// A gate that is closed at first. Opening the gate releases all waiting threads.
 class Gate {
  public:
   void open() {

@@ -64,7 +64,8 @@ DicePrior small_prior() {
           .is_table_random = true};
 }
 
-/// Values per animation: (x, y, z) of die 0, then of die 1; heights by bin.
+/// Contents of a small archive. Each animation has (x, y, z) of die 0, then of die 1, and heights
+/// by bin.
 struct Contents {
   double animations = 2;
   std::vector<double> position_m{1, 7, 7, 3, 7, 7, -1, 7, 7, 5, 7, 7};
@@ -109,9 +110,9 @@ class SmallArchive final : public archive::StoredArchive {
 };
 
 TEST(DicePlausibility, AreScoresAndCosts) {
-  // The two animations' scores of x are (0, 1) and (-1, 2); those of velocity are 1 and -2. The
-  // scores' squares sum to 2 and 9 for 3 components, so the start's cost is half of 5.5 - 3. The
-  // table's squares sum to 2 and 8 for 4 points, so its cost is half of 5 - 4.
+  // The two animations' scores of x are (0, 1) and (-1, 2), and the scores of velocity are 1 and
+  // -2. The scores' squares sum to 2 and 9 for 3 components, so the start's cost is half of 5.5 -
+  // 3. The table's squares sum to 2 and 8 for 4 points, so its cost is half of 5 - 4.
   const DicePlausibility all = dice_plausibility(SmallArchive(), small_prior(), {});
   EXPECT_EQ(all.animations, 2U);
   ASSERT_EQ(all.start.size(), 2U);
@@ -140,7 +141,8 @@ TEST(DicePlausibility, AreScoresAndCosts) {
 }
 
 TEST(DicePlausibility, WordsSayNoMoreThanIsKnown) {
-  // Goal: a verdict requires more than chance and doesn't overflow. Method: choose costs.
+  // Goal: plausibility_words() gives a verdict only if the mean exceeds chance, and large means
+  // don't overflow. Method: choose means and errors.
   const auto words_of = [](double mean, double error) {
     const PlausibilityCost cost{.is_random = true, .mean = mean, .error = error, .spread = 2};
     return plausibility_words(
@@ -255,9 +257,9 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
 }
 
 TEST(DicePlausibility, ThePriorIsTheArchives) {
-  // Goal: the archive determines the prior of blind throws, that is, which components vary (in the
-  // order of dice) and whether the table varies. Method: use a small archive with known priors,
-  // without priors, and with damage.
+  // Goal: dice_prior_of() finds in an archive which components of blind throws vary, in the order
+  // of dice, and whether the table varies. Method: use a small archive with known priors, without
+  // priors, and with damage.
   const DicePrior prior = dice_prior_of(SmallArchive({.has_prior = true}));
   EXPECT_EQ(prior.dice, 2U);
   EXPECT_TRUE(prior.is_table_random);
@@ -304,8 +306,8 @@ TEST(DicePlausibility, NothingRandomIsSaid) {
 }
 
 TEST(DicePlausibility, BinsAreThoseOfTheWorld) {
-  // Goal: plots sort scores into the same bins as the world uses to count control points. Method:
-  // compare both functions over scores in and beyond all bins.
+  // Goal: plots use the same score bins as the world's counts of control points. Method: compare
+  // both functions over scores in and beyond all bins.
   EXPECT_EQ(k_offset_bins, worlds::dice::k_offset_bins);
   EXPECT_EQ(k_offset_first_sd, worlds::dice::k_offset_first_sd);
   EXPECT_EQ(k_offset_step_sd, worlds::dice::k_offset_step_sd);
