@@ -41,8 +41,8 @@ std::vector<std::string> dims_of(const Source& source, std::string_view group,
 }
 
 TEST(Layout, HoldsWhatATemperedRunLearntAndEachReplicasState) {
-  // Goal: /tempering holds a method's tables with their coordinates, the root holds its warning,
-  // and /replicas holds each replica's newest state or NaN. Method: write a tempered run.
+  // Goal: /tempering holds a method's tables with their coordinates, the root holds the method's
+  // warning, and /replicas holds each replica's newest state or NaN. Method: write a tempered run.
   const FakeRunOptions options;
   const testing::FakeTemperedRun run(options);
   MemoryArchive archive;
@@ -360,8 +360,8 @@ TEST(DigestDeathTest, IncompleteArchivesAreBugs) {
 }
 
 TEST(Layout, SaysHowFarItIs) {
-  // Goal: the writer reports its parts in order, each until it is complete, and reports don't
-  // change the archive. Method: record all reports of one run.
+  // Goal: the writer reports each part of the archive, in order, until the part is complete.
+  // Reports don't change the archive. Method: record all reports of one run.
   const FakeRunOptions run{.chains = 3, .scans = 50, .thin = 5};
   std::vector<WritingProgress> heard;
   MemoryArchive told;

@@ -84,7 +84,7 @@ TEST(Bytes, AreReadAtAnyAddress) {
 }
 
 TEST(Bytes, OfArraysAreTheirContent) {
-  // Goal: bytes_of returns all elements, and no bytes for an empty span. Method: read them back.
+  // Goal: bytes_of() returns all elements, and no bytes for an empty span. Method: read them back.
   const std::vector<std::uint32_t> values{1, 0xffffffffU, 3};
   ByteReader reader(bytes_of(std::span(values)));
   for (const std::uint32_t value : values)

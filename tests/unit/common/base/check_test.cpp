@@ -72,7 +72,7 @@ TEST_F(CheckDeathTest, PrintsHowToRepeatTheRun) {
 
 TEST_F(CheckDeathTest, PrintsExceptionsThatNobodyCatches) {
   // Goal: an exception that leaves a thread is reported as a bug. Method: throw a standard
-  // exception and another one in a thread of a reporting process.
+  // exception and another exception in a thread of a reporting process.
   const auto throw_in_thread = [](const auto& exception) {
     report_uncaught_exceptions();
     add_repeat_note("seed 7");

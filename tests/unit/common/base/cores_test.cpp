@@ -21,8 +21,8 @@ class Cores : public archive::testing::Scratch {
 };
 
 TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
-  // Goal: core_quota returns the lowest quota of a group and its ancestors, in both versions of
-  // control groups. Method: make a folder with files like the kernel's.
+  // Goal: core_quota() returns the lowest quota of a control group and its ancestors, in both
+  // versions of control groups. Method: make a folder with files like the kernel's.
   const auto quota = [&](const char* groups) { return core_quota(groups, path("")); };
   EXPECT_EQ(quota("0::/a/b\n"), std::nullopt);
   say("cpu.max", "max 100000\n");

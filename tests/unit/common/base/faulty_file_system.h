@@ -1,6 +1,6 @@
 // The real file system, which fails at a chosen call.
 //
-// Counts the calls of all its files. Not thread-safe.
+// A FaultyFileSystem counts the calls of all its files. Not thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // Goal: a setting comes from the first source that sets it and names that source; each error names
-// its place and the expected value. Method: call settings_of on made-up environments and files; one
-// test reads a real environment and file.
+// its place and the expected value. Method: call settings_of() on made-up environments and files;
+// one test reads a real environment and file.
 #include "common/config/settings.h"
 
 #include <gmock/gmock.h>

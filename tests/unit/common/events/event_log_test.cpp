@@ -62,8 +62,8 @@ TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
 }
 
 TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
-  // Goal: a log stays within its bound and holds the newest events without a gap; these fill at
-  // least half the bound. Method: append many events under a small bound.
+  // Goal: a log stays within its bound, holds the newest events without a gap, and fills at least
+  // half the bound. Method: append many events under a small bound.
   constexpr std::uint64_t k_bytes_max = 10'000;
   EventLog log(folder(), k_bytes_max);
   for (std::uint64_t number = 1; number <= 2000; ++number) {

@@ -66,8 +66,8 @@ TEST(RunEnd, FitsAPipe) {
 }
 
 TEST(RunEnd, NothingElseIsOne) {
-  // Goal: a damaged line never reads as the original record. Method: replace or remove each byte of
-  // a line, or cut the line there; drop keys, contradict the kind, or change types.
+  // Goal: a damaged line never reads as the original record. Method: replace each byte of a line,
+  // and cut the line at each byte. Drop keys, contradict the kind, or change types.
   const std::string line = to_line(example());
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     std::string other = line;

@@ -91,7 +91,7 @@ std::vector<Range> all_reals() {
 }
 
 // Returns doubles near multiples of pi/2, where sine, cosine or tangent nearly vanish, including
-// the double closest to such a multiple (J.-M. Muller, "Elementary functions", 2006, chapter 11).
+// the double closest to such a multiple (Muller, "Elementary functions", 2006, chapter 11).
 std::vector<double> near_quarter_turns() {
   std::vector<double> result = {std::ldexp(6381956970095103, 797),
                                 std::ldexp(-6381956970095103, 797)};

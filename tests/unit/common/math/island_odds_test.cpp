@@ -79,8 +79,8 @@ TEST(IslandOdds, EqualIslandsHaveNoError) {
 }
 
 TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
-  // Goal: known() applies each limit exactly. Method: test both sides of each limit, with one
-  // estimate of `largest` among estimates of 1.
+  // Goal: known() applies each limit exactly. Method: test both sides of each limit with estimates
+  // of 1 and a single estimate `largest`.
   const auto odds = [](std::size_t count, double largest) {
     std::vector<double> estimates(count, 1);
     estimates[count / 2] = largest;

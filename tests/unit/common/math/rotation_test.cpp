@@ -113,7 +113,7 @@ TEST(Normalized, restores_a_long_chain_of_compositions) {
   EXPECT_NEAR(quaternion_norm(q), 1, 1e5 * 0x1p-52);
   EXPECT_NEAR(quaternion_norm(normalized(q)), 1, 0x1p-51);
   const Quat whole = quaternion_of_rotation_vector(Vec3(1000, -2000, 500));
-  // The rounding of one step's angle (2^-53 of it) adds up over 100,000 steps.
+  // Each step's angle is rounded by 2^-53 of its size, which adds up over 100,000 steps.
   EXPECT_LT(distance(normalized(q), whole), 1e-11);
   EXPECT_DEATH(normalized(Quat(0, 0, 0, 0)), "check failed");
 }

@@ -247,9 +247,9 @@ TEST(ReadRequest, FindsAskedForStayFinds) {
 }
 
 TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
-  // Goal: without a stop rule, a request gets five takes, or as many as the command line asks for.
-  // [stop] or the command line can request finds or draws instead; the normalised text states the
-  // rule. Method: try each case.
+  // Goal: without a stop rule, a request gets five takes, or the command line's number of takes.
+  // The section [stop] or the command line can request finds or draws instead. The normalised text
+  // states the rule. Method: try each case.
   const std::array worlds{toy::relaxing_binding()};
   const auto read_with = [&](const std::string& text, std::optional<Asked> asked) {
     auto request = read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, asked);
@@ -274,8 +274,8 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
             in_proportion);
   EXPECT_EQ(read_with("[stop]\nscans = 9\n", {}).stop.takes, std::nullopt);
 
-  // The request of a cut run states the takes. Before the first take, it states the finds of the
-  // search.
+  // The normalised request of a run that was cut states its number of takes. If the run has no take
+  // yet, the request states its number of finds.
   EXPECT_THAT(normalised_text_of(open, {.found = 7, .relaxed = 2, .prior_draws = 40}),
               HasSubstr("relax_scans = 3\nstep = 0.5\n\n[stop]\ntakes = 2\n\n[output]\n"
                         "keep_max = 5000\nprior_draws = 40\n"));
@@ -295,8 +295,9 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
 }
 
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
-  // Goal: a cut request for islands keeps its odds rules and its scans. A cut request for other
-  // methods keeps only its scans. Method: set all rules at once, for both.
+  // Goal: the request of a cut run with islands keeps the odds rules and the scans. The request of
+  // a cut run with another method keeps only the scans. Method: set all rules at once, for both
+  // methods.
   const std::array worlds{toy::staged_binding()};
   const auto cut_of = [&](const std::string& method, const std::string& rules) {
     const auto request = read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +

@@ -103,8 +103,9 @@ TEST(Document, RefusesDeepKeysInEveryDisguise) {
 }
 
 TEST(Document, TakesBitmapsOnOneLine) {
-  // Goal: the largest bitmap's normalised text, on one line, can be read; dotted keys can't hide
-  // among its dots. Method: read 12 rows of 40 with escaped line ends, then long dotted keys.
+  // Goal: the largest bitmap's normalised text, on one line, can be read. Long dotted keys are
+  // refused even beside a text with many dots. Method: read 12 rows of 40 characters with escaped
+  // line ends, then long dotted keys.
   const std::string bitmap = "a = \"" + repeated(repeated(".", 39) + "#\\U0000000A", 6) +
                              repeated(repeated(".", 40) + "\\U0000000A", 6) + "\"";
   EXPECT_EQ(error_of(bitmap), "");

@@ -191,7 +191,7 @@ TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
 
 TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
   // Goal: while a handler delays a reply, other clients are answered, and a client that left blocks
-  // nobody. Method: answer four clients in reverse; one of them leaves early.
+  // nobody. Method: answer four clients in reverse order; one client leaves early.
   service.keeps_status = true;
   ServerThread server(socket(), service);
   std::thread gives_up(
@@ -334,8 +334,8 @@ TEST_F(CallsTest, AClientOutlivesItsServers) {
 }
 
 TEST_F(CallsTest, AClientMayPauseForLongerThanACallMayTake) {
-  // Goal: a call's time limit starts with the call. Method: make calls with a limit of 2 s, 2.5 s
-  // apart.
+  // Goal: a call's time limit starts with the call. Method: make two calls 2.5 s apart, with a
+  // limit of 2 s.
   ServerThread server(socket(), service);
   Client client(socket(), {.call_s_max = 2});
   EXPECT_EQ(client.info().version, "1.2");

@@ -374,7 +374,7 @@ pid_t start(const Ask& ask, Shared& shared) {
   ::_exit(0);
 }
 
-/// REQUIRES: no other thread calls this meanwhile.
+/// REQUIRES: no other thread calls this function at the same time.
 pid_t asked(const Shared& shared, const Ask& ask) {
   pid_t answer = -1;
   CHECK(::send(shared.nursery, &ask, sizeof ask, MSG_NOSIGNAL) == sizeof ask);

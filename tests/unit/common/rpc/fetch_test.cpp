@@ -47,8 +47,8 @@ class FetchTest : public testing::SocketFolder {
 };
 
 TEST_F(FetchTest, BringsAFileOfAnySize) {
-  // Goal: files arrive bit for bit, replace an older file and add no other. Method: use sizes
-  // around that of a piece.
+  // Goal: files arrive bit for bit, replace an older file and add no other. Method: use file sizes
+  // around the size of a piece.
   ServerThread server(socket(), service);
   Client client(socket());
   const std::string to = path("out/ball.h5");
@@ -190,7 +190,8 @@ TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
 
 TEST_F(FetchTest, BringsManyFilesByPages) {
   // Goal: one call fetches several files into a folder, across pages and killed connections; names
-  // that leave the folder are refused. Method: fetch 20 files, 7 in a page, and a hostile name.
+  // that leave the folder are refused. Method: fetch 20 files, 7 per page, and a file with a
+  // hostile name.
   for (int i = 10; i < 30; ++i)
     service.add_file(fmt::format("failure-{}.bin", i), content_of(1000, static_cast<unsigned>(i)));
   service.files_in_page = 7;
@@ -236,7 +237,7 @@ TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
 
 TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
   // Goal: a file that is replaced during a fetch arrives in its old version. Method: call
-  // open_source, then rename another file over it.
+  // open_source(), then rename another file over it.
   std::ofstream(path("a"), std::ios::binary) << "old content";
   const auto source = open_source(path("a"), "a.h5", "digest");
   std::ofstream(path("b"), std::ios::binary) << "new";
@@ -258,7 +259,7 @@ TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
   EXPECT_TRUE(is_refused);
 }
 
-/// A link that breaks in the first call, finds nobody in the second, and works again in the third.
+/// A link that breaks in the first call, finds no server in the second, and works in the third.
 class CutLink final : public Link {
  public:
   std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>&) override { return {}; }
@@ -284,8 +285,8 @@ class CutLink final : public Link {
 
 TEST_F(FetchTest, AFirstCallThatIsCutIsRepeated) {
   // Goal: a client waits for a daemon that is killed during a fetch's first call, but not for a
-  // daemon that never ran. Method: use a link that loses the first call and then finds nobody, and
-  // a link that finds nobody at once.
+  // daemon that never ran. Method: use a link that loses the first call and then finds no server,
+  // and a link that finds no server at once.
   CutLink cut;
   EXPECT_EQ(fetch_file_over(cut, {}, archive, path("out/a.h5"), {}, {}, AtItsPlace::replaced).how,
             Waited::settled);

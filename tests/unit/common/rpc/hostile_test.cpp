@@ -111,7 +111,7 @@ void ask_for_bootstrap(capnp::MessageBuilder& message, std::uint32_t question) {
   message.initRoot<capnp::rpc::Message>().initBootstrap().setQuestionId(question);
 }
 
-/// Starts a call of the service that open() requests as question 1 of a connection.
+/// Starts a call to the service, which open() requests as a connection's question 1.
 capnp::rpc::Call::Builder call_of_service(capnp::MessageBuilder& message, std::uint32_t question,
                                           std::uint16_t method) {
   auto call = message.initRoot<capnp::rpc::Message>().initCall();
@@ -262,7 +262,7 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
     raws.push_back(std::make_unique<Raw>(socket()));
     open(*raws.back());
   }
-  // Waits until every connection has more than `before` unread bytes, and all have the same number.
+  // Waits until all connections have the same number of unread bytes, more than `before`.
   const auto wait_for_more_than = [&](int before) {
     EXPECT_TRUE(testing::comes_true([&] {
       const int first = raws.front()->unread();
@@ -335,7 +335,8 @@ TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
 
 TEST_F(HostileTest, APeerBringsNoCapabilities) {
   // Goal: a peer can't make the server hold descriptions of the peer's capabilities, which Cap'n
-  // Proto would hold forever. Method: send each kind of such a message; it must end the connection.
+  // Proto would hold forever. Method: send one such message of each kind; each must end its
+  // connection.
   using Make = std::function<void(capnp::rpc::Message::Builder)>;
   const std::vector<Make> messages = {
       [](auto message) { message.initResolve().initCap().setSenderPromise(0); },

@@ -44,7 +44,7 @@ TEST(LoopTest, CallsInTimeAndInOrder) {
 
 TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
   // Goal: a delay starts when it is requested, not when the loop last woke. Method: run a callback
-  // that takes 50 ms and then requests 20 ms.
+  // that takes 50 ms and then requests a delay of 20 ms.
   Loop loop;
   double asked_s = 0.0;
   double called_s = 0.0;
@@ -62,8 +62,8 @@ TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
 }
 
 TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
-  // Goal: an interval repeats, and its own callback may destroy its handle. Method: count to five,
-  // destroy the handle there, and wait for a sixth call, which must not come.
+  // Goal: an interval repeats, and its own callback may destroy its handle. Method: destroy the
+  // handle in the fifth call, and wait for a sixth call, which must not come.
   Loop loop;
   int count = 0;
   std::optional<Loop::Handle> every;

@@ -186,7 +186,7 @@ TEST_F(WatchTest, NoneIsLostOrDoubledOverKilledServers) {
 
 TEST_F(WatchTest, GivesUpAServiceThatStaysAway) {
   // Goal: a watch ends if the service does not come back, and ends at once if no service ever ran.
-  // Method: kill the service, with a short patience.
+  // Method: kill the service of a client that waits only a short time.
   const auto shared = testing::make_shared_memory();
   Listener listener;
   Client client(socket(), {.first_wait_s = 0.01, .wait_s_max = 0.05, .away_s_max = 0.3});
@@ -235,7 +235,8 @@ TEST_F(WatchTest, WatchesManyJobsAtOnce) {
 
 TEST_F(WatchTest, ASilentServerIsHeardOfAndAGapIsSaid) {
   // Goal: a watch without news gets empty answers now and then, which the sink doesn't see; a
-  // missing event causes a refusal. Method: use a short limit, and a handler with a gap.
+  // missing event causes a refusal. Method: use a short time limit, and a handler that skips an
+  // event.
   service.jobs[1] = {.view = {.id = {1}}, .events = 3, .is_over = false};
   service.jobs[2] = {.view = {.id = {2}}, .events = 5, .is_over = true};
   service.gap_at = 4;

@@ -1,4 +1,5 @@
-// Goal: a sound scene description passes, and each fault is named. Method: use one of each fault.
+// Goal: a sound scene description passes, and each fault is named. Method: use one description with
+// each fault.
 #include "common/scene/scene.h"
 
 #include <gmock/gmock.h>

@@ -32,8 +32,8 @@ RunIdentity example_identity(std::uint32_t chains);
 std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t chain,
                                      std::uint64_t scans);
 
-/// Checks that a chain's stored scans are 0 .. scans-1 of record_of(), and that its progress
-/// matches.
+/// Checks that a chain's stored records equal record_of() for scans 0 .. scans-1, and that the
+/// chain's progress matches.
 void expect_stored(const std::string& folder, RunStore& store, std::uint32_t chain,
                    std::uint64_t scans);
 

@@ -37,7 +37,8 @@ std::uint64_t stored_scans(const std::string& folder) {
 TEST_F(FullDisk, AnyCallMayFail) {
   // Goal: whichever write or sync fails, the error is clear, committed scans stay whole, and the
   // run can be resumed. Method: for each k until a session succeeds, fail the k-th and all later
-  // calls, then reopen. A broken disk is tried for every third k; the fast tier tries fewer.
+  // calls, then reopen. A full disk is tested for every k, a write error for every third k; the
+  // fast tier tests fewer.
   testing::FaultyDisk disk;
   struct Fault {
     int code;

@@ -107,8 +107,8 @@ TEST(GroupCommit, CountsOnlyWhatIsCommitted) {
 }
 
 TEST(GroupCommit, CommitsWithoutBeingAsked) {
-  // Goal: a lone small result is committed soon without a flush, a large one at once. Method: put
-  // one of each; a missing commit would exceed the test's time limit.
+  // Goal: a lone small result is committed soon without a flush, a large one at once. Method: put a
+  // small and a large result; a missing commit would exceed the test's time limit.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   group_commit.put(small(0));
@@ -118,7 +118,8 @@ TEST(GroupCommit, CommitsWithoutBeingAsked) {
 }
 
 TEST(GroupCommit, FlushOfNothingReturns) {
-  // Goal: flush() returns at once if no result waits. Method: flush before and after a put, twice.
+  // Goal: flush() returns at once if no result waits. Method: flush once before a put and twice
+  // after the put.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   group_commit.flush();

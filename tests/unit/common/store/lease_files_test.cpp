@@ -72,7 +72,7 @@ TEST_F(LeaseFilesOf, WritesItsOwnFileAlone) {
 }
 
 TEST_F(LeaseFilesOf, ListsNumbersAlone) {
-  // Goal: other files in the folder are not taken for leases. Method: use similar names.
+  // Goal: list() omits files that are not leases. Method: use similar names.
   for (const char* name : {"lease.12", "lease.3", "lease.new.12", "lease.", "lease.0", "lease.-1",
                            "lease.4x", "lease", "lock", "lease.99999999999999999999"})
     put_bytes(path(name), "");
@@ -81,8 +81,8 @@ TEST_F(LeaseFilesOf, ListsNumbersAlone) {
 
 TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
   // Goal: a process is reported as running until it is killed, whether its parent or another
-  // process checks. A process number alone is not enough, and processes of other machines are
-  // unknown. Method: kill a child.
+  // process checks. A process number alone doesn't identify a process, and the state of other
+  // machines' processes is unknown. Method: kill a child.
   PosixLeaseFiles files(folder(), this_process());
   EXPECT_TRUE(files.is_here(this_process()));
   EXPECT_FALSE(files.is_gone(this_process()));

@@ -12,8 +12,8 @@ using testing::Mistake;
 using testing::simulate_leases;
 
 TEST(LeaseProperty, NeverTwoThatMayAct) {
-  // Goal: although processes pause or die and disk calls fail or take effect late, at most one
-  // holder believes that it may act, and the lock passes from holder to holder. Method: simulate 4
+  // Goal: at most one holder believes that it may act, even if processes pause or die and disk
+  // calls fail or take effect late. The lock passes from holder to holder. Method: simulate 4
   // processes on 3 machines for a quarter of an hour, with many seeds; check before and after every
   // step.
   const std::uint64_t stories = property::long_run() ? 20'000 : property::of_tier(20, 100);

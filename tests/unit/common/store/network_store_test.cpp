@@ -175,7 +175,8 @@ TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
 
 TEST_F(NetworkStore, NeedsItsOwnMode) {
   // Goal: SQLite's usual write-ahead log fails on the tests' disk, and the network-disk mode works.
-  // Method: open the same database with the variable off and on.
+  // Method: open a database with the variable SLEIGHT_NETWORK_DISK off, and another with the
+  // variable on.
   const auto mode = [&](const char* said, const std::string& name) {
     ::setenv(base::k_network_disk_variable, said, 1);
     Database database(path(name), Access::read_write);
@@ -235,7 +236,7 @@ TEST_F(NetworkStore, OfTwoNodesOneWrites) {
 
 TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
   // Goal: a run can be resumed right after kill -9 on the same machine. Method: check that the
-  // successor owes no copies. The successor would owe copies if it had waited for the lease.
+  // successor's owes_copies() is false. After waiting for the lease, owes_copies() would be true.
   const Moment taken;
   Child holder([&] {
     RunLock lock(folder());
@@ -252,9 +253,9 @@ TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
 
 TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
   // Goal: a successor has the committed results in its own files, but only after the dead holder's
-  // lease ends. If it is killed before it has copied the files, the next process copies them.
-  // Method: kill a child on another "node" with kill -9; a second child takes over and dies at
-  // once.
+  // lease ends. If the successor is killed before it has copied the files, the next process copies
+  // them. Method: kill a child on another "node" with kill -9; a second child takes over and dies
+  // at once.
   const Moment committed;
   Child holder([&] {
     RunLock lock(folder(), {.lease_s = 2, .self = on_node("first")});
@@ -304,8 +305,9 @@ void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& dis
 TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
   // Goal: a writer that pauses longer than its lease, even within a commit, and wakes while its
   // successor writes, changes none of the successor's data. The writer ends with a conflict, and
-  // the successor has everything that the writer reported. Method: children stop at 12 different
-  // writes. A successor takes over from each child, which is woken while the successor commits.
+  // the successor has everything that the writer reported. Method: child processes stop at 12
+  // different writes. A successor takes over from each child, which is woken while the successor
+  // commits.
   constexpr std::uint64_t k_sleepers = 12;
   struct Sleeper {
     std::string folder{};
@@ -359,8 +361,8 @@ TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
 
 TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
   // Goal: processes that disagree whether a disk is local use the same kind of lock. Method: a
-  // process that takes the disk for a local one finds a held lease; when the lease is free, flock
-  // works again.
+  // process that treats the disk as local finds a held lease; when the lease is free, flock works
+  // again.
   {
     const RunLock lock(folder());
     ::setenv(base::k_network_disk_variable, "0", 1);
@@ -373,8 +375,8 @@ TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
 
 TEST_F(NetworkStore, TurnsComeInOrder) {
   // Goal: a commit waits for at most one turn of each other thread, even if a reader takes turn
-  // after turn. Method: a greedy thread counts its turns; while another thread waits, it gets at
-  // most two turns, one of which may have begun before.
+  // after turn. Method: count a greedy thread's turns while another thread waits. The greedy thread
+  // gets at most two turns, the first of which may have begun before.
   SharedDatabase shared(path("a.sqlite"), Access::read_write);
   std::atomic<bool> stop = false;
   std::atomic<std::uint64_t> turns = 0;

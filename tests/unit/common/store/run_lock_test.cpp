@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Returns the message of the conflict when taking the lock; none if the lock is free.
+/// Tries to take the lock, and returns the conflict's message, or nothing if the lock is free.
 std::optional<std::string> conflict_of(const std::string& folder) {
   try {
     const RunLock lock(folder);

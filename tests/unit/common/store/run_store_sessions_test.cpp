@@ -1,5 +1,5 @@
 // Goal: a store accepts only its own run and only the newest session. Method: open stores with
-// other identities, and two at once.
+// other identities, and open two stores at once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,7 +40,8 @@ class RunStoreSessions : public testing::RunFolder {
 
 TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
   // Goal: no store mixes two requests, versions or formats (invariant 3), and the refusal names a
-  // remedy. Method: open with each of the three changed; the owner finds no change.
+  // remedy. Method: open the store with each of the three changed. Afterwards the run itself finds
+  // its store unchanged.
   {
     RunStore store(folder(), example_identity(1));
     store.put(result_of(0, 0, 4));
@@ -105,8 +106,8 @@ TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
 }
 
 TEST_F(RunStoreSessions, RefusedOneFencesNobody) {
-  // Goal: an attempt with another request doesn't stop a running session. Method: try while a
-  // session runs, then let the session commit.
+  // Goal: an attempt with another request doesn't stop a running session. Method: open the store
+  // with another request while a session runs, then let the session commit.
   RunStore running(folder(), example_identity(1));
   RunIdentity other = example_identity(1);
   other.identity_text = "another";

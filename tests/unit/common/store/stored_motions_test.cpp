@@ -1,5 +1,5 @@
-// Goal: motions stored beside a run's store return bit for bit, or not at all. Method: damage the
-// stored motions.
+// Goal: a motion stored beside a run's store is read back bit for bit, or not at all. Method:
+// damage the stored motions.
 #include "common/store/stored_motions.h"
 
 #include <gtest/gtest.h>
@@ -114,8 +114,8 @@ TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
   // change each column in one row; replace the file by garbage; remove it.
   keep_fifty("a");
   int left = 50;
-  // Each change affects the motion of a state, given by the first of the state's four bytes. These
-  // motions have segments.
+  // Each change affects the motion of one state, whose first byte (of four) is given. The motions
+  // of these states have segments.
   const std::vector<std::pair<std::string, std::string>> changes{{"ends=2", "01"},
                                                                  {"columns=4", "02"},
                                                                  {"numbers=zeroblob(24)", "05"},

@@ -47,7 +47,7 @@ TEST_F(StoredRunOf, KeepsEveryBit) {
 
 TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
   // Goal: the two densities keep their bits in their own columns. Method: store doubles that a
-  // database might convert: whole numbers, signed zeros, the largest.
+  // database might convert: whole numbers, signed zeros, the largest double.
   const std::vector<double> values{-0.0,
                                    0.0,
                                    1.0,
@@ -235,8 +235,8 @@ TEST_F(StoredRunOf, ChangedRowsAreDamage) {
 }
 
 TEST_F(StoredRunOf, ChangedProgressIsDamage) {
-  // Goal: a chain never resumes from a wrong state. Method: change bytes, scan and epoch; remove
-  // scans.
+  // Goal: a chain never resumes from a wrong state. Method: change the state, next scan, chain and
+  // epoch, and remove a scan.
   for (const char* change :
        {"UPDATE replica SET state=zeroblob(8)", "UPDATE replica SET next_scan=2",
         "UPDATE replica SET chain=7", "DELETE FROM scan WHERE scan=1",

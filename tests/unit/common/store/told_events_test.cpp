@@ -159,8 +159,8 @@ TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
 
 TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
   // Goal: a reader gets each number once and in order, whatever part of the events the log holds.
-  // Method: store twenty events, with logs that hold all, the end, the beginning, the middle, none,
-  // or a damaged line; read in large and small answers, from several numbers.
+  // Method: store twenty events. Use logs with all, the last, the first, the middle or no events,
+  // and logs with a damaged line. Read in large and small answers, from several numbers.
   store_rounds(20);
   const auto read_all = [&](std::uint64_t first, std::size_t at_once) {
     ToldEvents told(folder(), first);

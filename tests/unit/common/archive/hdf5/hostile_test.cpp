@@ -91,7 +91,7 @@ TEST_F(Hostile, OtherFiles) {
 
 TEST_F(Hostile, OtherFormats) {
   // Goal: an archive of another format version is refused, naming its format, its writer's version
-  // and the supported format. Method: set an older and a newer version, or none.
+  // and the supported format. Method: set an older version, a newer version, or no version.
   const auto of_format = [&](std::int64_t version) {
     return changed([version](hid_t id) {
       const hid_t attribute = H5Aopen(id, "format_version", H5P_DEFAULT);

@@ -1,5 +1,5 @@
 // Goal: a reader's description of an archive arrives unchanged, and an invalid one is refused with
-// a reason. Method: encode and decode contents; break each invariant of contents_check.h alone;
+// a reason. Method: encode and decode contents; break one invariant of contents_check.h at a time;
 // remove bytes at the end or change bytes anywhere.
 #include "common/archive/remote/messages.h"
 

@@ -1,4 +1,4 @@
-// Goal: no bytes crash decode; each input is refused with a reason or gives a valid message.
+// Goal: no bytes crash decode(); each input is refused with a reason or gives a valid message.
 // Method: cut messages, change bits or words, splice two, and use noise, from a printed seed; an
 // accepted message is encoded and decoded again to the same bits.
 #include <fmt/format.h>
@@ -108,7 +108,6 @@ void expect_well_formed(const Message& message) {
 }
 
 TEST(HostileMessages, AreRefusedOrWellFormed) {
-  // Goal and method are stated at the top of this file.
   const std::vector<base::Bytes> good = short_messages();
   std::uint64_t accepted = 0;
   for (const std::uint64_t input : property::cases(inputs())) {
@@ -128,7 +127,7 @@ TEST(HostileMessages, AreRefusedOrWellFormed) {
 }
 
 TEST(HostileMessages, EveryCutIsRefused) {
-  // Goal: no part of a message passes for a whole one. Method: decode every prefix of each.
+  // Goal: an incomplete message is refused. Method: decode every prefix of each message.
   for (const base::Bytes& whole : short_messages()) {
     for (std::size_t size = 0; size < whole.size(); ++size) {
       EXPECT_FALSE(decode(base::BytesView(whole).first(size)).ok()) << size;
@@ -161,7 +160,7 @@ TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
 
 TEST(HostileMessages, ListsOfNothingCostLittle) {
   // Goal: a few bytes can't claim a list of hundreds of millions of empty scans, results or
-  // members. Method: replace each list pointer of messages by such a claim.
+  // members. Method: replace each list pointer of messages by a claim of such a list.
   const Message claimants[] = {testing::example_delivery({1}), testing::example_delivery({1, 2}),
                                testing::example_assignment(3),
                                Pong{.epoch = 1, .assignments = {1, 2, 3}}};

@@ -11,7 +11,8 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(Messages, ComeBackBitForBit) {
-  // Goal: a message arrives with every bit. Method: encode and decode one of every kind and shape.
+  // Goal: a message arrives with every bit. Method: encode and decode one message of every kind and
+  // shape.
   const std::vector<Message> all = testing::examples();
   for (std::size_t i = 0; i < all.size(); ++i) {
     const base::Result<Message, std::string> back = decode(encode(all[i]));
@@ -102,9 +103,9 @@ std::string refusal(const Message& message) {
 }
 
 TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
-  // Goal: only the replica, first scan and number of records of a result's unit are sent, whatever
-  // number of scans the unit claims. The coordinator has the other fields. Method: fill every field
-  // of a unit, and claim other lengths.
+  // Goal: a result is sent with its unit's replica, first scan and number of records, whatever
+  // number of scans the unit claims. The coordinator has the unit's other fields. Method: fill
+  // every field of a unit, and claim other lengths.
   for (const std::uint32_t claimed : {3U, 0U, 2U, 4U, 0xffffffffU}) {
     Delivery delivery = testing::example_delivery({3});
     plan::Unit& unit = delivery.results[0].unit;
