@@ -78,7 +78,8 @@ class SlurmBackendTest : public ::testing::Test {
 };
 
 TEST_F(SlurmBackendTest, SubmitsAnAttemptOnce) {
-  // Method: compare the whole command. Submit again with the same backend and with another.
+  // Method: compare the whole command. Launch the same attempt again, with this backend and with
+  // another one.
   auto slurm = backend({{"partition", "long"}});
   Order wanted = order();
   wanted.memory_bytes = 3'000'000'001;

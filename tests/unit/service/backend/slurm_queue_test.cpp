@@ -27,7 +27,8 @@ TEST(SlurmQueue, HasTheAttemptsOfComments) {
 }
 
 TEST(SlurmQueue, PassesOddRowsOver) {
-  // Method: read foreign comments, cut rows, job arrays, bars in a comment, and no last newline.
+  // Method: read rows with foreign comments, incomplete rows, job arrays, a comment with a bar, and
+  // a last row without a newline.
   const SlurmQueue queue = slurm_queue_of(
       "\n|||\nslurm_load_jobs error\n"
       "1|RUNNING|None|my own|words\n"

@@ -114,8 +114,8 @@ TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
 }
 
 TEST_F(Drive, AFinishedRunIsFinishedWhateverIsAsked) {
-  // Goal: a stop request after the last unit has no effect. Method: request a stop at each call,
-  // but the run is complete.
+  // Goal: a stop request after the last unit has no effect. Method: request a stop at each call of
+  // a session whose run is complete.
   (void)session(scans(5), {});
   EXPECT_EQ(session(scans(5), {}, {.stop_requested = [] { return true; }}).end, DriveEnd::finished);
 }
@@ -281,7 +281,7 @@ TEST_F(Drive, SaysWhatHandlingTook) {
 
 TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
   // Goal: if the clock starts at a large time, no worker counts as silent and no lease ends.
-  // Method: start at a million seconds.
+  // Method: start the clock at a million seconds.
   clock_.advance(1e6);
   const DriveOutcome outcome =
       session(scans(1000), {.workers = 2, .threads = 2, .seconds_per_scan = 1}, {});

@@ -1,4 +1,5 @@
-// A crew that computes nothing. Its results are the store's examples, and its clock is manual.
+// A crew that computes nothing. The crew's results are the store's examples, and its clock is
+// manual.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +34,7 @@ struct FakeCrewOptions {
   double hangs_from_s = std::numeric_limits<double>::infinity();
 };
 
-/// Completes one assignment per receive. Checks that each unit comes with the state before it as
+/// Completes one assignment per receive. Checks that each unit comes with the preceding state as
 /// bytes, unless the worker made this state last and hasn't reported its loss. Checks that no
 /// worker has more assignments than the scheduler may give.
 class FakeCrew final : public Crew {
@@ -145,8 +146,8 @@ class FakeCrew final : public Crew {
     return delivery;
   }
 
-  /// Returns cache numbers that are proportional to worker + 1 and, except bytes_max, to the
-  /// worker's number of deliveries.
+  /// Returns cache numbers that are proportional to worker + 1. All except `bytes_max` are also
+  /// proportional to the worker's number of deliveries.
   plan::CacheUse cache_after(core::WorkerId worker) {
     const std::uint64_t n = ++deliveries_[worker];
     const std::uint64_t factor = worker.value + 1;

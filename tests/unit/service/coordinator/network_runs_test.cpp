@@ -39,8 +39,8 @@ class NetworkRuns : public testing::BallRuns {
 
 TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
   // Goal: a run on a network disk, stopped anywhere and resumed, has the same archive as a run on a
-  // local disk. Its checkpoints read over the writer's connection. Method: compare plain chains and
-  // ladders in sessions of two threads with the same runs on a local disk.
+  // local disk. The run's checkpoints read over the writer's connection. Method: compare plain
+  // chains and ladders in sessions of two threads with the same runs on a local disk.
   const std::vector<std::string> texts{
       request_text("scans = 300", k_slow),
       request_text("rounds = 3", std::string(k_slow) + "replicas = 4\n", "parallel_tempering")};
@@ -90,7 +90,7 @@ TEST_F(NetworkRuns, MakeCheckpointsOverTheWritersConnection) {
 TEST_F(NetworkRuns, ARunIsTakenOverFromADeadNode) {
   // Goal: after a run's node dies, another node can resume the run and gets the digest of an
   // undisturbed run. Method: kill a child process after its first commit, and rewrite its lease as
-  // another node's with a length of one second.
+  // another node's lease of one second.
   const std::string text = request_text("scans = 200", k_slow);
   const std::string expected = session(text, {.output = path("quiet.h5")}).digest;
   const store::testing::UnsharedDisk disk;

@@ -49,8 +49,8 @@ class RunRequestFaults : public testing::BallRuns {
 
 TEST_F(RunRequestFaults, AnyCallMayFail) {
   // The disk becomes full and stays full at each call in turn, and fails once at every third call.
-  // deploy/test tries only every 25th and every 40th call. With sanitizers, where a session takes
-  // ten times as long, these are every 15th and every 22nd call.
+  // The fast tier tries only every 25th and every 40th call. With sanitizers, where a session takes
+  // ten times as long, the test tries every 15th and every 22nd call.
 #ifdef SLEIGHT_SANITIZED
   const std::uint64_t for_good_every = 15, once_every = 22;
 #else
@@ -127,8 +127,8 @@ TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
 }
 
 TEST_F(RunRequestFaults, LeftoversThatStayStopNobody) {
-  // Goal: a run deletes a killed process's unfinished archives, and continues if it can't. Method:
-  // leave two such files; fail a removal, then the listing of the folder.
+  // Goal: a run deletes a killed process's unfinished archives, and continues if the deletion
+  // fails. Method: leave two such files; fail a removal, then the listing of the folder.
   const std::string request = request_text("scans = 30");
   const auto put_leftovers = [&] {
     put_bytes(path("ball.h5.tmp.11"), "half");

@@ -40,7 +40,7 @@ class RunRequest : public testing::BallRuns {
 
 TEST_F(RunRequest, FromRequestToArchive) {
   // Goal: one session makes a correct and complete archive. Method: run, verify, and compare the
-  // digest with the file's. Only the archive and the run's folder remain.
+  // digest with the file's digest. Only the archive and the run's folder remain.
   const RunSummary summary = session(request_text("scans = 200"), {.output = output()}, 2);
   EXPECT_EQ(summary.end, DriveEnd::finished);
   EXPECT_EQ(summary.scans, 200U);
@@ -85,8 +85,8 @@ TEST_F(RunRequest, GoesOnWhereItStopped) {
 
 TEST_F(RunRequest, LeavesHowEachSessionEnded) {
   // Goal: each session's end is stored and reported once, with the archive's digest, even if the
-  // session is refused after it opened the store. Method: stop a session, let one reach its time
-  // limit, put a foreign file in the place of one's archive, and finish one.
+  // session is refused after it opened the store. Method: stop one session, let another reach its
+  // time limit, put a foreign file in the place of a third session's archive, and finish a fourth.
   const std::string request = request_text("scans = 300", k_slow);
   std::vector<events::RunEnd> heard;
   RunOptions options{.output = output(),
@@ -130,7 +130,8 @@ TEST_F(RunRequest, LeavesHowEachSessionEnded) {
 
 TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {
   // Goal: a run stopped after n scans equals a run that requests n scans (C1), even if the store
-  // has more. Method: request a stopped run's scans elsewhere, and fewer scans of a finished run.
+  // has more. Method: start a new run with a stopped run's number of scans, and request fewer scans
+  // of a finished run.
   const RunSummary stopped = session(request_text("independent_solutions = 3\nscans = 100000"),
                                      {.output = output(), .stop_requested = stop_at(3)}, 2);
   ASSERT_GT(stopped.scans, 0U);
@@ -173,7 +174,7 @@ TEST_F(RunRequest, AnotherRequestIsRefused) {
 
 TEST_F(RunRequest, FreshStartsOver) {
   // Goal: --fresh deletes an earlier run of any request, and is harmless for a new output. Method:
-  // use it with no run, with another request's run, and with the same request's run.
+  // use --fresh with no run, with another request's run, and with the same request's run.
   const std::string other = request_text("scans = 40", "change_probability = 0.25\n");
   EXPECT_EQ(session(other, {.output = output(), .fresh = true}).epoch, 1U);
   const RunSummary fresh = session(request_text("scans = 60"), {.output = output(), .fresh = true});
@@ -236,8 +237,8 @@ TEST_F(RunRequest, RunningRunIsNotDisturbed) {
 
 TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
   // Goal: each archive of an unfinished run is complete and equals the archive of a run with its
-  // number of scans. Method: make checkpoints as often as possible, and compare copies of two of
-  // them (one with sanitizers, where checkpoints are rare) with such runs.
+  // number of scans. Method: make checkpoints as often as possible, and compare copies of two
+  // checkpoints with such runs. With sanitizers, where checkpoints are rare, compare one copy.
 #ifdef SLEIGHT_SANITIZED
   constexpr std::size_t k_copies = 1;
 #else

@@ -72,7 +72,7 @@ TEST_F(SearchRuns, FindTheSameWithAnyNumberOfThreads) {
 
 TEST_F(SearchRuns, GoOnAndAreCutShort) {
   // Requesting more finds extends a run, requesting fewer cuts its archive, and a stop keeps the
-  // finds. Each archive equals that of an uninterrupted run with the same number of finds.
+  // finds. Each archive equals the archive of an uninterrupted run with the same number of finds.
   const std::string straight = session(search(12), {.output = path("s.h5")}).digest;
   const std::string shorter = session(search(3), {.output = path("t.h5")}).digest;
   EXPECT_EQ(session(search(3), {.output = path("a.h5")}).digest, shorter);
@@ -215,9 +215,9 @@ TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
 }
 
 TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
-  // Goal: chains that start from a search also give the same bits for any threads and stops. Their
-  // draws are the rounds that passed, and each counted scan is a kept animation. Method: compare a
-  // run with threads, a run in sessions, and a run of the request stored in the archive.
+  // Goal: chains that start from a search also give the same bits for any threads and stops. The
+  // chains' draws are the rounds that passed, and each counted scan is a kept animation. Method:
+  // compare a run with threads, a run in sessions, and a run of the request stored in the archive.
   const auto judged = [](const std::string& stop) {
     return words(
         "method = \"metropolis_hastings\"\nstart = \"search\"\nchains = 4\nround_scans = 8\n"

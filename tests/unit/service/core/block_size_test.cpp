@@ -15,7 +15,8 @@ namespace sleight::core::block_size_test {
 constexpr std::uint64_t k_seed = 662607;
 constexpr std::uint64_t k_any = 1'000'000;  ///< larger than any block
 
-/// Round numbers: blocks take 20 ms, and handling 1 ms per thread may take half of the time.
+/// Options with round numbers. Blocks take 20 ms, and handling (1 ms per thread) may take half of
+/// the time.
 constexpr BlockSizeOptions k_round{.target_s = 0.020,
                                    .handling_s = 0.001,
                                    .handling_share = 0.5,

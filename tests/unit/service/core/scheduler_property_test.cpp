@@ -1,4 +1,4 @@
-// The scheduler with randomly failing workers and messages.
+// Tests of the scheduler with randomly failing workers and messages.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 namespace sleight::core {
 namespace {
 
-/// Leases of 30 s; silent workers are asked every 5 s.
+/// Returns options with leases of 30 s and with a question to silent workers every 5 s.
 SchedulerOptions blocks_ahead(std::uint32_t count) {
   SchedulerOptions options;
   options.blocks_ahead = count;
@@ -81,8 +81,9 @@ done 1 #7 cost=0
 }
 
 TEST(Scheduler, SendsAStateOnceToWhoMadeIt) {
-  // Goal: a state is sent as a version to the worker that made it, and as bytes to another worker
-  // or to one that reports its loss. Method: move one replica between two workers.
+  // Goal: the worker that made a state gets only the state's version. Another worker, or a worker
+  // that reports the state's loss, gets the state as bytes. Method: move one replica between two
+  // workers.
   expect_goes("a3 a2 a a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+3 starts
 join 2
@@ -245,7 +246,7 @@ done 1 #0
 TEST(Scheduler, RefusesWhatDoesNotFit) {
   // Goal: a delivery of another epoch has no effect. A delivery with a wrong replica, scan, number
   // of members or number of scans is refused, and its block is assigned exactly once more. Method:
-  // the worker has room for two copies.
+  // use a worker with room for two copies.
   expect_goes("a2", blocks_ahead(1), R"(join 1
   assign 1 #0 a@0+2 starts
 done 1 #0 epoch=2
@@ -321,7 +322,7 @@ tick -370
 TEST(Scheduler, AsksTheSilentUntilTheyAnswer) {
   // Goal: a worker whose lease ended gets nothing and is asked repeatedly. Assignments missing in
   // its answer are assigned again; listed ones keep their leases and aren't assigned to others.
-  // Method: give both answers, and one of another epoch, which is ignored.
+  // Method: give both kinds of answers, and an answer of another epoch, which is ignored.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -398,7 +399,8 @@ pong 1 #2
 
 TEST(Scheduler, KeepsLeasesOfCopiesApart) {
   // Goal: a block that two workers have isn't assigned to a third; when one of the two leaves, the
-  // other's lease still holds. Method: the first answers, and the second leaves with its copy.
+  // other's lease still holds. Method: the first worker answers, and the second worker leaves with
+  // its copy.
   expect_goes("a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -447,7 +449,7 @@ leave 2
 
 TEST(Scheduler, ForgetsAnEarlierIncarnation) {
   // Goal: if a worker joins with a new incarnation, its blocks wait again, its states are sent as
-  // bytes, and older results are refused. With the same incarnation, it loses nothing.
+  // bytes, and older results are refused. A worker with the same incarnation loses nothing.
   expect_goes("a b a b", blocks_ahead(1), R"(join 1 incarnation=7
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts
@@ -510,8 +512,8 @@ leave 1
 }
 
 TEST(Scheduler, ListensToNobodyItDoesNotKnow) {
-  // Goal: answers and departures of unknown workers have no effect. Their results count, but a
-  // worker that joins later gets states as bytes.
+  // Goal: answers and departures of unknown workers have no effect. The results of such a worker
+  // count, but a worker that joins later gets states as bytes.
   expect_goes("a a", blocks_ahead(0), R"(leave 4
 pong 4 #0
 join 1

@@ -207,7 +207,7 @@ void Script::take(const Line& line) {
   }();
   bool gave = false;
   for (const Effect& effect : scheduler_.step(input)) {
-    // A Keep precedes any effect that depends on it.
+    // All Keep effects must precede the Assign effects, which may depend on them.
     EXPECT_FALSE(gave && std::holds_alternative<Keep>(effect));
     gave = gave || std::holds_alternative<Assign>(effect);
     played_ += "  " + printed(effect) + "\n";

@@ -1,5 +1,5 @@
-// Scripts for the scheduler. A line is an input; the indented lines below it are the resulting
-// effects. Script::play() returns the script with the actual effects.
+// Scripts for the scheduler. A script's line is an input, and the indented lines below are the
+// resulting effects. Script::play() returns the script with the actual effects.
 //
 // Example:
 //   join 1 threads=2
@@ -28,8 +28,8 @@
 namespace sleight::core {
 
 /// A plan of listed blocks. A block waits for all earlier blocks of its replicas and of the
-/// replicas named after `<`. Example: "a2 a [bc] d<a" has two scans of a, one of a, a ladder's part
-/// with b and c, and d after a's blocks.
+/// replicas named after `<`. Example: "a2 a [bc] d<a" has a block of two scans of a, a block of one
+/// scan of a, a ladder's part with b and c, and a block of d after the blocks of a.
 class ListedPlan final : public plan::Plan {
  public:
   explicit ListedPlan(std::string_view list);

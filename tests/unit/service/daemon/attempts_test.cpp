@@ -24,7 +24,8 @@ namespace sleight::daemon::attempts_test {
 using ::testing::HasSubstr;
 
 constexpr jobs::JobId k_job{1};
-/// Timeout of a failing test. The jobs' machine would check by itself after 5 s.
+/// Timeout of a failing test. If no report arrived, the jobs' machine would look at the attempt
+/// after 5 s.
 constexpr double k_patience_s = 20;
 
 class AttemptsTest : public keeper::testing::JobTest {
@@ -103,7 +104,8 @@ TEST_F(AttemptsTest, WhoseKeeperEndsRightAfterTheRecordHaveDied) {
               (sight && std::holds_alternative<jobs::Died>(sight->seen)));
 }
 
-// A program that a stop's signal kills, because it can't handle signals yet, has stopped, not died.
+// If a stop's signal kills a program that can't handle signals yet, the program counts as stopped,
+// not as died.
 TEST_F(AttemptsTest, ToldToStopBeforeItListensItStoppedInOrder) {
   AttemptSights sights({.clock = clock_, .folders = folders_, .feeds = feeds_});
   keeper::AttemptRecord record{.attempt = 1, .end = keeper::AttemptEnd{.signal = SIGUSR1}};

@@ -121,7 +121,7 @@ TEST_F(AuditLogTest, OddTextsStayInTheirLine) {
   EXPECT_EQ(lines()[0]["call"], "submit");
 }
 
-// An obstacle in the log's place fails no call, and is reported once.
+// If something else is in the log's place, no call fails, and the problem is reported once.
 TEST_F(AuditLogTest, AFolderAPipeOrALinkInItsPlace) {
   const auto place = folder_ / "audit.log";
   for (const int kind : {0, 1, 2}) {

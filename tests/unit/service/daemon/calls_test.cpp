@@ -257,7 +257,7 @@ TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   ASSERT_TRUE(second.ok());
   EXPECT_EQ(resume(caller, one).error().kind, rpc::RefusalKind::limit);
   EXPECT_EQ(extend(caller, one).error().kind, rpc::RefusalKind::limit);
-  // The job hasn't ended, so it is already counted and can be extended.
+  // The job hasn't ended, so the token's limit already counts it, and the job can be extended.
   EXPECT_TRUE(extend(caller, second.value().jobs.front()).ok());
   // A limited token can't resume jobs submitted without it.
   const rpc::JobId others = own.value().jobs.front();

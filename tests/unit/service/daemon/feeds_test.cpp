@@ -30,7 +30,7 @@ TEST(Feeds, TellOfNewsWhoeverReadsThem) {
     log.append({.number = numbered(feeds.of(k_watched_job)) + 1,
                 .what = events::Solution{.nth = 1, .in_proportion = true}});
     const std::size_t before = news.size();
-    // Read as for a report of the run's progress.
+    // This read is for a report of the run's progress, not for the watchers.
     EXPECT_EQ(numbered(feeds.read(k_watched_job, thoroughly)), thoroughly ? 2U : 1U);
     EXPECT_EQ(news.size(), before + 1);
     // A later read for the watchers finds nothing new.

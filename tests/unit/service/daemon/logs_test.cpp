@@ -1,4 +1,4 @@
-// Goal: a reader that follows a log gets each byte once, except lost ones. Method: print random
+// Goal: a reader that follows a log gets each byte once, except lost bytes. Method: print random
 // pieces through the keeper's bounded log, and compare what readers get.
 #include "service/daemon/logs.h"
 

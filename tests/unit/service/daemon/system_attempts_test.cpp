@@ -31,7 +31,7 @@ constexpr jobs::JobId k_job{17};
 constexpr jobs::Attempt k_attempt{3};
 /// Timeout of a failing test.
 constexpr double k_patience_s = 20;
-/// Number of lists after which an unwanted input would have arrived.
+/// Number of list() calls after which an unwanted input would have arrived.
 constexpr std::uint64_t k_lists = 20;
 
 /// A backend that returns the test's answers.
@@ -160,7 +160,8 @@ class SystemAttemptsTest : public ::testing::Test {
     const Kind* kind = newest<Kind>();
     return kind == nullptr ? Kind{} : *kind;
   }
-  /// Like sight(), but looks repeatedly, because an answer in progress may have the old state.
+  /// Like sight(), but calls look() repeatedly, because an answer in progress may have the old
+  /// state.
   template <class Kind>
   Kind sight_of_looks() {
     until([&] {
@@ -296,7 +297,7 @@ TEST_F(SystemAttemptsTest, ThatLeaveNoEndHaveDied) {
   EXPECT_EQ(died.outside, jobs::Outside::taken);
 }
 
-/// Gives a shared disk more time to show files than a busy machine takes.
+/// Allows files on a shared disk more time to appear than a busy machine takes.
 class SystemAttemptsOnASlowDisk : public SystemAttemptsTest {
  protected:
   SystemAttemptsOnASlowDisk() : SystemAttemptsTest(k_patience_s) {}
@@ -341,7 +342,8 @@ TEST_F(SystemAttemptsTest, ThatNeverHadARecordSayWhatTheSystemSays) {
 }
 
 TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
-  // Method: call look(), as a new daemon does, with an end, without an end, without a record.
+  // Method: call look(), as a new daemon does, for a record with an end, a record without an end,
+  // and no record.
   look();
   begins();
   ends(events::End::stop_requested);

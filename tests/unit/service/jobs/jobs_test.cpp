@@ -1,4 +1,5 @@
-// Goal: each input has the right effects. Method: write inputs for a machine of four cores.
+// Goal: each input of the jobs' machine has the right effects. Method: write inputs for a computer
+// with four cores.
 #include "service/jobs/jobs.h"
 
 #include <gmock/gmock.h>

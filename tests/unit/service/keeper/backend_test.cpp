@@ -108,7 +108,8 @@ TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
 }
 
 TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
-  // Goal: a launch leaves no zombie and no descriptor. Method: count both before and after.
+  // Goal: a launch leaves no zombie and no descriptor. Method: count zombies and descriptors before
+  // and after.
   program_is("exit 0");
   const auto descriptors = [] {
     return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
@@ -121,7 +122,7 @@ TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
 }
 
 TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
-  // Method: launch without a keeper, without a folder, with too many ranks, in a bad folder.
+  // Method: launch without a keeper, without a folder, with too many ranks, and in a bad folder.
   Programs none = backend().programs();
   none.keeper = path("none");
   EXPECT_THROW(LocalBackend(none).launch(spec()), base::Error);

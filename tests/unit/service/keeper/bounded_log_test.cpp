@@ -15,8 +15,8 @@ namespace {
 class BoundedLogTest : public testing::JobTest {};
 
 TEST_F(BoundedLogTest, KeepsTheNewestUnderItsBound) {
-  // Method: append pieces of many sizes, one above the bound. The two files together contain the
-  // last part of the output.
+  // Method: append pieces of many sizes, one of which exceeds the bound. The two files together
+  // contain the last part of the output.
   std::string all;
   BoundedLog log(folder(), 2000);
   for (const std::size_t size : {1UL, 300UL, 699UL, 1UL, 5000UL, 10UL, 990UL}) {
@@ -69,7 +69,7 @@ TEST_F(BoundedLogTest, TheBoundHoldsWhereItCantTurnOver) {
 }
 
 TEST(LastLines, AreTheLastOnes) {
-  // Method: append lines in pieces, one too long, one incomplete.
+  // Method: append lines in pieces, among them an overlong line and an incomplete line.
   LastLines last(3);
   EXPECT_TRUE(last.lines().empty());
   last.append("one\ntw");

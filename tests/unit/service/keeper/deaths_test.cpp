@@ -1,6 +1,7 @@
 // Goal: after a keeper's death at any moment, look() returns how far the attempt got, and no
-// process is left. The daemon repeats an attempt that never began, and starts the next one if it
-// died; so each attempt's program starts at most once. Method: kill keepers at each moment.
+// process is left. The daemon repeats an attempt that never began, and starts the next attempt
+// after a death. So each attempt's program starts at most once. Method: kill keepers at each
+// moment.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

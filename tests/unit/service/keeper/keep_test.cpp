@@ -152,7 +152,7 @@ TEST_F(KeepTest, AProgramThatLingersIsKilled) {
 
 TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
   // Method: a script replaces mpirun and hangs after its rank has ended, as Debian 12's mpirun
-  // sometimes does. It isn't killed before its first rank has started.
+  // sometimes does. The keeper doesn't kill the script before the first rank has started.
   program_is("sleep 0.5 & wait; while :; do read x < /dev/zero; done");
   AttemptSpec ranks = spec();
   ranks.ranks = 1;
@@ -279,7 +279,7 @@ TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
 
 TEST_F(KeepTest, StartedTwiceByABatchSystemTheSecondKeeperWaitsForTheFirst) {
   // Goal: a second keeper of an attempt doesn't end while the first one lives. Method: start a
-  // second keeper, with a lock and with a mark, and stop it; it passes the stop on.
+  // second keeper, with a lock and with a mark, and stop it. The second keeper passes the stop on.
   for (const char* network : {"0", "1"}) {
     ::setenv("SLEIGHT_NETWORK_DISK", network, 1);
     program_is("echo started >> starts; trap 'exit 130' USR1; while true; do sleep 0.02; done");

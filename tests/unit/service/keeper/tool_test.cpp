@@ -53,8 +53,8 @@ TEST(Tools, AreBounded) {
 }
 
 TEST(Tools, ThatTakeTooLongAreKilled) {
-  // Method: run a program that waits, one whose child keeps the output open, and one that closes
-  // its output and waits. Each would outlast the test.
+  // Method: run a program that waits, a program whose child keeps the output open, and a program
+  // that closes its output and waits. Each would outlast the test.
   for (const char* script : {"sleep 1000", "sleep 1000 & exit 0", "exec >&- 2>&-; sleep 1000"})
     EXPECT_TRUE(run_shell(script, {.seconds_max = 0.2}).was_too_slow) << script;
   const std::atomic<bool> stop = true;
