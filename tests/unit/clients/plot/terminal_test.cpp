@@ -51,7 +51,8 @@ TEST(Terminal, IsPureAsciiWhereAsked) {
 }
 
 TEST(Terminal, DrawsARisingLine) {
-  // Goal: the whole picture is right. Method: compare a diagonal on the smallest ASCII canvas.
+  // Goal: every character of a picture is right. Method: compare a diagonal on the smallest ASCII
+  // canvas.
   const Panel panel{.x_range = Range{0, 10},
                     .y_range = Range{0, 1},
                     .series = {Line{.points = {{0, 0}, {10, 1}}}}};

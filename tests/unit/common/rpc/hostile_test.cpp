@@ -111,7 +111,7 @@ void ask_for_bootstrap(capnp::MessageBuilder& message, std::uint32_t question) {
   message.initRoot<capnp::rpc::Message>().initBootstrap().setQuestionId(question);
 }
 
-/// Starts a call to the service, which open() requests as a connection's question 1.
+/// Starts a call to the service that open() has requested as question 1 of the connection.
 capnp::rpc::Call::Builder call_of_service(capnp::MessageBuilder& message, std::uint32_t question,
                                           std::uint16_t method) {
   auto call = message.initRoot<capnp::rpc::Message>().initCall();

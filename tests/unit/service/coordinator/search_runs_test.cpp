@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// With sanitizers, which slow sessions tenfold, runs are stopped less often by this factor.
+// Runs are stopped less often by this factor with sanitizers, which slow sessions tenfold.
 #ifdef SLEIGHT_SANITIZED
 constexpr std::uint64_t k_rarer = 8;
 #else

@@ -297,7 +297,7 @@ TEST_F(SystemAttemptsTest, ThatLeaveNoEndHaveDied) {
   EXPECT_EQ(died.outside, jobs::Outside::taken);
 }
 
-/// Allows files on a shared disk more time to appear than a busy machine takes.
+/// Sets a time limit for files on a shared disk that exceeds the delays of a busy machine.
 class SystemAttemptsOnASlowDisk : public SystemAttemptsTest {
  protected:
   SystemAttemptsOnASlowDisk() : SystemAttemptsTest(k_patience_s) {}
