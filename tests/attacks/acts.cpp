@@ -139,7 +139,8 @@ void calls(const Scene& scene) {
     asked.clear();
     for (std::uint32_t i = 0; i < k_at_once && !is_too_large; ++i) {
       asked.push_back(valid_call(scene.dice, bounds, question++));
-      // Cap'n Proto counts segment headers separately. Near the limit, both outcomes are right.
+      // Cap'n Proto counts segment headers separately, so the server may accept or refuse a message
+      // whose size is near the limit.
       is_too_large = asked.back().frame.size() > bytes_max;
       bytes += asked.back().frame;
     }
@@ -256,7 +257,8 @@ void noise(const Scene& scene) {
   ++scene.tally.reached;  // the server ended the line, so it read the message
 }
 
-// Goal: no wrong token is accepted. Method: send a wrong token, a call, perhaps a second login.
+// Goal: no wrong token is accepted. Method: send a wrong token, then a call, then sometimes a
+// second login.
 void wrong_logins(const Scene& scene) {
   auto talk = begin(scene);
   if (!talk) return;

@@ -1,11 +1,11 @@
 // Attacks on the Cap'n Proto interface, one episode per connection: on the socket, and in TLS
 // before and after a login.
 //
-// An episode counts its attacks, and the attacks that reached the server's decoder: those that it
-// answered or ended the connection for. The server must answer each valid call, and must close a
-// connection that its peer has ended. Anything else is reported as trouble.
+// An episode counts its attacks, and how many of them the server answered or ended the connection
+// for. Such attacks have reached the server's decoder. The server must answer each valid call, and
+// must close a connection that its peer has ended. The episode reports anything else as trouble.
 //
-// Thread safety: an episode belongs to one thread. Tally and Trouble may be shared.
+// Thread safety: an episode belongs to one thread. Several threads may share a Tally and a Trouble.
 #pragma once
 
 #include <atomic>
@@ -90,7 +90,8 @@ void noise(const Scene& scene);
 /// Only for strangers.
 void wrong_logins(const Scene& scene);
 
-/// Reads until the server closes the connection, and counts that. Reports trouble otherwise.
+/// Reads until the server closes the connection, and counts the close. Reports trouble if the
+/// server doesn't close it.
 void await_end(const Scene& scene, Line& line);
 
 }  // namespace sleight::attack

@@ -1,5 +1,6 @@
-// `sleight-attack` attacks a running service on its socket and over TLS, and reports whether it
-// withstood. Not installed; used by tests/programs/test_attacks.py and deploy/soak.
+// `sleight-attack` attacks a running service on its socket and over TLS, and reports whether the
+// service withstood. tests/programs/test_attacks.py and deploy/soak run the program, which isn't
+// installed.
 //
 // Exits with 0 if all kinds of attack occurred and reached the server, honest clients were always
 // answered, and nothing else went wrong. Otherwise exits with 1.

@@ -1,7 +1,8 @@
-// A whole attack: threads run episodes, held peers stay connected, and honest clients need answers.
+// A whole attack: threads run episodes, held peers stay connected, and the service must answer
+// honest clients.
 //
 // Episode n's kind and messages depend only on (seed, n). Only the server's answers and the
-// concurrent episodes vary. --episode repeats the episode that a failure names.
+// concurrent episodes vary. The option --episode repeats the episode that a failure names.
 //
 // Thread safety: run_campaign starts its own threads and ends them.
 #pragma once

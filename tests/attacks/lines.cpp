@@ -134,7 +134,7 @@ std::unique_ptr<Line> line_to_port(const access::ServerAddress& address, std::ui
 
 TlsSettings::TlsSettings(int version_max) : context_(SSL_CTX_new(TLS_client_method())) {
   CHECK(context_ != nullptr);
-  // An attacker doesn't verify the server.
+  // An attacker doesn't verify the server's certificate.
   SSL_CTX_set_verify(context_.get(), SSL_VERIFY_NONE, nullptr);
   CHECK(SSL_CTX_set_max_proto_version(context_.get(), version_max) == 1);
 }

@@ -35,7 +35,8 @@ class Line {
   /// Sends all bytes, and stores data that arrives meanwhile for receive(). Returns false if the
   /// server has closed the connection, or accepts nothing for k_patience_ms.
   virtual bool send(std::string_view bytes) = 0;
-  /// Like send(), without reading. Also false if the server accepts nothing for `patience_ms`.
+  /// Like send(), without reading. Returns false also if the server accepts nothing for
+  /// `patience_ms`.
   virtual bool send_unread(std::string_view bytes, int patience_ms) = 0;
   /// Appends received bytes to `into`.
   virtual Got receive(std::string& into, int patience_ms) = 0;

@@ -15,7 +15,7 @@ class Listener {
   void hear(std::string_view bytes);
 
   bool has_answered(std::uint32_t question) const { return answered_.contains(question); }
-  /// Whether the question has results, possibly a refusal.
+  /// Whether the server has sent results for the question. A refusal is a result too.
   bool has_results(std::uint32_t question) const { return resulted_.contains(question); }
   std::uint64_t messages() const { return messages_; }
   std::uint64_t exceptions() const { return exceptions_; }

@@ -197,7 +197,7 @@ std::string login(const std::string& token) {
 Asked valid_call(Dice& dice, const Bounds& bounds, std::uint32_t question) {
   auto method = static_cast<Method>(dice.below(k_methods));
   if (bounds.is_owner && (method == drain || method == stop)) method = info;
-  // Retired methods are mostly replaced by `change`; a few calls still use them.
+  // Most calls of retired methods become calls of `change`, but a few stay.
   if (method > logs && method < fetch && !dice.one_in(8)) method = change;
   capnp::MallocMessageBuilder message;
   auto call = begin_call(message, question, method);

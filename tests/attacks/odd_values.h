@@ -30,11 +30,11 @@ class Dice {
 };
 
 std::string random_bytes(Dice& dice, std::size_t size);
-/// 0, 1, powers of two and their neighbours, the maximum, or any number.
+/// Returns 0, 1, a power of two or its neighbour, the maximum, or any number.
 std::uint64_t odd_number(Dice& dice);
 /// NaN, infinite, tiny, or negative.
 double odd_real(Dice& dice);
-/// 0, or a number far beyond all job ids.
+/// Returns 0, or a number far beyond all job ids.
 std::uint64_t far_id(Dice& dice);
 /// An odd text: empty, or with `../`, control characters, invalid UTF-8 or format strings. One in a
 /// thousand is as long as `bytes_max` or half of it.

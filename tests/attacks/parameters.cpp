@@ -14,12 +14,12 @@ capnp::Text::Reader text_of(const std::string& text) {
   return {text.c_str(), text.size()};
 }
 
-/// An id for a call that changes nothing, possibly of an existing job.
+/// Returns a job id for a call that changes nothing. The job may exist.
 std::uint64_t read_id(Dice& dice) {
   return dice.one_in(3) ? 1 + dice.below(3) : dice.one_in(2) ? odd_number(dice) : far_id(dice);
 }
 
-/// An id for a call that changes jobs.
+/// Returns a job id for a call that changes jobs.
 std::uint64_t touch_id(Dice& dice, const Bounds& bounds) {
   return bounds.is_owner ? far_id(dice) : read_id(dice);
 }
@@ -136,7 +136,7 @@ void fill_parameters(Dice& dice, const Bounds& bounds, Method method,
     case create_token:
       return fill_token(dice, bounds, to.initAs<generated::CreateTokenParams>().initAsk());
     case revoke_token:
-      // The service looks up ids of a valid form.
+      // Half of the ids have a valid form, so the service looks them up.
       return to.initAs<generated::RevokeTokenParams>().setId(
           text_of(dice.one_in(2) ? std::string(10, "0123456789abcdefgh"[dice.below(18)])
                                  : odd_text(dice, bounds.text_bytes_max)));

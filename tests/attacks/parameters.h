@@ -15,8 +15,8 @@ namespace sleight::attack {
 struct Bounds {
   /// Maximum size of a text, which is also roughly the maximum size of a message.
   std::size_t text_bytes_max = 1U << 20U;
-  /// Whether the attacker is the service's own user, who may do anything. Then no message is sent
-  /// that would stop the service, create tokens or change its jobs.
+  /// Whether the attacker is the service's own user, who may do anything. Such an attacker sends no
+  /// message that would stop the service, create tokens or change jobs.
   bool is_owner = false;
 };
 
