@@ -1,17 +1,17 @@
 #!/usr/bin/python3
-"""How long people wait for five animations, or for the odds, of requests without settings.
+"""Measures how long requests without settings take to deliver five animations, or the odds.
 
   tests/bench/answers.py --bin build/release/bin                    all rows, 20 seeds each
   tests/bench/answers.py --bin ... --only ACM --ways relaxed --yardstick 4.6
   tests/bench/answers.py --bin ... --only HI --ways "in proportion" --seeds 3 --limit 300
   tests/bench/answers.py --bin ... --only HI OK ACM SLEIGHT --ways odds --limit 600
 
-Measures from start to the first archive on disk, and to the end of the command. Any other row than
-those of dice is a word, and has [world] with the word alone; dice have [world] and [constraint] of
-their file in requests/. Odds are asked for with an error of 0.3. Seeds are 1, 2, ...
---yardstick divides by the seconds of a program that measures the machine. A run that takes longer than
---limit seconds is stopped and shown as "over"; medians count it as the limit. A row whose first run is
-over is not run again. Prints a table and, with --json, the same in seconds for programs.
+Measures the time from the start to the first archive on disk, and to the end of the command. Rows for
+dice have [world] and [constraint] of their file in requests/. Any other row is a word, whose [world] has
+only the word. Odds are requested with an error of 0.3. Seeds are 1, 2, ... --yardstick divides by the
+seconds of a program that measures the machine. A run that takes longer than --limit seconds is stopped
+and shown as "over"; medians count it as the limit. If the first run of a row is over the limit, the row
+is not run again. Prints a table. With --json, prints the same in seconds for programs.
 """
 
 import argparse

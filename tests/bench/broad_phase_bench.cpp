@@ -31,7 +31,8 @@ struct Balls {
 };
 
 constexpr double k_box_m = 1.3;
-/// Large enough that box ends pass each other on each axis, even for places in straight rows.
+/// Maximum offset of a ball from its place, per axis. With this offset, ends of boxes pass each
+/// other even if places are in straight rows.
 constexpr double k_loose_m = 0.3;
 constexpr std::size_t k_moves = 1 << 16;
 constexpr std::size_t k_moves_verified = 2000;
@@ -82,7 +83,8 @@ Balls uniform(std::uint32_t n) {
 
 constexpr std::uint32_t k_shorter = 16;
 
-/// A flat heap on a floor: square layers of balls. Each side is k_shorter balls shorter than below.
+/// A flat heap on a floor: square layers of balls. The side of each layer is k_shorter balls
+/// shorter than the side of the layer below.
 Balls clustered(std::uint32_t n) {
   const auto held = [](std::uint32_t side) {
     std::uint32_t sum = 0;

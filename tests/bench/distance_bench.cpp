@@ -27,7 +27,8 @@ struct Step {
   PlacedPose b;
 };
 
-// A turns in place. B turns faster and passes A, as close as the bodies' radii allow.
+// A turns in place. B turns faster and passes A, at the least distance that the bodies' radii
+// allow.
 std::vector<Step> passage(const physics::ConvexPolyhedron& body) {
   std::vector<Step> steps;
   const auto pose = [](const Vec3& rotation_rad, const Vec3& position_m) {

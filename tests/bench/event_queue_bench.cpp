@@ -1,9 +1,9 @@
-// The event queues under the load of a gas of hard spheres. A step removes the least event, gives
-// its body and another one a new event after an exponential wait, and slightly moves the events of
-// six more bodies.
+// The event queues under the load of a gas of hard spheres. A step removes the least event,
+// schedules new events for its body and another body after exponential waits, and slightly moves
+// the events of six more bodies.
 //
 // Bodies are drawn uniformly, which is the worst case for caches. In a simulation, neighbours tend
-// to be close in memory, and many of the six would keep their event.
+// to be close in memory, and many of the six bodies would keep their event.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

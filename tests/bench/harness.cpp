@@ -5,7 +5,7 @@
 namespace sleight::bench {
 namespace {
 
-// Google Benchmark can't report a failure to main.
+// A global variable, because Google Benchmark can't report a failure to main().
 bool wrong = false;
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Result verification for benchmarks: each compares a hash of its results with a known one.
+// Verifies the results of benchmarks: each benchmark compares a hash of its results with a known
+// hash.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -27,7 +28,7 @@ class ResultHash {
   std::uint64_t value_ = 0xcbf29ce484222325U;
 };
 
-/// Compares the hash of a fixed piece of work with the known one. A difference makes the benchmark
+/// Compares the hash of a fixed piece of work with the known hash. A difference makes the benchmark
 /// and the whole program fail. REQUIRES: called once for each run of a benchmark.
 void verify(benchmark::State& state, std::uint64_t hash, std::uint64_t expected);
 

@@ -20,7 +20,7 @@ using worlds::dice::StagedDice;
 
 constexpr sampling::ChainStreams k_streams{.seed = 1, .chain = {}, .replica = {}};
 
-/// Uses the log lambda that requests without a sampler have.
+/// Returns a world with the log lambda of requests without a sampler.
 StagedSpelling world_of(const spelling::Pattern& pattern, double log_lambda) {
   spelling::Parameters parameters;
   parameters.pattern = pattern;

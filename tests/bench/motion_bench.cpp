@@ -62,9 +62,9 @@ void orientations(benchmark::State& state, InertiaSymmetry symmetry, TickCount a
   verify(state, hash.value(), expected);
 }
 
-/// Orientations differ by about 0.03 rad, as in a search.
+/// With this spacing, successive orientations differ by about 0.03 rad, as in a search.
 constexpr TickCount k_near = TickCount{1} << 20;
-/// Each evaluation is in a different step of a general body's motion.
+/// With this spacing, each evaluation is in a different step of a general body's motion.
 constexpr TickCount k_far = TickCount{1} << 23;
 
 void spherical(benchmark::State& state) {

@@ -1,16 +1,15 @@
 #!/usr/bin/python3
-"""How much faster two ranks are than one, and what passes between them.
+"""Measures how much faster two ranks are than one, and what data the ranks exchange.
 
-  tests/bench/ranks.py --bin build/release/bin                 three runs of each, by turns
+  tests/bench/ranks.py --bin build/release/bin                 three runs of each, in turn
   tests/bench/ranks.py --bin ... --ranks 1 2 4 --repeats 5 --request requests/hi_tempered.toml
-  tests/bench/ranks.py --bin ... --unrelated                   beside as many runs of one rank each
+  tests/bench/ranks.py --bin ... --unrelated                   also as many runs of one rank
 
-Each run directs the same request from its beginning to its end with `mpirun -n N sleight-batch`. The
-digests must be equal. Times are those of the run itself, without the start of processes (about half
-a second); a speed-up is the ratio of median simulations per second to that of the first number of
-ranks. With --unrelated, N runs of one rank that know nothing of each other go on at once after each run
-of N ranks: what the cores give when nothing is passed. Prints a table and, with --json, the same for
-programs.
+Each run directs the same request from beginning to end with `mpirun -n N sleight-batch`. All digests
+must be equal. Times exclude the start of processes (about half a second). A speed-up is the ratio of
+median simulations per second to the median for the first number of ranks. With --unrelated, N
+independent runs of one rank run at once after each run of N ranks. They show the speed of the cores
+without messages. Prints a table. With --json, prints the same for programs.
 """
 
 import argparse

@@ -3,14 +3,16 @@
 //
 // Each row alternates between a recorded simulation from scratch (`whole_ms`) and the row's own way
 // (`ms`). CPU times include the start and the new history.
-//   keep   a simulation that keeps its history
-//   all    everything differs: with a useless history of another scene, or without
-//   early  one body starts differently, or is kicked, at the beginning: in scenes that mix,
-//          everything is simulated
-//   half   the same half-way
-//   late   the same after nine tenths
+//
+//   - Row `keep` times a simulation that keeps its history.
+//   - In rows `all`, everything differs: with a useless history of another scene, or without one.
+//   - In rows `early`, one body starts differently, or is kicked, at the beginning. In scenes that
+//     mix, the whole motion is simulated again.
+//   - In rows `half` and `late`, the change comes half-way, or after nine tenths of the time.
+//
 // In rows that replay, both ways keep their histories, as a chain of proposals does. In `all`
-// neither does. The verified hash is the recording's digest, which is the same for both ways.
+// neither way keeps its history. The verified hash is the recording's digest, which is the same for
+// both ways.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Speed of calls and events: only the transport, with a handler in memory.
 //
-//   sleight-rpc-bench            8 processes request a job's status, 100 watchers receive
-//                                events, a file is fetched. Prints calls/s, latencies, MB/s.
-//   sleight-rpc-bench --check    A short run that tests all answers, but no times.
+// Without an option, 8 processes request a job's status, 100 watchers receive events, and a client
+// fetches a file. The program prints calls/s, latencies and MB/s. With `--check`, a short run tests
+// all answers, but no times.
 //
 // The server is a separate process, and so is each client that requests a status. Watchers are
 // threads. An event's latency begins when the server's process can first see the event (it looks

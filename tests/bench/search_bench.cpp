@@ -30,7 +30,8 @@ spelling::Pattern word(const char* letters) {
   return spelling::pattern_of_word(letters, spelling::Font::rows_5).value();
 }
 
-/// Continues the search from start `number` while it is measured. `guesses` is the counter's name.
+/// Runs and measures the search's starts, beginning with start `number`. `guesses` is the counter's
+/// name.
 template <class Find>
 void measure(benchmark::State& state, const Find& find, std::uint64_t number,
              sampling::SearchEffort& effort, const char* guesses) {

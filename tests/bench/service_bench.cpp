@@ -1,8 +1,8 @@
 // Calls per second that a daemon answers: durable submits, and status requests with many jobs.
 //
-//   sleight-service-bench SOCKET SUBMITS SECONDS
+// Usage: `sleight-service-bench SOCKET SUBMITS SECONDS`.
 //
-// 8 processes together submit SUBMITS jobs, each waiting until its job is durable. Then they
+// Eight processes together submit SUBMITS jobs, each waiting until its job is durable. Then they
 // request the status of random jobs for SECONDS. The daemon must be running (service_figures.py).
 #include <fmt/format.h>
 #include <sys/wait.h>

@@ -1,6 +1,6 @@
-"""The service's figures of docs/MEASUREMENTS.md: calls a second with many jobs, what an idle daemon takes
-up, how long until a submitted job commits, how soon its events are at 100 watchers, and what a job costs
-beside the same run by hand.
+"""Measures the service for docs/MEASUREMENTS.md: calls per second with many jobs, the resources of an idle
+daemon, the time until a submitted job commits, the latency of its events for 100 watchers, and the cost of
+a job compared with the same run by hand.
 
     tests/bench/service_figures.py --bin build/release/bin [--jobs 10000] [--pairs 15]
 """

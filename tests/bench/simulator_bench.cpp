@@ -5,8 +5,8 @@
 // share. Rows named sync use Algorithm 3.4 with a complete sort of all extents, which is faster on
 // these scenes than the same algorithm on the grid (sync_grid, for comparison). Rows of one size
 // simulate the same time, so total times are comparable (hourglass/1000 simulates a twentieth of a
-// second). Rows named sync report the ratio to async in the same run of the program. Rows above
-// about a second are timed only if their name or scene is requested, but always verified.
+// second). Rows named sync report the ratio to async in the same run of the program. Rows that take
+// more than about a second are always verified, but timed only if their name or scene is requested.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -81,7 +81,7 @@ struct Experiment {
   bool long_async;  ///< timed only when requested by name
   bool long_sync;
   std::uint64_t digest;  ///< of the recording up to verified_s
-  /// If not 0, timing starts here and lasts duration_s.
+  /// If not 0, timing starts at this simulated time and lasts duration_s.
   double from_s = 0;
 };
 
@@ -157,8 +157,8 @@ std::optional<Timed> time_whole(benchmark::State& state, const physics::Scene& s
   return timed;
 }
 
-/// Times a part of a long simulation. An experiment's rows share the simulation. Each continues
-/// where the last one stopped.
+/// Times a part of a long simulation. An experiment's rows share the simulation. Each row continues
+/// where the last row stopped.
 std::optional<Timed> time_part(benchmark::State& state, const Experiment& experiment,
                                const physics::Scene& scene, Way way) {
   static std::map<const Experiment*, Simulation> shared;

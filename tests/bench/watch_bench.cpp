@@ -1,6 +1,6 @@
 // Latency of a run's events for 100 watchers of a daemon.
 //
-//   sleight-watch-bench SOCKET JOB EVENTS_LOG
+// Usage: `sleight-watch-bench SOCKET JOB EVENTS_LOG`.
 //
 // Watchers are threads with their own connections that watch a running job. An event's latency
 // starts when its line can first be read in the run's log (checked every 0.5 ms), and ends when the
