@@ -1,7 +1,7 @@
-// Runs any backend by the messages of service/backend/messages.h, for the conformance suite:
-//   `sleight-backend --kind slurm --script direct.sbatch [--option KEY=VALUE] VERB`
-//   `sleight-backend --kind program --program PATH [--seconds S] VERB`.
-// The program reads the question on stdin. Each call acts as a new daemon.
+// Runs any backend by the messages of service/backend/messages.h, for the conformance suite.
+//   - `sleight-backend --kind slurm --script direct.sbatch [--option KEY=VALUE] VERB` uses Slurm.
+//   - `sleight-backend --kind program --program PATH [--seconds S] VERB` uses a program.
+// The program reads the question on stdin. Each run of the program acts like a new daemon.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -6,9 +6,9 @@
 namespace sleight::cluster {
 namespace {
 
-/// The middle utilisation is measured between these shares of the scans.
+/// `utilisation_amid` is measured between these shares of the scans.
 constexpr double k_marks[] = {0.2, 0.8};
-/// Assignments between two checks of the run's progress.
+/// Number of assignments between two checks of the run's progress.
 constexpr std::uint64_t k_note_every = 32;
 
 void add(core::Counts& sum, const core::Counts& counts) {

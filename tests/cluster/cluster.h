@@ -1,5 +1,6 @@
 // A simulated cluster on one simulated clock: workers, a coordinator that may die and start again,
-// a store, a network, and a schedule of faults. Plans, scheduler, block runner and cache are real.
+// a store, a network, and a schedule of faults. The simulation uses the real plans, scheduler,
+// block runner and cache.
 //
 // Data flow:
 //   faults ──▶ workers ◀── network ──▶ coordinator (session 1, 2, ...) ──▶ store.
@@ -32,8 +33,9 @@ struct Outcome {
   std::uint64_t sessions = 0;
   std::uint64_t events = 0;
   core::Counts counts{};  ///< of all sessions
-  /// Shares of the time of all threads, even dead ones. `utilisation` covers kept scans of the
-  /// whole run, and `utilisation_amid` all work between a fifth and four fifths of the scans.
+  /// Work as a share of all threads' time, including dead threads. `utilisation` counts the kept
+  /// scans of the whole run. `utilisation_amid` counts all work between a fifth and four fifths of
+  /// the scans.
   double utilisation = 0;
   double utilisation_amid = 0;
 };
@@ -76,9 +78,9 @@ class Cluster {
 };
 
 /// Maximum time of a run after the last fault. Each outstanding assignment returns or is assigned
-/// again within the longest lease. Then the available threads do the remaining work, which is at
-/// most the whole run's and takes at least one replica's scans in sequence. The factor of two
-/// covers copies, because short leases cause blocks to be assigned twice.
+/// again within the longest lease. Then the available threads do the remaining work. This is at
+/// most the work of the whole run, and takes at least the time of one replica's scans in sequence.
+/// The factor of two covers copies, because short leases cause blocks to be assigned twice.
 double liveness_bound_s(const Case& of);
 
 }  // namespace sleight::cluster

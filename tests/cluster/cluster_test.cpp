@@ -87,8 +87,9 @@ TEST_P(Seeds, DigestIsTheSerialRuns) {
 }
 
 TEST_P(Seeds, FewWorkersDoIt) {
-  // Goal: the same holds for small clusters, where a single blocked worker would stop the run.
-  // Method: simulate clusters of at most four workers, with twenty times as many seeds.
+  // Goal: the previous test's claims also hold for small clusters, where a single blocked worker
+  // would stop the run. Method: simulate clusters of at most four workers, with twenty times as
+  // many seeds.
   check_share({.method = {}, .workers_max = 4}, 20 * seeds());
 }
 

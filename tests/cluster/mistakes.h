@@ -1,4 +1,4 @@
-// Mistakes in distributing work. A run's digest must reveal each of them (mutants_test.cpp).
+// Mistakes in distributing work. A run's digest must reveal each mistake (mutants_test.cpp).
 #pragma once
 
 #include <array>

@@ -19,7 +19,7 @@ enum Verdict : int { k_right = 0, k_digest = 10, k_violation = 11, k_unfinished 
 /// Maximum runs per mistake.
 constexpr std::uint64_t k_seeds = 12;
 
-/// Returns a method that reveals the mistake: parts of ladders, or units that differ only by name.
+/// Returns a method whose runs can reveal the mistake.
 Method method_of(Mistake mistake) {
   const bool is_of_ladders = mistake == Mistake::double_swap || mistake == Mistake::past_the_edge ||
                              mistake == Mistake::swaps_in_any_order;

@@ -67,7 +67,7 @@ void print_line(const std::string& line) {
 }
 
 /// Returns the time until all levels have made their scans, if no level waits for workers or
-/// messages. After a swap, both its levels continue once the later one is done.
+/// messages. Two levels that swap both wait for the slower one.
 double critical_path_s(const Case& of, const Size& size) {
   std::vector<double> done_s(size.levels, 0.0);
   for (std::uint64_t scan = 0; scan < size.scans; ++scan) {
@@ -129,8 +129,9 @@ Case case_of_islands(std::uint32_t workers, double handling_s) {
 
 TEST(Scale, IslandsKeepAThousandWorkersBusy) {
   // Goal: chains of islands never wait, so nearly all of 1,024 workers' time is used over a whole
-  // run of about 3.6 s. The limit is the coordinator's time for all workers' first messages.
-  // Method: compare runs with several message times with the serial run.
+  // run of about 3.6 s. The limit is the time that the coordinator takes for the first messages of
+  // all workers. Method: make runs with several message times, and compare them with the serial
+  // run.
   constexpr std::uint32_t k_workers = 1024;
   struct Asked {
     double handling_s;
@@ -151,9 +152,9 @@ TEST(Scale, IslandsKeepAThousandWorkersBusy) {
 TEST(Scale, OneLadderAgainstWorkers) {
   // Goal: measure one ladder's utilisation for different numbers of workers, and compare it with
   // the theoretical bounds. Method: simulate clusters of 1 to 64 workers. A ladder of N levels has
-  // at most N units at once. W workers take at least sum(c) / W, and at least the critical path of
-  // the swaps. Each scan of a pair waits for the slower level, so S scans take longer than S
-  // E[max(c1, c2)]. For costs log-uniform over a factor r, with q = log r:
+  // at most N units at once. W workers take at least sum(c) / W, and at least the time of the
+  // swaps' critical path. Each scan of a pair waits for the slower level, so S scans take longer
+  // than S E[max(c1, c2)]. For costs log-uniform over a factor r, with q = log r:
   //   E[c] / E[max(c1, c2)] = (r - 1) / (2 (r - (r - 1) / q)).
   constexpr Size k_size{.workers = 1, .ladders = 1, .levels = 32, .scans = 600};
   constexpr double k_r = k_cost_spread;
@@ -169,7 +170,8 @@ TEST(Scale, OneLadderAgainstWorkers) {
     const double of_pairs = std::min(1.0, pairs * size.levels / workers);
     print_line(fmt::format("| {} | {:.1f}% | {:.1f}% | {:.1f}% |", workers,
                            100 * outcome.utilisation, 100 * path, 100 * of_pairs));
-    // The replicas' costs determine the actual path; the computed path is another draw.
+    // The actual critical path follows from the replicas' costs. The computed path is another draw
+    // from the same distribution.
     EXPECT_LE(outcome.utilisation, 1.1 * path);
     EXPECT_GE(outcome.utilisation, workers <= 4 ? 0.9 * path : 0.4 * path);
   }

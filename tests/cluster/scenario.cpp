@@ -185,7 +185,8 @@ Case case_of(std::uint64_t seed, const CaseChoice& choice) {
                    .mistake = choice.mistake};
   scenario.scheduler = scheduler_options(dice);
   scenario.handling_s = dice.log_uniform(1e-6, 50e-6);
-  // If a lease is too short to handle a message of each worker, only copies are assigned.
+  // If the coordinator can't handle a message from each worker within a lease, it assigns only
+  // copies of blocks.
   const double round_s = scenario.handling_s * scenario.workers * scenario.threads_max;
   scenario.scheduler.lease_s = std::max(scenario.scheduler.lease_s, 10 * round_s);
   scenario.scheduler.ask_every_s = scenario.scheduler.lease_s / 3;

@@ -34,7 +34,7 @@ void SimStore::put(plan::UnitResult result) {
   if (known != put_up_to_.end() && known->second != first) {
     note(first < known->second ? "a scan is kept twice" : "a scan is left out");
     if (first > known->second) return;
-    // A scan's first result stays, as in the real store.
+    // A scan keeps its first result, as in the real store.
     const std::uint64_t again = std::min<std::uint64_t>(known->second - first, result.scans.size());
     if (again == result.scans.size()) return;
     result.scans.erase(result.scans.begin(),

@@ -73,8 +73,8 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 
 TEST_P(Seeds, EachJobEndsOnce) {
   // Goal: the invariants of jobs.h hold. Method: simulate services with 1 to 1,000 jobs of up to 20
-  // users, whose daemon, keepers, messages, clock and disk fail in every way. A ledger checks its
-  // rules, and the time from the last fault to the end is limited.
+  // users, whose daemon, keepers, messages, clock and disk fail in every way. A ledger checks the
+  // service's rules, and the time from the last fault to the end of all jobs is limited.
   check_share({}, seeds());
 }
 

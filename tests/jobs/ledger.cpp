@@ -9,10 +9,11 @@ namespace sleight::jobs::simulated {
 namespace {
 
 /// Maximum reported deaths in a row after which a job may continue. A job fails at the fifth death.
-/// Two more are tolerated, because one may be the daemon's own kill after a slow stop.
+/// The check allows two more deaths, because the daemon's own kill after a slow stop may count as
+/// one.
 constexpr std::uint32_t k_deaths_most = 6;
 
-/// The rules of ends.h, implemented independently.
+/// Returns whether the end counts as a death. Implements the rules of ends.h independently.
 bool is_death(const Ended& ended) {
   if (ended.kind == EndKind::bug) return true;
   if (ended.kind == EndKind::none)
@@ -152,7 +153,7 @@ void Ledger::check_change(const Change& change, const Job* before) {
 /// Checks rules 9 and 10 against the reports about the attempt.
 void Ledger::count_end(const Change& change, Told& told) {
   const auto found = ends_.find({change.id, change.attempt});
-  // Without a reported end, the attempt's launches never began.
+  // If no end was reported, no launch of the attempt has begun.
   const ToldEnd end =
       found != ends_.end() ? found->second : ToldEnd{.is_death = true, .scans = told.scans_told};
   told.is_bug_again = end.is_bug && told.has_bug && end.scans <= told.scans_at_bug;
@@ -171,7 +172,7 @@ void Ledger::count_end(const Change& change, Told& told) {
   told.scans_at_death = end.scans;
   if (change.to == State::queued) {
     const auto doublings = static_cast<int>(told.deaths) - 1;
-    // A long-lived attempt resets the back-off, so only the first second is certain.
+    // An attempt that lived for steady_s resets the back-off, so the wait is at least one second.
     const double waits_s =
         end.lived_s >= scenario_.options.steady_s ? 1 : std::ldexp(1.0, doublings);
     told.not_before_s = clock_s_ + waits_s;

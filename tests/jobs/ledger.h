@@ -8,18 +8,19 @@
 //      newest is stopped. Only a leaving job is removed. An answer matches the store.
 //   4. At most one program of a job runs, and each has a newer attempt than earlier ones.
 //   5. When an attempt is added, the stored open attempts are within the machine's and the user's
-//      limits of cores and memory. If all reports are true, the running programs are too.
+//      limits of cores and memory. If all reports are true, the running programs are within these
+//      limits too.
 //   6. No attempt is added while the disk is reported low, the server is draining, or the backend
 //      is reported unreachable.
 //   7. At each submit, a user's unfinished jobs are within the limit.
 //   8. A key belongs to one job, and an id is never reused.
-//   9. A job is done when its program has finished, and fails when its program fails. It also fails
-//      after five reported deaths without a commit in between, no earlier and no later, or after
-//      the same bug twice.
+//   9. A job is done when its program has finished, and fails when its program fails. A job also
+//      fails after five reported deaths without a commit in between, no earlier and no later, or
+//      after the same bug twice.
 //  10. After n consecutive failed starts, the next start is at least 2^(n-1) s later.
 //  11. A job's deletion is announced announce_s in advance, unless a user deletes the job. Pinned
 //      jobs aren't deleted.
-//  12. A running job that should stop gets its stop in the same step.
+//  12. The step that decides to stop a running job also sends the stop.
 //  13. If somebody cancels a job's attempt in the batch system and no stop was requested, the job
 //      is held, or done if it had finished.
 // Not thread-safe.
@@ -72,7 +73,8 @@ class Ledger {
     std::uint32_t cores = 0;
     std::uint64_t memory_bytes = 0;
   };
-  /// Reports about a job whose consequences are stored.
+  /// Sums over the reports about a job. A report counts once the daemon has stored its
+  /// consequences.
   struct Told {
     std::uint64_t scans_told = 0;
     std::uint32_t deaths = 0;  ///< consecutive, without a commit

@@ -67,7 +67,7 @@ std::vector<Fault> faults_of(std::uint64_t seed, double span_s,
   Dice dice(seed, Dice::Part::faults);
   std::vector<Fault> faults(dice.whole(0, k_faults_max));
   if (!wants.empty() && faults.size() < 20) faults.resize(20);
-  // Without wrong answers, running programs must be within the limits too.
+  // If no message is wrong, running programs must be within the limits too.
   const bool is_truthful = !wants.empty() || dice.chance(0.6);
   for (Fault& fault : faults) {
     fault.kind = static_cast<Fault::Kind>(

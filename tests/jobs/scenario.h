@@ -95,7 +95,7 @@ struct Scenario {
 struct ScenarioChoice {
   std::uint64_t jobs_max = k_jobs_max;
   Mistake mistake = Mistake::none;
-  /// Kinds of faults that the mistake needs. The scenario includes some of them.
+  /// Kinds of faults that reveal the mistake. The scenario includes some of these faults.
   std::vector<Fault::Kind> wants{};
   bool are_deleted = false;  ///< each user deletes each job soon after its end
 };

@@ -6,8 +6,8 @@
 //                 │  ▲
 //   faults ──▶ backend: keepers and programs.
 //
-// A step's effects wait until its save is on disk. Effects carried out before a daemon dies stay.
-// Invariant: a run is a function of its scenario. Not thread-safe.
+// A step's effects wait until its save is on disk. A daemon's death doesn't undo the effects that
+// it has carried out. Invariant: a run is a function of its scenario. Not thread-safe.
 #pragma once
 
 #include <cstdint>

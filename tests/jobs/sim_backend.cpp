@@ -12,7 +12,7 @@ namespace sleight::jobs::simulated {
 namespace {
 
 constexpr double k_latency_s_min = 1e-3, k_latency_s_max = 0.05;
-/// Maximum delay of messages, so short that Options::unbegun_max launches take longer.
+/// Maximum delay of messages, which is shorter than the time of Options::unbegun_max launches.
 constexpr double k_late_s_max = 8;
 
 }  // namespace

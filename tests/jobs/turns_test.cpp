@@ -165,8 +165,9 @@ TEST(Turns, ALargeJobGetsItsRoom) {
 }
 
 TEST(Turns, NobodyStarves) {
-  // Goal: the bound in jobs.h holds. Method: twenty users have endless jobs on one core. One user
-  // has used it for hours, one has long scans, one has low priority. Patience is ten minutes.
+  // Goal: no user waits longer than the bound in jobs.h. Method: twenty users have endless jobs on
+  // one core. One user has used it for hours, one has long scans, one has low priority. Patience is
+  // ten minutes.
   Scenario scenario = quiet_machine(1, 0);
   scenario.options.patience_s = 600;
   constexpr double k_begin_s = 8000, k_end_s = 20'000;
@@ -189,8 +190,9 @@ TEST(Turns, NobodyStarves) {
 }
 
 TEST(Turns, RestartsCostLittle) {
-  // Goal: turns cost at most a twentieth of the time. Method: simulate eight users on two cores for
-  // an hour, and compare core-seconds of committed scans with all core-seconds of programs.
+  // Goal: restarts for the sake of turns cost at most a twentieth of the time. Method: simulate
+  // eight users on two cores for an hour, and compare core-seconds of committed scans with all
+  // core-seconds of programs.
   Scenario scenario = quiet_machine(2, 3600);
   for (std::uint32_t user = 1; user <= 8; ++user)
     scenario.jobs.push_back(job_of(UserId{user}, 0, k_endless_core_s));

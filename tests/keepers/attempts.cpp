@@ -1,8 +1,8 @@
-// Commands of the local backend, which print JSON. Each call acts as a new daemon.
+// Commands of the local backend, which print JSON. Each run of the program acts like a new daemon.
 //   `sleight-attempts launch FOLDER N [options]` prints the keeper's process id.
 //   `sleight-attempts look FOLDER N` prints the attempt's state, record and message.
 //   `sleight-attempts stop FOLDER N in_order|now` prints whether there was an attempt to stop.
-//   `sleight-attempts await FOLDER N` waits until the keeper exits, then prints the same.
+//   `sleight-attempts await FOLDER N` waits until the keeper exits, then prints what `look` prints.
 #include <fmt/format.h>
 #include <poll.h>
 
