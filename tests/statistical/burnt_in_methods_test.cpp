@@ -61,7 +61,7 @@ std::size_t place_of(const plan::ScanRecord& record) {
   return static_cast<std::size_t>(record.outcome.front());
 }
 
-/// A chain's part after a burn-in that found these weights. The part's state is an exact draw.
+/// A chain's part that continues a given burn-in from an exact draw.
 template <class Part>
 class StartedPart {
  public:

@@ -40,8 +40,8 @@ StagedDice two_dice(double sigma_m, double tolerance_m) {
 }
 
 TEST(DiceIslands, AgreeWithRejection) {
-  // Goal: islands and blind throws agree on Z and P(satisfied) of two dice. Method: compare islands
-  // with pools of eight throws with prior draws, within 4 combined errors.
+  // Goal: islands and blind throws agree on Z and P(satisfied) of two dice. Method: use islands
+  // whose pools have eight throws, and compare them with prior draws within 4 combined errors.
   const StagedDice world = two_dice(0.02, 0.025);
   const int throws = property::long_run() ? 200'000 : 8'000;
   const std::uint32_t islands = property::long_run() ? 20'000 : 700;
@@ -69,9 +69,9 @@ TEST(DiceIslands, AgreeWithRejection) {
 }
 
 TEST(DiceIslands, PoolsGiveThePrior) {
-  // Goal: weights of throws from a pool correct for the way in which the pool was drawn, and a
-  // throw was chosen from it. Method: at inverse temperature 0, the mean of Z is 1. If Z counts as
-  // 0 unless the first (or second) die is faster than average, its mean is 1/2. Pools have two
+  // Goal: weights of throws from a pool account for how the pool was drawn, and how a throw was
+  // chosen from the pool. Method: at inverse temperature 0, the mean of Z is 1. If Z counts as 0
+  // unless the first (or second) die is faster than average, its mean is 1/2. Pools have two
   // throws, and islands one particle. Means agree within 4 errors.
   const StagedDice world = two_dice(0.04, 0.05);
   auto guide = world.learn(k_seed);

@@ -39,7 +39,7 @@ struct FailingRing : RuggedRing {
   }
   bool satisfied(const Outcome& outcome) const { return RuggedRing::satisfied(outcome.place); }
 
-  /// p_beta conditioned on success of the simulation.
+  /// Returns p_beta, conditioned on success of the simulation.
   static std::vector<double> exact(double beta) {
     std::vector<double> p = RuggedRing::exact(beta);
     double sum = 0;
@@ -117,8 +117,8 @@ TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
 
 TEST(FailuresInvariance, ACandidateThatFailsIsRefusedFromAnywhere) {
   // Goal: from a start of zero density, a chain accepts candidates by the prior alone, but never a
-  // failed one. Method: make long walks from a place with p_c = 0 next to places whose simulation
-  // fails.
+  // failed candidate. Method: make long walks from a place with p_c = 0 next to places whose
+  // simulation fails.
   const FailingRing ring;
   for (std::uint64_t chain = 0; chain < 2000; ++chain) {
     auto sample = sampling::evaluate(ring, RuggedRing::State{12});

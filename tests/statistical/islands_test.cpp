@@ -99,7 +99,8 @@ TEST(Islands, EstimatesOfParticlesThatChooseTogetherAreUnbiased) {
 }
 
 TEST(Islands, AFifthOfTheToyIsRescued) {
-  // Goal: a fifth of the toy's mass is in states that a potential of 0 loses. Method: enumeration.
+  // Goal: a fifth of the toy's mass is in states that a potential of 0 loses. Method: enumerate all
+  // states.
   const Toy toy;
   const std::vector<double> masses = toy.masses(1);
   double rescued = 0;
@@ -111,7 +112,7 @@ TEST(Islands, AFifthOfTheToyIsRescued) {
 
 TEST(Islands, AHardPotentialLeavesOutWhatIsRescued) {
   // Goal: if psi = 0, islands estimate the mass of the states that they reach, and draw no other
-  // state. Method: compare 10,000 islands with enumeration without states that fall on the way.
+  // state. Method: compare 10,000 islands with enumeration of the states whose walker never falls.
   const Toy toy;
   const Guide guide{.log_fallen = sampling::k_log_zero};
   const std::vector<double> masses = toy.masses(1);
@@ -173,7 +174,7 @@ std::uint32_t draws() {
                               : static_cast<std::uint32_t>(property::of_tier(1'500, 4'000));
 }
 
-/// Expects a step by islands to leave exact draws exact in each setting, and to move them.
+/// Expects that, in each setting, a step by islands moves exact draws and keeps their distribution.
 void expect_kept(std::uint32_t first_chain,
                  const std::function<void(const sampling::Islands<Toy>&, std::uint64_t number,
                                           ToyParticle&)>& step) {
@@ -235,7 +236,7 @@ Step mixed(const Setting& setting, AfterLocalMove after) {
 
 TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
   // Goal: local moves in addition to islands are right, even if a potential of 0 makes some states
-  // reachable only by local moves. Method: as above.
+  // reachable only by local moves. Method: as in the tests above.
   const std::vector<Setting> settings{
       {.guide = {}, .options = {.particles = 2}},
       {.guide = {}, .options = {.particles = 8}},
@@ -253,7 +254,7 @@ TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
 
 TEST(ParticleSteps, MistakesWithStaleIslandsAreCaught) {
   // Goal: the previous test can fail. Method: run one chain that keeps Z after a local move, and
-  // another that moves its state within the new island only if the old island is stale.
+  // another that replaces its state by the new island's draw if the old island is stale.
   const Setting two{.guide = {}, .options = {.particles = 2}};
   const Setting eight{.guide = {}, .options = {.particles = 8}};
   const Kept keeps_z = kept_by(mixed(two, AfterLocalMove::keeps_z), 1, 800'000'000, 60'000);

@@ -57,7 +57,7 @@ TEST(SpellingIslands, AgreeWithRejection) {
   const int throws = property::long_run() ? 400'000 : 30'000;
   const std::uint32_t islands = property::long_run() ? 10'000 : 600;
 
-  // P(satisfied) is an eighth of its value with all three balls active, so activate all balls.
+  // P(satisfied) is eight times as high if all three balls are active, so activate all balls.
   Estimates blind;
   for (int i = 0; i < throws; ++i) {
     random::Stream stream = streams_of(0).at(random::Purpose::prior, static_cast<std::uint64_t>(i));
@@ -118,11 +118,11 @@ TEST(SpellingIslands, BallsThatOthersRescueCount) {
 }
 
 TEST(SpellingIslands, PoolsGiveThePrior) {
-  // Goal: weights of drops from a pool correct for the way in which the pool was drawn, shared and
-  // used, even for the smallest pool. Method: at inverse temperature 0, the mean of Z is 1 for any
-  // guide. If Z counts as 0 unless both balls take part, its mean is 1/4; if the first ball must
-  // also be on the left, 1/8. Use free and joint islands of one particle, bins far apart, and two
-  // drops per bin. Means agree within 4 standard errors.
+  // Goal: weights of drops from a pool account for how the pool was drawn, shared and used, even
+  // for the smallest pool. Method: at inverse temperature 0, the mean of Z is 1 for any guide. If Z
+  // counts as 0 unless both balls take part, its mean is 1/4; if the first ball must also be on the
+  // left, 1/8. Use free and joint islands of one particle, bins far apart, and two drops per bin.
+  // Means agree within 4 standard errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   parameters.constraint.log_lambda = 0.5;
@@ -196,7 +196,7 @@ TEST(SpellingIslands, GivenDropsLieInTheStrataThatGaveThem) {
                   5 * std::sqrt(each * (1 - each) / k_pools))
           << "ball " << ball << ", place " << place;
     }
-    // The share differs between the strata.
+    // Check that the strata have different shares.
     EXPECT_GT(std::abs(share - 0.5), 0.1);
   }
 }

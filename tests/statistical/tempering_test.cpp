@@ -157,7 +157,8 @@ TEST(RoundTrips, AreAsManyAsPredicted) {
     EXPECT_NEAR(seen / predicted, 1, 0.1) << "seed " << k_seed;
     // The numbers of restarts and trips differ by at most one per replica.
     EXPECT_NEAR(static_cast<double>(last.restarts), trips, static_cast<double>(last.counts.size()));
-    // The ladder has converged: rejection rates are about equal, though the first weren't.
+    // The ladder has converged: rejection rates are about equal, although the first round's rates
+    // weren't.
     EXPECT_LT(std::ranges::max(rejections) - std::ranges::min(rejections), 0.06);
     EXPECT_NEAR(static_cast<double>(last.counts.size()), sampling::levels_for(barrier), 1);
   }

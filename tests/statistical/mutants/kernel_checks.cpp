@@ -127,7 +127,7 @@ std::vector<double> kernel_moves(const Mutant& mutant, std::uint64_t seed) {
   return {chi_square_p(counts, expected)};
 }
 
-/// Compares the last two of a worker's scans from exact draws with enumeration.
+/// Starts workers at exact draws, and compares their last two scans with enumeration.
 std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});

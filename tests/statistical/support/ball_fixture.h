@@ -15,7 +15,7 @@ namespace sleight::statistical {
 using Ball = worlds::ball_2d::Ball2d;
 using BallSample = sampling::Sample<Ball>;
 
-/// Streams of a test. Each use of random numbers has different chains.
+/// Returns a test's streams. Each use of random numbers in a test needs its own chain number.
 inline sampling::ChainStreams streams_of(std::uint64_t seed, std::uint32_t chain) {
   return {.seed = seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
 }

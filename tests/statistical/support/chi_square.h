@@ -10,7 +10,7 @@
 namespace sleight::statistical {
 
 /// Returns the probability that a right sampler deviates as much or more. Cells with an expected
-/// count below 10 are merged. A count in a cell of probability 0 yields 0.
+/// count below 10 are merged. Returns 0 if a cell of probability 0 has a count.
 inline double chi_square_p(const std::vector<double>& counts,
                            const std::vector<double>& probabilities) {
   double total = 0;
@@ -39,7 +39,7 @@ inline double chi_square_p(const std::vector<double>& counts,
 }
 
 /// Returns the p-value of two samples of counts, under the hypothesis that they have the same
-/// distribution (W. H. Press et al., Numerical Recipes, 14.3, for unequal numbers).
+/// distribution (Numerical Recipes, 14.3, for unequal numbers).
 inline double two_sample_p(std::span<const double> a, std::span<const double> b) {
   double sum_a = 0;
   double sum_b = 0;

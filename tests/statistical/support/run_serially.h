@@ -11,8 +11,8 @@ namespace sleight::statistical {
 
 using Observe = std::function<void(const plan::UnitResult&)>;
 
-/// Hands out, runs and consumes until the plan is finished. Calls `observe` with each result before
-/// the plan consumes it. REQUIRES: the plan is fresh.
+/// Runs the plan's units one after the other until the plan is finished. Calls `observe` with each
+/// result before the plan consumes it. REQUIRES: the plan is fresh.
 void run_serially(plan::Plan& plan, const plan::UnitWorker& worker, const Observe& observe);
 
 /// Returns for each chain, in scan order, `value` of each scan at inverse temperature 1 from

@@ -40,7 +40,7 @@ inline worlds::spelling::Parameters parameters_with_aims() {
   return parameters;
 }
 
-/// Adds steps that simulations of lone balls judge first (solo_balls.h).
+/// Adds steps that are first tested by simulating balls alone (solo_balls.h).
 inline worlds::spelling::Parameters parameters_with_solo_steps() {
   worlds::spelling::Parameters parameters = parameters_with_aims();
   parameters.proposal.solo_steps = 3;

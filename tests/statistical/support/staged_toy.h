@@ -34,7 +34,8 @@ struct StagedToy {
   struct Guide {
     /// Choices are drawn from q(x) proportional to p(x)^(1 - flatness).
     double flatness = 0.7;
-    /// log psi of a fallen walker; -infinity excludes states that are rescued later.
+    /// log psi of a fallen walker. -infinity excludes states in which the walker falls and gets up
+    /// again.
     double log_fallen = -2;
   };
   using Ground = std::uint32_t;
@@ -51,7 +52,7 @@ struct StagedToy {
     return state / k_weights[stage] % k_choices;
   }
   static Outcome begin_of(Ground ground) { return {.place = 3 * ground}; }
-  /// p of the choices, which depend on the walker's place.
+  /// Returns p of each choice, which depends on the walker's place.
   static std::array<double, k_choices> choices(const Outcome& from) {
     if (from.place % 2 == 0) return {0.5, 0.3, 0.2};
     return {0.25, 0.6, 0.15};
@@ -144,8 +145,8 @@ struct StagedToy {
                                 std::uint32_t stage, Prefix& prefix) const {
     return extend_by(guide, choice_of(state, stage), prefix);
   }
-  /// There are two sorts with choices: choice 1 alone, and the other two. Masses need not add up to
-  /// 1.
+  /// Choice 1 has sort 0, and the other two choices have sort 2. No choice has sort 1. The sorts'
+  /// masses need not add up to 1.
   static std::size_t sort_of(std::uint32_t choice) { return choice == 1 ? 0 : 2; }
   std::size_t sorts() const { return 3; }
   std::vector<sampling::Alternative> alternatives(const Guide& guide, const Ground&, std::uint32_t,

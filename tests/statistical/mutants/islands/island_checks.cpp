@@ -49,7 +49,7 @@ bool satisfies(StagedToy::State state) {
   return k_toy.satisfied(k_toy.simulate(state));
 }
 
-/// Returns the p-value of a mean over free islands, for each setting.
+/// Returns, for each setting, the p-value of the mean of `value` over free islands.
 std::vector<double> mean_over_islands(Mistake mistake, std::uint64_t seed,
                                       const std::function<double(const ReferenceIsland&)>& value,
                                       const std::function<double(double beta)>& expected) {
@@ -86,7 +86,7 @@ double kept(std::vector<double> masses, std::uint64_t seed, std::uint32_t first_
   return chi_square_p(counts, masses);
 }
 
-/// Like kept(), for the reference's steps in each setting.
+/// Returns kept() for the reference's steps in each setting.
 std::vector<double> reference_keeps(
     Mistake mistake, std::uint64_t seed, const Chains& chains,
     const std::vector<IslandSetting>& settings,

@@ -35,7 +35,7 @@ std::uint32_t draw_of(std::uint32_t bin, random::Stream& stream) {
   return static_cast<std::uint32_t>(random::draw_by_share(densities, stream));
 }
 
-/// p / q, where q is the mean over strata.
+/// Returns p / q of a spot, where q is the mean of the strata's densities.
 double prior_over_q(std::uint32_t spot) {
   double sum = 0;
   for (std::uint32_t bin = 0; bin < PooledToy::k_bins; ++bin)
@@ -43,7 +43,8 @@ double prior_over_q(std::uint32_t spot) {
   return k_prior.at(spot) * PooledToy::k_bins / sum;
 }
 
-/// A guess of how promising a drop is after the outcome's balls. The method is exact for any guess.
+/// Returns a guess of how promising a drop is, given the outcome of the earlier balls. The method
+/// is exact for any guess.
 double guess_of(std::uint32_t spot, const PooledToy::Outcome& outcome) {
   const std::uint32_t bin = k_alone.at(spot);
   return bin < PooledToy::k_bins && !outcome.is_full.at(bin) ? 0.9 : 0.2;

@@ -14,7 +14,7 @@
 namespace sleight::statistical {
 
 struct SearchedToy : StagedToy {
-  /// A try is a uniform choice, and promising if the walker has not fallen.
+  /// A try is a uniform choice. The try is promising if the walker has not fallen.
   struct Builder {
     using Prefix = StagedToy::Prefix;
     std::uint32_t stages() const { return k_stages; }

@@ -34,8 +34,9 @@ double effective_size_of(const std::vector<double>& shares) {
   return 1 / squares;
 }
 
-/// Particles are consecutive arcs of length N W. For each of the points offset, offset + 1, ...,
-/// returns the first particle whose arc ends beyond the point.
+/// Each particle is an arc whose length is N times its share of the weight, and arcs follow one
+/// another. For each of the points offset, offset + 1, ..., returns the first particle whose arc
+/// ends beyond the point.
 std::vector<std::uint32_t> particles_at_points(const std::vector<double>& shares, double offset) {
   const std::size_t count = shares.size();
   std::vector<double> ends;

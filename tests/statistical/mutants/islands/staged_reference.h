@@ -1,7 +1,7 @@
 // Reimplements islands and their chains for the staged toy, slowly and plainly, with an optional
 // mistake. Without a mistake, results equal those of the real code (worker/sampling/island.h,
-// particle_steps.h, worker/run/island_scan.h) bit by bit. So each mistake is one in the real
-// algorithm.
+// particle_steps.h, worker/run/island_scan.h) bit by bit. So each mistake corresponds to a mistake
+// in the real algorithm.
 //
 // The reference shares random numbers, sums of logs and the toy with the real code, because these
 // have tests of their own. Everything that determines weights, resampling, draws and acceptance is
