@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 """Do the chain's own falls, or lineages, mark visually distinct sets of animations (thesis 2.5)?
 
-Puts the kept animations of HI into as many groups that look alike (`sleight groups`) as falls or lineages
-divide them into, and prints how far the two agree: the adjusted Rand index, 1 for the same division and 0 on
-average for divisions that have nothing to do with each other.
+Divides the kept animations of HI into groups that look alike (`sleight groups`), as many as there are sets
+between falls or of lineages. Prints how far the two divisions agree, as the adjusted Rand index: 1 for equal
+divisions, and 0 on average for independent divisions.
 
     tests/thesis/alike.py --bin build/release/bin --source .
 
-A fall lies between two kept animations of a chain where the number of balls in their bins was down by so many
-in between (figure 2.8). Of shuffled labels the greatest index of 199 is printed beside."""
+There is a fall between two kept animations of a chain if, in between, the number of balls in their bins was
+sufficiently far below the maximum (figure 2.8). For comparison, prints the greatest index of 199 shuffles of
+the labels."""
 
 import argparse
 import json

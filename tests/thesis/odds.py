@@ -1,13 +1,13 @@
 #!/usr/bin/python3
-"""Whether estimates of log P(satisfied) agree: by islands, by tempering, and by blind throws.
+"""Checks that islands, tempering and blind throws give the same estimates of log P(satisfied).
 
   tests/thesis/odds.py --bin build/release/bin                      ten words, and two to four dice
   tests/thesis/odds.py --bin ... --only I T dice2 --limit 60 --throws 100000
 
-Islands run by `odds = 0.1`, tempering (words: from searches) by rounds; a run that takes longer than
---limit seconds is stopped, and tells what it then knows. Blind throws are made of words with --throws
-(sleight-proportions). Estimates of which the program gives no interval are shown with the reason and
-compared with nothing. Exits with 1 if two differ by more than three combined errors.
+Islands run with `odds = 0.1`, and tempering (for words, from searches) runs in rounds. A run that takes
+longer than --limit seconds is stopped, and its estimate so far counts. --throws makes blind throws of words
+(sleight-proportions). If the program prints an estimate without an interval, the table shows the reason and
+compares nothing. Exits with 1 if two estimates differ by more than three combined errors.
 """
 
 import argparse

@@ -24,7 +24,7 @@ namespace dice = worlds::dice;
 
 constexpr double k_m_per_mm = 0.001;
 
-/// Returns the motion of a state's only die, numbered `nth`. All its hits are on the table.
+/// Returns the motion of a state's only die, numbered `nth`. The die's hits are all on the table.
 std::vector<motion::Segment> motion_of(const dice::Dice& world, base::BytesView state,
                                        std::uint32_t nth, std::uint32_t table) {
   const auto decoded = world.decode(state);

@@ -1,4 +1,4 @@
-// Figure 2.13: six dice in one picture. Each has its own table, place and face.
+// Figure 2.13: six dice in one picture. Each die has its own table, place and face.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// `sleight-figures-2`: reproduces figures 2.8 to 2.13 of the thesis. It makes figures 2.8 to 2.12
-// with the kernel printed in A.2.2 and with the correct kernel.
+// `sleight-figures-2`: reproduces figures 2.8 to 2.13 of the thesis. The program makes figures 2.8
+// to 2.12 with the kernel printed in A.2.2 and with the correct kernel.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -73,7 +73,8 @@ std::vector<Plan> plans_of(const Arguments& arguments) {
     parameters.constraint.log_lambda = log_lambda;
     return parameters;
   };
-  // Iterations are the thesis's, and for figure 2.12 (which has none) those of requests/acm.toml.
+  // The numbers of iterations are from the thesis. The thesis has no number for figure 2.12, so
+  // that figure uses the number of requests/acm.toml.
   const spelling::Pattern hi = spelling::hi();
   const spelling::Pattern acm = spelling::pattern_of_word("ACM", spelling::Font::rows_5).value();
   const std::array wanted{

@@ -37,7 +37,8 @@ TEST(Statistics, VisitsEndWhenTheSpellingIsLeft) {
   EXPECT_FALSE(none.first_correct);
   EXPECT_EQ(none.visits, 0U);
   EXPECT_EQ(none.longest_stay, 0U);
-  // One visit in which a ball is elsewhere for two iterations, and one of a single iteration.
+  // There are two visits: during the first, a ball is elsewhere for two iterations; the second
+  // lasts one iteration.
   const Statistics two = statistics_of(chain_of({8, 10, 9, 8, 10, 10, 7, 10}));
   EXPECT_EQ(two.first_correct, 1U);
   EXPECT_EQ(two.visits, 2U);

@@ -8,7 +8,7 @@
 
 namespace sleight::thesis {
 
-/// Compared quantities of a pouring. A faulty sampling method may be wrong in only one of them.
+/// Compared quantities of a pouring. A faulty sampling method may be wrong in only one quantity.
 enum class Quantity : std::uint8_t {
   helped_balls,       ///< number of helped balls
   bin_of_first_ball,  ///< number of the first ball's bin
@@ -37,12 +37,12 @@ Series satisfying_draws(const std::string& request_text, std::uint64_t first_sca
 /// Returns all takes of a request that requires at least one take.
 std::vector<Values> takes_of(const std::string& request_text);
 
-/// Returns, for each scan, the numbers of helped balls in the chains that satisfy at it.
+/// Returns, for each scan, the number of helped balls in each chain whose state satisfies.
 std::vector<std::vector<double>> helped_by_scan(const std::string& request_text);
 
 /// Results of a run until its own stop rule ends it: all counted solutions, and one satisfying
-/// draw, chosen at random by the seed. The plan's draws name the counted solutions. Without them,
-/// each lineage's first satisfying scan counts.
+/// draw, chosen at random by the seed. The plan's draws name the counted solutions. Without the
+/// plan's draws, each lineage's first satisfying scan counts.
 struct Counted {
   bool has_run = false;
   std::vector<Values> solutions;

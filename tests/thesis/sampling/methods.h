@@ -91,8 +91,9 @@ Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t sim
   return score;
 }
 
-/// Whether simulations of single balls or dice count. In the table they count for dice, including
-/// pools of islands. For balls they count only in the core-seconds.
+/// Whether simulations of single balls or dice count. In the table, simulations of single dice
+/// count, including the pools of islands. Simulations of single balls count only in the
+/// core-seconds.
 enum class LoneSimulations { counted, left_out };
 
 /// Runs the starts of a search one after another. Finds are solutions, but not in the proportions

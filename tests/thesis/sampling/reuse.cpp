@@ -30,7 +30,8 @@ struct Events {
   std::uint64_t simulated = 0;
 };
 
-/// Balls that spell. Their candidates are also simulated from scratch. Not thread-safe.
+/// Balls that spell, with a second simulation of each candidate from scratch for comparison. Not
+/// thread-safe.
 struct Observed : Spelling {
   Observed(const worlds::spelling::Parameters& parameters, Events& last)
       : Spelling(parameters), last_(&last) {}
