@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Archives as xarray and h5py see them, against the CSV export, and the digest recomputed.
+"""Checks archives by xarray and h5py against the CSV export, and recomputes their digests.
 
     test_readers.py ARCHIVE [CSV_FOLDER]     checks an archive (of any world)
     test_readers.py --writer PROGRAM         writes sample archives with PROGRAM and checks them
 
-Goal: dimensions, coordinates, booleans and values are right by every engine that is installed.
-Method: each engine's values are compared with h5py's, h5py's with the CSV; the digest is computed
-anew from h5py alone, by docs/ARCHIVE_FORMAT.md, and must equal the stored one.
+Goal: every installed engine reads the right dimensions, coordinates, booleans and values. Method: compare
+each engine's values with h5py's, and h5py's values with the CSV. Compute the digest with h5py alone, as
+docs/ARCHIVE_FORMAT.md specifies, and compare it with the stored digest.
 """
 
 import csv

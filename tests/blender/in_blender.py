@@ -1,10 +1,10 @@
-"""Runs inside Blender: imports exported animations by the add-on and compares what it shows with the
-archive. Arguments after `--`: the add-on, the archive, frames a second, then .glb files; with no
-files the add-on exports the archive itself, by the program in the environment's SLEIGHT.
+"""Runs inside Blender: imports exported animations with the add-on, and compares what Blender shows with the
+archive. Arguments after `--` are the add-on, the archive, the frames per second, and .glb files. Without
+files, the add-on exports the archive itself with the program named by the environment variable SLEIGHT.
 
-Goal: bodies in Blender are where the archive says, and turned so, at ten times of each animation.
-Method: h5py reads the motions' segments, whose closed form is evaluated here; angular motion by
-small steps.
+Goal: Blender shows bodies at the archive's positions and orientations, at ten times of each animation.
+Method: read the segments of the motions with h5py, and evaluate their closed form here. Integrate angular
+motion by small steps.
 """
 
 import importlib.util

@@ -1,15 +1,15 @@
 #!/usr/bin/python3
-"""Our diagnostics of Markov chains against those of R's package posterior.
+"""Compares our diagnostics of Markov chains with R's package posterior.
 
     test_posterior.py --writer PROGRAM [--seed N]
 
-Goal: every measure equals posterior's within 1e-10 relative, NaN where it is NA, for chains of all
-sorts and shapes. Method: PROGRAM writes seeded arrays and our measures of them, one R process
-writes its own, and this compares; then a value, a NaN and a line are spoilt in turn, which the
-comparison must notice. Prints the greatest relative difference of each measure.
+Goal: every measure equals posterior's within 1e-10 relative, and is NaN where posterior's is NA, for
+chains of all kinds and shapes. Method: PROGRAM writes seeded arrays and our measures of them, one R
+process writes posterior's measures, and this program compares the two. Then corrupt a value, a NaN and a
+line in turn; the comparison must fail each time. Prints the greatest relative difference of each measure.
 
-An effective sample size at which the sign of a sum that is 0 decides (see measure.R) is rounding
-error in posterior: such a one may differ, but not many may.
+If the sign of a sum that is 0 determines an effective sample size (see measure.R), posterior's value is
+rounding error. Such a value may differ, but only a few may.
 """
 
 import argparse

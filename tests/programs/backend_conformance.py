@@ -1,13 +1,13 @@
-"""What every backend has to do (service/backend/backend.h, docs/BACKENDS.md), whatever system it stands for.
-A kind of backend is a class that has these cases from Conformance and says how its engine is asked:
+"""Tests of what every backend must do (service/backend/backend.h, docs/BACKENDS.md), for any system. A test
+class for a kind of backend inherits these cases from Conformance and defines how to call its engine:
 
-    command()        the engine, to which a verb is added; it answers as docs/BACKENDS.md says
-    wait_options()   options of a job with which it waits in the system's queue; None: there is no queue
-    make_away()      makes the system not answer; come_back() ends that
-    speed            how much longer than a process of this machine things take
+    command()        the engine's command, without a verb; its answers follow docs/BACKENDS.md
+    wait_options()   options that make a job wait in the system's queue; None: there is no queue
+    make_away()      makes the system stop answering; come_back() ends that
+    speed            how many times slower the system is than a process of this machine
 
-Launched are real keepers (service/keeper), whose programs are shell scripts that note when they start and what
-they are told. Attempts of a test are its own: each has daemon names that nobody else uses."""
+The tests launch real keepers (service/keeper), whose programs are shell scripts that record their start and
+the signals that they receive. Each test has its own attempts, with daemon names that no other test uses."""
 
 import concurrent.futures
 import json

@@ -1,5 +1,5 @@
-// For LD_PRELOAD: makes library functions fail whose failure the programs CHECK or don't expect.
-// Tests then see a real program's report of a bug.
+// For LD_PRELOAD: makes library functions fail, so that a CHECK fails or the program meets an
+// unexpected error. Tests then see a real program's report of a bug.
 #include <dlfcn.h>
 #include <pthread.h>
 

@@ -1,7 +1,7 @@
-"""Goal: backends by other programs do what every backend has to. Method: the cases of
-backend_conformance.py through tests/backends, each call a process of its own; the program is the documented
-example, deploy/backends/sleight-example. What a program must not do is done by scripts. Slurm's are
-test_slurm_backend.py's."""
+"""Goal: backends by other programs do what every backend must do. Method: run the cases of
+backend_conformance.py through tests/backends, with a separate process for each call. The program is the
+documented example, deploy/backends/sleight-example. Scripts break the protocol in all ways that a program
+must not. test_slurm_backend.py tests the backend for Slurm."""
 
 import json
 import os

@@ -1,8 +1,8 @@
-"""Goal: Blender, by the add-on of clients/blender, shows exported animations as their archives have them:
-each body at ten times of each animation, to 0.1 mm and 0.2 degrees, with materials and metadata. Method: a
-ball, dice and balls that spell, directed for a while; Blender without a display, in which
-tests/blender/in_blender.py compares with what h5py reads. Too long and too large for CI: deploy/soak
-blender, which wants `deploy/install-deps --blender`."""
+"""Goal: Blender, with the add-on of clients/blender, shows exported animations as their archives describe
+them: each body at ten times of each animation, to 0.1 mm and 0.2 degrees, with materials and metadata.
+Method: direct a ball, dice and balls that spell. Run tests/blender/in_blender.py in Blender without a
+display, which compares the scene with h5py's values. Too long and too large for CI: deploy/soak blender runs
+it and needs `deploy/install-deps --blender`."""
 
 import csv
 import io

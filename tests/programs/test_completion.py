@@ -1,6 +1,6 @@
-"""Goal: completion works in the shells that people have, and manual pages are without fault. Method:
-real bash (with and without bash-completion), zsh and fish are asked what may stand at the end of
-lines, of a toy program that has every kind of argument and of the real ones; mandoc judges the pages.
+"""Goal: completion works in common shells, and manual pages have no faults. Method: request completions from
+real bash (with and without bash-completion), zsh and fish. The lines are of a toy program that has every kind
+of argument, and of the real programs. mandoc checks the pages.
 """
 
 import os

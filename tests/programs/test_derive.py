@@ -1,6 +1,6 @@
-"""Goal: `sleight archive derive` gives the archive that a run would have if it ended now, beside the
-running job, of a copy and of one that has ended; and refuses what it can't do with a reason. Method: real
-runs; digests against those of runs asked for so many scans."""
+"""Goal: `sleight archive derive` makes the archive that a run would have if it ended now: beside the running
+job, from a copy, and from a run that has ended. If it can't, it refuses with a reason. Method: make real
+runs, and compare digests with runs that requested as many scans."""
 
 import json
 import os

@@ -1,7 +1,7 @@
-"""Goal: deploy/slurm/direct.sbatch queues its job again when it stopped in order and nobody else
-decides, at whatever moment a warning comes, and not after an error. Method: the script with an
-`mpirun` that does what each test says and a `scontrol` that notes what it is asked; a real Slurm is
-test_slurm.py's."""
+"""Goal: after a clean stop, deploy/slurm/direct.sbatch queues its job again, unless the stop was by SIGTERM,
+after which Slurm or a person decides. This holds whenever a warning comes. After an error, the job isn't
+queued again. Method: run the script with a fake `mpirun`, which each test scripts, and a fake `scontrol`,
+which records its calls. test_slurm.py uses a real Slurm."""
 
 import os
 import pathlib

@@ -1,6 +1,6 @@
-"""Goal: whoever starts a run learns how its session ended, whatever happens: from the run store, or, where
-that can't take it, through the pipe. Method: real runs of both programs that end in every way, with a
-pipe that the test reads."""
+"""Goal: the program that starts a run always gets a report of how the session ended: from the run store, or
+through the pipe if the store can't be written. Method: run both programs to every kind of end, with a pipe
+that the test reads."""
 
 import json
 import os

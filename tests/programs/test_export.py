@@ -1,6 +1,6 @@
-"""Goal: `sleight export` writes the animations that were asked for, as glTF that others accept and as
-tables that say what the archive says, and harms no file. Method: small runs of each world and a made-up
-archive with finds; Khronos's validator of glTF; a few poses and tables against h5py."""
+"""Goal: `sleight export` writes the requested animations as valid glTF and as tables that equal the archive,
+and damages no file. Method: export small runs of each world, and a made-up archive with finds. Check the glTF
+with Khronos's validator, and compare a few poses and tables with h5py's values."""
 
 import csv
 import io

@@ -1,6 +1,6 @@
-"""Goal: what public bug reports about other software led to on ours stays mended: names that look like
-numbers, links, modes of files, commands that need no service, cores, memory, standard input, dumb
-terminals. Method: each report's smallest input, and others of its kind, on the real programs."""
+"""Goal: mistakes stay fixed that we found in our programs because of public bug reports about other software:
+names that look like numbers, links, file modes, commands that need no service, cores, memory, standard input,
+dumb terminals. Method: run each report's smallest input, and similar inputs, on the real programs."""
 
 import csv
 import io

@@ -1,7 +1,7 @@
-"""Goal: a job that is killed anywhere, at any moment, ends with a quiet run's digest, and nothing of it is
-left: no process, no shared memory, no file of Open MPI's outside its folder. Method: real keepers of
-real runs, direct and by mpirun, driven by a daemon that is gone between its calls (tests/keepers);
-kill -9 of the keeper, mpirun and its ranks at random moments from a printed seed (--seed, --kills)."""
+"""Goal: a job whose processes are killed anywhere, at any moment, ends with the digest of an undisturbed run.
+It leaves no process, no shared memory, and no file of Open MPI outside its folder. Method: run real keepers
+of real runs, direct and by mpirun. Each call of tests/keepers acts like a new daemon. Send kill -9 to the
+keeper, mpirun and its ranks at random moments from a printed seed (--seed, --kills)."""
 
 import itertools
 import json

@@ -1,8 +1,8 @@
-"""Goal: kill -9 of any process at any moment loses nothing that was reported, and the resumed run has
-the same digest; no process and no shared memory is left behind. Method: a run of at
-least 6 seconds of work (--seconds), killed at random moments of it and started again by the same
-command until it is done; then short runs, each killed once while it starts. The moments come from a
-printed seed. Of an MPI job mpirun, rank 0 and another rank are killed by turns."""
+"""Goal: kill -9 of any process at any moment loses nothing that was reported, and the resumed run has the
+same digest. It leaves no process and no shared memory. Method: kill a run of at least 6 seconds of work
+(--seconds) at random moments, and start it again by the same command until it is done. Then kill each of
+several short runs once while it starts. The moments come from a printed seed. In an MPI job, kill mpirun,
+rank 0 and another rank in turn."""
 
 import os
 import pathlib

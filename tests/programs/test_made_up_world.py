@@ -1,5 +1,6 @@
-"""Goal: a world that only a program's list names is directed, drawn, browsed and exported like any other.
-Method: tests/failing's pucks, whose motions are closed forms; each command, and what it says beside these."""
+"""Goal: a world that is only in a program's list of worlds is directed, drawn, browsed and exported like any
+other. Method: run each command on the pucks of tests/failing, and compare its output with their closed-form
+motions."""
 
 import json
 import math

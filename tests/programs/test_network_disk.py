@@ -1,6 +1,7 @@
-"""Goal: runs on a cluster's NFS: no flock, no file locks, no shared memory, several nodes. Of two starts on
-two nodes one writes and the other says who does; killed runs go on, to the digest of a local disk. Method:
-real programs with a library that makes every disk NFS and gives each node its name (other_node.cpp)."""
+"""Goal: runs work on a cluster's NFS, without flock, file locks and shared memory, on several nodes. If two
+nodes start the same run, one writes, and the other reports which node writes. Killed runs resume to the
+digest of a run on a local disk. Method: run real programs with a library that makes every disk act as NFS and
+gives each node its name (other_node.cpp)."""
 
 import pathlib
 import signal

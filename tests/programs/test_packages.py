@@ -1,8 +1,8 @@
-"""Goal: the Debian package is one: lintian finds no error in it, a plain Debian 12 takes it, plain users use what
-it brings, an upgrade costs no job, and removal leaves nobody's work. Method: the package is built; debootstrap
-makes a Debian 12, where it is installed by apt with what it depends on. The daemon is started there as its unit
-says, by hand, as nothing there is systemd. deploy/soak packages runs it: it wants root, packages' mirrors and
-some minutes."""
+"""Goal: the Debian package is sound. lintian finds no error in it, a plain Debian 12 installs it, ordinary
+users can use its programs, an upgrade interrupts no job, and removal deletes nobody's work. Method: build the
+package, and install it with its dependencies by apt in a Debian 12 made by debootstrap. Nothing there runs
+systemd, so start the daemon by hand with the command of its unit. deploy/soak packages runs this test, which
+needs root, packages' mirrors and some minutes."""
 
 import json
 import os

@@ -1,7 +1,7 @@
-"""Goal: what people do with the service works with real programs, and comes to the same as by hand:
-submit, watch, wait, fetch, cancel, resume, extend, delete; a daemon that is killed or replaced loses
-nothing. Method: a daemon in a folder of its own, the commands of `sleight`, digests against those of
-`sleight direct`."""
+"""Goal: people's tasks with the service work with real programs, and have the results of runs by hand:
+submit, watch, wait, fetch, cancel, resume, extend, delete. A daemon that is killed or replaced loses nothing.
+Method: run a daemon in its own folder and the commands of `sleight`, and compare digests with `sleight
+direct`."""
 
 import json
 import shutil

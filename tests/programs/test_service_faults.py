@@ -1,7 +1,7 @@
-"""Goal: whatever is killed, full or replaced, every job that was submitted ends once, with the digest of
-a run that nobody disturbed, and a watcher sees every numbered event once. Method: real processes and
-kill -9 of each kind at random moments (printed seed; --kills of each kind, deploy/soak takes 100), a disk
-of 20 MB, programs replaced while jobs run, a clock that is set back."""
+"""Goal: whatever is killed, full or replaced, every submitted job ends once, with the digest of an
+undisturbed run, and a watcher gets every numbered event once. Method: use real processes. Kill each kind of
+process with kill -9 at random moments (printed seed; --kills of each kind, 100 in deploy/soak). Use a disk of
+20 MB, replace programs while jobs run, and set back a clock."""
 
 import json
 import os

@@ -1,7 +1,7 @@
-"""Goal: a machine's daemon serves the members of a group, tells them apart by what the kernel says, and shows
-nobody another one's jobs; it is no root's; its unit is sound. Method: a daemon of a user of its own and clients of three others,
-all real processes; two are in the group. Users are numbers alone, which only root can take on: elsewhere the
-test is skipped."""
+"""Goal: a machine's daemon serves the members of a group, identifies them by the uid that the kernel reports,
+and shows no user the jobs of another. It refuses to run as root, and its unit is valid. Method: run a daemon
+as its own user, and clients as three other users, two of them in the group. All are real processes. Users are
+only numbers, which only root can assume, so others skip the test."""
 
 import json
 import os

@@ -1,9 +1,8 @@
-"""Goal: a job of deploy/slurm/direct.sbatch that Slurm warns, pre-empts or runs out of time stops in
-order, has stored all that it computed, is queued again, goes on and ends with the digest of a run
-that nobody disturbed; a cancelled one stops likewise and stays away. Method: a real Slurm, started
-for each test (private_slurm.py; needs root and `deploy/install-deps --slurm`). What a start computed
-is what it says itself (--json) and has to be what the run store holds; the next start has to compute
-the rest and no more. Too long for CI: deploy/soak slurm."""
+"""Goal: if Slurm warns or pre-empts a job of deploy/slurm/direct.sbatch, or its time runs out, the job stops
+cleanly, has stored everything that it computed, is queued again, resumes, and ends with the digest of an
+undisturbed run. A cancelled job stops in the same way and isn't queued again. Method: start a real Slurm for
+each test (private_slurm.py; needs root and `deploy/install-deps --slurm`). Compare what each start reports
+(--json) with the run store; the next start must compute only the rest. Too long for CI: deploy/soak slurm."""
 
 import json
 import os

@@ -1,8 +1,8 @@
-"""Goal: Slurm as a backend does what every backend has to (backend_conformance.py), and an attempt that a real
-Slurm loses, warns, pre-empts, cancels or starts twice leaves what the service judges by: its state there, and
-its keeper's record; the next attempt goes on to the digest of a run that nobody disturbed. Method: a real
-Slurm (private_slurm.py; needs root and `deploy/install-deps --slurm`), service/backend's side of it through
-tests/backends, real keepers and runs. Too long for CI: deploy/soak slurm."""
+"""Goal: Slurm as a backend does what every backend must do (backend_conformance.py). An attempt that a real
+Slurm loses, warns, pre-empts, cancels or starts twice leaves what the service needs to judge it: its state in
+Slurm, and its keeper's record. The next attempt resumes to the digest of an undisturbed run. Method: use a
+real Slurm (private_slurm.py; needs root and `deploy/install-deps --slurm`), the backend of service/backend
+through tests/backends, and real keepers and runs. Too long for CI: deploy/soak slurm."""
 
 import json
 import os

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Whether what was compiled without the outside libraries has seen no header of theirs.
+"""Checks that objects compiled without the outside libraries include none of their headers.
 
   tests/tidy/built_bare.py BUILD_FOLDER        a build by Ninja, of any preset
 
-Ninja knows of each object the headers that the compiler opened, through whatever other header. Of
-the objects of the folders that SLEIGHT_SHELLS=OFF builds, none may have come by a header that
-rules/shells.py gives to another folder. Prints each that did and exits 1; 2 where there is nothing
-to look at.
+Ninja records for each object all headers that the compiler opened. Objects of the folders that
+SLEIGHT_SHELLS=OFF builds must not include a header that rules/shells.py assigns to another folder. Prints
+each object that does, and exits with 1. Exits with 2 if the build has no such objects.
 """
 
 import pathlib

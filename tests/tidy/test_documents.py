@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Goal: the checks of documents, and of where their pictures and tables come from, find what they are
-for, and leave good ones alone.
+"""Goal: the checks of documents, and of the sources of their pictures and tables, find faults and accept
+correct trees.
 
-Method: as in test_tidy.py, small trees with a single fault each.
+Method: as in test_tidy.py, use small trees with a single fault each.
 """
 
 import pathlib

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Goal: each check of tidy finds what it is for, at its place, and leaves good code alone.
+"""Goal: each check of tidy finds its kind of fault, at its place, and accepts correct code.
 
-Method: for each, small trees in a temporary folder: one with a single fault, where file, line and
-message are compared, and one without.
+Method: for each check, make small trees in a temporary folder: one with a single fault, and one without.
+Compare file, line and message of the finding.
 """
 
 import os

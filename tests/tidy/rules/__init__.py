@@ -1,6 +1,6 @@
-"""The checks by name, and the excuses that a line may carry.
+"""The checks by name, and the waivers that a line may have.
 
-A check is a module with `check(tree)`, which yields findings, and a first doc line for `--list`.
+A check is a module with `check(tree)`, which yields findings, and its docstring's first line is for `--list`.
 """
 
 import dataclasses

@@ -1,8 +1,7 @@
 """Finds commented-out code with few false alarms.
 
-A comment line counts as code where it ends as code does (';', '{' or '}') and has code's
-punctuation. Examples are welcome: they stand indented by two or more further columns below a line
-of prose in the same comment.
+A comment line counts as code if it ends with ';', '{' or '}' and has code's punctuation. Examples
+are allowed if they are indented by two or more columns below a line of prose in the same comment.
 """
 
 import re

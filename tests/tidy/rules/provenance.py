@@ -2,12 +2,12 @@
 
 A picture (SVG) has metadata with the lines `command: deploy/figures NAME`, `commit: HASH` and
 `seed: N`. Above a table of numbers (one with a column to the right, and any in docs/MEASUREMENTS.md
-and docs/notebook) stands
+and docs/notebook) is the line
 
     <!-- table NAME: commit HASH; deploy/figures NAME -->
 
-or, if nothing makes it again, `not remade: the reason in at least three words` in place of the command.
-deploy/figures has each NAME, in quotes.
+or, if no program remakes the table, `not remade: the reason in at least three words` in place of the command.
+deploy/figures must contain each NAME, in quotes.
 """
 
 import posixpath

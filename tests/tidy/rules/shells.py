@@ -1,7 +1,7 @@
 """Shells: MPI, HDF5, Cap'n Proto, SQLite, OpenSSL, files and clocks stay where they belong.
 
-Each outside library has its folders, and no other may include or link it. What SLEIGHT_SHELLS=OFF
-builds does without all of them, directly or through what it links.
+Only certain folders may include or link each outside library. Folders that SLEIGHT_SHELLS=OFF
+builds use none of these libraries, directly or through other libraries.
 """
 
 import re
