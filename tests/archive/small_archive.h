@@ -112,7 +112,7 @@ class StoredArchive : public archive::Source {
   std::map<std::string, std::vector<double>> values_;
 };
 
-/// An archive of any world, with one animation without data.
+/// An archive of the named world, with one animation that has no data.
 class BareArchive final : public StoredArchive {
  public:
   explicit BareArchive(std::string world) : StoredArchive(std::move(world), "", 1) {

@@ -1,6 +1,6 @@
 // Compares fast answers to random queries with slow ones, on an archive's animations.
 //
-//   sleight-check-queries ARCHIVE.h5 QUERIES SEED
+// Usage: `sleight-check-queries ARCHIVE.h5 QUERIES SEED`.
 //
 // The animations take turns: each query runs on one animation, and a second time as typed text.
 // Answers that depend on the last bits of a root are counted, not compared. At the first

@@ -1,13 +1,13 @@
 // Writes the C++ programs' answers to random questions about an archive's animations.
 // tests/programs/test_gallery_search.py compares the search of a saved page with them.
 //
-//   sleight-gallery-answers ARCHIVE.h5 FOLDER QUERIES SETS SEED
+// Usage: `sleight-gallery-answers ARCHIVE.h5 FOLDER QUERIES SETS SEED`.
 //
-// Writes into the folder: index.bin, the file that a saved page searches; questions.jsonl and
-// answers.jsonl, one JSON object per line. The program also damages each random query's text by
-// removing, inserting or exchanging characters. Most damaged texts are errors; their places and
-// messages must be equal too. The program groups sets of animations, and searches them for
-// animations that resemble some of the set.
+// The program writes into the folder: index.bin, the file that a saved page searches;
+// questions.jsonl and answers.jsonl, one JSON object per line. The program also damages each random
+// query's text by removing, inserting or exchanging characters. Most damaged texts are errors;
+// their places and messages must be equal too. The program groups sets of animations, and searches
+// each set for animations that resemble some of its members.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,18 +1,16 @@
 // Computes bodies' positions with the C++ code, for comparison with the web page (pixels.test.mjs,
 // evaluation.test.mjs).
 //
-//   sleight-evaluate-poses ARCHIVE.h5 < QUESTIONS
-//
-// Each line of QUESTIONS is "NAME TIME_S". Each answer is a line of JSON, in which centre_m is null
-// if the body hasn't entered:
+// `sleight-evaluate-poses ARCHIVE.h5 < QUESTIONS` answers questions about an archive. Each line of
+// QUESTIONS is "NAME TIME_S". Each answer is a line of JSON, in which `centre_m` is null if the
+// body hasn't entered:
 //
 //   {"name", "time_s", "end_s", "bodies": [{"name", "radius_m", "centre_m": [x, y, z]}]}
-//   sleight-evaluate-poses --segments COUNT SEED FOLDER
 //
-// Writes random segments of all modes as columns. segments.bin contains the segments and a time for
-// each. expected.bin contains the positions, velocities and orientations at these times.
-//
-// Columns have the same form as answers to the web page (clients/gallery_server/packed.h).
+// `sleight-evaluate-poses --segments COUNT SEED FOLDER` writes random segments of all modes as
+// columns. The file segments.bin contains the segments and a time for each. The file expected.bin
+// contains the positions, velocities and orientations at these times. Columns have the same form as
+// answers to the web page (clients/gallery_server/packed.h).
 #include <fmt/format.h>
 
 #include <cstdint>

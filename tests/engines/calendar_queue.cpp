@@ -11,8 +11,8 @@ namespace {
 
 /// Buckets per slot. More buckets make epochs longer and cost 4 bytes each.
 constexpr std::uint32_t k_buckets_per_slot = 4;
-/// Number of sampled events, and of the earliest ones among them. Only the earliest determine the
-/// buckets' width, because late events may never be processed.
+/// Number of sampled events, and number of the earliest events in the sample. Only these earliest
+/// events determine the buckets' width, because late events may never be processed.
 constexpr std::size_t k_sample_max = 64;
 constexpr std::size_t k_early_of_sample = 8;
 

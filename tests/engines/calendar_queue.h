@@ -6,15 +6,15 @@
 // a slot from one list to another. An event after the last bucket is `far` and in no list.
 //
 // An epoch ends with the last bucket. The queue then scans all slots and lays out new buckets from
-// the earliest event on. Their width follows from a sample of waiting events. Paul instead reuses
-// buckets in a circle, fixes their width by hand, and stores a list of far events.
+// the earliest event on. The buckets' width follows from a sample of waiting events. Paul instead
+// reuses buckets in a circle, fixes their width by hand, and stores a list of far events.
 //
 // Invariants, in addition to event_queue.h
 //   1. An event's location follows from its tick: it is in the heap if its bucket isn't after the
 //      current one, else in its bucket's list, or far if it is after all buckets.
-//   2. The heap is empty only if the queue is.
+//   2. The heap is empty only if the queue is empty.
 //   3. A bucket's bit in `occupied_` is set exactly if the bucket's list isn't empty.
-// A wrong width only costs time. Wide buckets leave the work to the heap, and narrow ones make
+// A wrong width only costs time. Wide buckets leave the work to the heap, and narrow buckets make
 // epochs short. After a short epoch, buckets become at least four times as wide. Time: O(1)
 // amortised if events spread over time; the call that begins an epoch scans all slots. Memory: 64
 // to 80 bytes per slot. Thread safety: as for event_queue.h.

@@ -4,9 +4,9 @@
 //   SweepAndPrune   The thesis's sorted lists of extents (3.2.3); slow if bodies cluster.
 //   AllPairs        A reference that compares all bodies. No engine uses it.
 //   HeapQueue       A heap with four children per node.
-//   CalendarQueue   Buckets of time, as the literature on event-driven dynamics recommends. In
-//                   our engine its lists cost more than the few levels that a change passes
-//                   in other queues.
+//   CalendarQueue   Buckets of time, as the literature on event-driven dynamics recommends.
+//                   Moving events between buckets costs more in our engine than the few
+//                   levels that a change passes in other queues.
 // Thread safety: pure functions.
 #pragma once
 

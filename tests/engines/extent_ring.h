@@ -11,7 +11,7 @@
 //
 // Invariants
 //   1. From any entry on, entries ascend in forward distance around the circle of 2^61.
-//   2. place(body, kind) is the index of that end in the list.
+//   2. place(body, kind) is the index of the body's end in the list.
 // On a non-repeating axis, no travel crosses the seam between the greatest and the least float. The
 // list is then sorted, apart from a rotation. Thread safety: none.
 #pragma once
@@ -40,7 +40,7 @@ constexpr ArcTravel travel(Arc from, Arc to, bool periodic) {
   std::int64_t first = std::int64_t{to.start} - std::int64_t{from.start};
   if (periodic) {
     first = static_cast<std::int32_t>(to.start - from.start);
-    // Keep the last point of an arc that grows to nearly the whole ring from lapping the first.
+    // If an arc grows to nearly the whole ring, its last point must not lap its first point.
     if (first + wider >= k_turn) first -= k_turn;
     if (first + wider <= -k_turn) first += k_turn;
   }

@@ -5,8 +5,8 @@
 // equal ticks. A record stores its node's index, so a key can change in place.
 //
 // Node p has the children 4p - 8 to 4p - 5, and the root is node 3. This puts siblings into one
-// aligned line (A. LaMarca, R. Ladner, "The influence of caches on the performance of heaps", 1996,
-// section 4).
+// aligned line, as in section 4 of "The influence of caches on the performance of heaps" (LaMarca
+// and Ladner, 1996).
 //
 // Invariants
 //   1. No node precedes its parent in the order of QueuedEvent.
@@ -28,7 +28,7 @@ namespace sleight::physics {
 
 inline constexpr std::uint32_t k_nowhere = UINT32_MAX;
 
-/// A queue's data about a slot. They fill half a cache line.
+/// A queue's data about a slot, which fill half a cache line.
 struct alignas(32) SlotRecord {
   EventKey key = k_no_event;
   std::uint32_t place = k_nowhere;  ///< in a SlotHeap: its node

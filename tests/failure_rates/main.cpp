@@ -1,7 +1,7 @@
 // Counts failing simulations, among draws from a request's prior and candidates of plain chains at
 // inverse temperature 1. Writes each failure as a file that `sleight replay` repeats.
 //
-//   sleight-failure-rates requests/hi.toml --simulations 1000000 --keep failures
+// Example: `sleight-failure-rates requests/hi.toml --simulations 1000000 --keep failures`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -1,9 +1,9 @@
 // Goal: no file, however hostile, makes the request reader crash, hang or report nonsense. Method:
-// libFuzzer reads every input as a request of every world and checks:
-//   - A valid request's normalised text reads back to the same request, parameters and text, also
-//     with another stop rule.
-//   - An invalid request has sorted errors. Each error has a place within the file, and is one
-//     line without control characters.
+// read every input of libFuzzer as a request of every world. A valid request's normalised text must
+// read back to the same request, parameters and text, also with another stop rule. An invalid
+// request must have sorted errors. Each error has a place within the file, and is one line without
+// control characters.
+//
 // CMakeLists.txt beside this file explains how to replay a failure.
 #include <fmt/format.h>
 

@@ -21,7 +21,7 @@ class Camera {
   /// Returns the place's coordinate towards the camera, which is greater for nearer places.
   double nearness_m(const physics::Vec3& place_m) const;
   const physics::Vec3& towards() const { return towards_; }
-  /// Returns the world direction that the picture shows as this direction.
+  /// Returns the direction in the world that the picture shows as (right, up).
   physics::Vec3 seen_as(double right, double up) const { return right * right_ + up * up_; }
 
  private:

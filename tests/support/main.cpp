@@ -21,7 +21,8 @@ std::string this_program() {
   return path_in_project(std::filesystem::read_symlink("/proc/self/exe").string());
 }
 
-/// The current test as `Suite.Name`. GoogleTest's accessor may block during reports.
+/// The current test as `Suite.Name`. The name is copied here, because GoogleTest's accessor may
+/// block during reports.
 std::string& current_test() {
   static std::string name;
   return name;

@@ -20,7 +20,8 @@ namespace {
 
 constexpr std::uint64_t k_none = std::numeric_limits<std::uint64_t>::max();
 
-/// The current case. A test program runs one test at a time, and a case's threads only read this.
+/// The current case. A test program runs one test at a time, and a case's threads only read this
+/// state.
 struct Now {
   std::atomic<std::uint64_t> number = k_none;
   bool met = false;
@@ -117,7 +118,7 @@ Cases::Cases(std::uint64_t first, std::uint64_t last, Order order)
 }
 
 Cases::~Cases() {
-  // GoogleTest reports exceptions later, outside the loop, so the case stays set meanwhile.
+  // GoogleTest reports an exception after it has left the loop. So the case stays set until then.
   if (std::uncaught_exceptions() == exceptions_) set_current_case(std::nullopt);
 }
 

@@ -12,14 +12,15 @@
 //   to see it again: SLEIGHT_CASE=17 build/release/tests/tests_unit_x --gtest_filter=Suite.Name
 //
 // Use in_turn() for cases that share a stream or depend on earlier cases. Their command runs all
-// cases up to the failed one. Tests without such loops have commands without a case.
+// cases up to the failed one. The command of a test without such loops names no case.
 //
 // Environment variables select what runs:
-//   SLEIGHT_ALL=1        as many cases as deploy/test --all runs (of_tier)
-//   SLEIGHT_SOAK=1       as many cases as deploy/soak runs
-//                        (the command above repeats either)
-//   SLEIGHT_CASE=n       case n alone, in each loop that has it; for cases in turn all up to it
-//   SLEIGHT_FAIL_CASE=n  case n fails in any case, to show a failure's output
+//   - `SLEIGHT_ALL=1` runs as many cases as deploy/test --all (of_tier).
+//   - `SLEIGHT_SOAK=1` runs as many cases as deploy/soak. The printed command repeats this setting
+//     and SLEIGHT_ALL.
+//   - `SLEIGHT_CASE=n` runs only case n, in each loop that has it. With in_turn(), all cases up to
+//     n run.
+//   - `SLEIGHT_FAIL_CASE=n` makes case n fail, to show a failure's output.
 //
 // Rules
 //   1. Loops over cases don't nest, and their bodies run in one thread. Threads that a body starts
@@ -36,7 +37,7 @@ namespace sleight::property {
 /// Whether cases can run in any order, or each needs all earlier ones.
 enum class Order : std::uint8_t { any, in_turn };
 
-/// The case numbers from `first` to `last` - 1, or the one that SLEIGHT_CASE selects.
+/// The case numbers from `first` to `last` - 1, or the number that SLEIGHT_CASE selects.
 class Cases {
  public:
   Cases(std::uint64_t first, std::uint64_t last, Order order);

@@ -1,6 +1,7 @@
 // Parallel tempering by its plain loop (tests/tempering/tempering_loop.h), as a reference for
 // LadderRun and block runners. Round trips and solutions are counted here from whole paths. Only
-// the adaptation between rounds is shared with the real code; ladder_round_test.cpp verifies that.
+// the adaptation between rounds is shared with the real code; ladder_round_test.cpp verifies this
+// adaptation.
 #pragma once
 
 #include <cstdint>

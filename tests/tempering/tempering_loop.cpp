@@ -23,7 +23,8 @@ std::vector<plan::ScanRecord> explore(RoundReport& round, std::span<const std::u
 }
 
 /// Pairs (i, i + 1) with i + scan even swap temperatures, each with probability min(1, ratio). The
-/// hotter level addresses the pair's random numbers, as replicas do elsewhere.
+/// hotter level's number selects the pair's random numbers, as a replica's number does for other
+/// purposes.
 void communicate(const LadderOptions& options, std::span<const double> ladder, std::uint64_t scan,
                  std::span<const plan::ScanRecord> made, std::span<std::uint32_t> at) {
   for (std::uint32_t i = scan % 2; i + 1 < at.size(); i += 2) {

@@ -52,7 +52,8 @@ random::Stream stream_for(std::uint64_t part) {
   return random::Stream({.seed = k_seed, .purpose = random::Purpose::prior}, part);
 }
 
-/// Returns an argument of either sign. Half of them are below 10, half are of any magnitude.
+/// Returns an argument of either sign. Half of the arguments are below 10, and half have any
+/// magnitude.
 double argument(random::Stream& stream) {
   const double sign = stream.uniform() < 0.5 ? -1 : 1;
   if (stream.uniform() < 0.5) return sign * 10 * stream.uniform();

@@ -82,7 +82,7 @@ Setting bowling(std::uint32_t bodies, std::uint64_t seed);
 
 /// Returns the rule for slow contacts of bodies of this size in the earth's gravity. Let v be the
 /// speed after a fall by half the size, and t the fall's duration. Bodies separate at v/100, and
-/// rest after t/10 below 8v/100.
+/// come to rest after a time of t/10 below the speed 8v/100.
 SlowContacts slow_contacts_of(double size_m);
 
 }  // namespace sleight::physics::scenes
