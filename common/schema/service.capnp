@@ -24,7 +24,6 @@
 #      Proto exception means a lost connection, or a call that the other side does not support.
 #   4. Only text and values are sent, never paths on the client's machine. Clients send no
 #      capabilities, because the service never calls a client.
-#      service calls nobody.
 #
 # A message has at most 4 MiB and 32 levels of pointers. A request with an unknown enumeration value
 # is refused; an answer reports unknown values as "unknown". Times are seconds since 1970 of the
@@ -53,7 +52,7 @@ interface Service {
   status @2 (job :UInt64) -> (refusal :Refusal, job :JobView);
 
   watch @3 (points :List(WatchPoint)) -> (refusal :Refusal, batches :List(Batch));
-  # Answers with what the client lacks according to its points, as soon as there is something, or
+  # Answers with the news that the client lacks according to its points, as soon as there is any, or
   # with an empty list after 20 s. The next call's points acknowledge what arrived. At most 1,000
   # points, no job twice.
 
@@ -95,7 +94,7 @@ enum Scope {
 struct TokenAsk {
   token @0 :Text;     # complete token; the service stores its hash
   name @1 :Text;      # for people
-  forUser @2 :Int64 = -1;  # uid; negative: the caller's. Another: only for the service's own user
+  forUser @2 :Int64 = -1;  # uid; negative: the caller's. Only the service's own user may set it
   scopes @3 :List(Scope);
   validFor @4 :Float64;    # seconds; 0: no expiry
   jobsMax @5 :UInt32;      # unfinished jobs of this token; 0: the user's limit
