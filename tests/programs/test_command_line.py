@@ -216,7 +216,7 @@ class Damage(ProgramTest):
                                ("segment_count", (1 << 63) - 1), ("segment_count", 100000)]:
             def damage(file):
                 file["animations"][dataset][:] = value
-            self.assertIn("segments from", self.refused(damage, "plot", "--what", "paths"))
+            self.assertRegex(self.refused(damage, "plot", "--what", "paths"), r"animation 0\b.* segment\b")
 
 
 if __name__ == "__main__":
