@@ -7,7 +7,7 @@
 
 namespace sleight::browse {
 
-/// The result of M. Schilling's two-sample test by nearest neighbours (Journal of the American
+/// The result of Schilling's two-sample test by nearest neighbours (Journal of the American
 /// Statistical Association 81, 1986), with three neighbours.
 struct NeighbourTest {
   double share = 0;     ///< share of nearest neighbours that belong to the same set

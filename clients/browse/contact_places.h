@@ -1,4 +1,4 @@
-// A lookup table for first contacts: maps the two features that meet to their position in the list.
+// A lookup table for first contacts: maps a pair of features to its position in the list.
 #pragma once
 
 #include <array>
@@ -39,7 +39,7 @@ class ContactPlaces {
   }
   /// Returns the key's slot, or the free slot in which it would be stored.
   std::size_t slot_of(std::uint64_t key) const {
-    // The upper bits of a product depend on all bits of the key (D. Knuth, TAOCP 3, 6.4).
+    // The upper bits of a product depend on all bits of the key (Knuth, TAOCP 3, 6.4).
     std::size_t slot = key * 0x9e3779b97f4a7c15U >> (64U - k_bits);
     while (keys_[slot] != key && keys_[slot] != k_free)
       slot = (slot + 1) % k_slots;

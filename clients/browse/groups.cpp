@@ -73,8 +73,8 @@ std::vector<std::size_t> first_medoids(std::span<const float> matrix, std::size_
   return medoids;
 }
 
-/// Replaces one medoid by another point, in the exchange that lowers the sum of distances most.
-/// Returns false if no exchange helps.
+/// Replaces one medoid by another point, such that the sum of distances decreases most. Returns
+/// false if no exchange helps.
 bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::size_t>& medoids) {
   const std::vector<Nearest> nearest = nearest_of(matrix, size, medoids);
   // Each medoid's loss: the increase of the sum of distances if only this medoid is removed.
@@ -188,7 +188,7 @@ std::vector<std::size_t> medoids_of(std::span<const float> matrix, std::size_t s
                                     std::size_t k) {
   CHECK(k >= 1 && k <= size);
   std::vector<std::size_t> medoids = first_medoids(matrix, size, k);
-  // A single medoid has no second nearest, and the first choice is the best.
+  // Exchanges need a second nearest medoid. For k = 1, the first choice is already the best.
   while (k > 1 && k < size && exchange(matrix, size, medoids)) {
   }
   std::ranges::sort(medoids);
@@ -199,7 +199,7 @@ std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t
                                       std::size_t k) {
   CHECK(k >= 1 && k <= size);
   // Chains of nearest neighbours don't find the merges in order of distance, so sort the merges.
-  // The first size - k merges then leave k groups.
+  // The first `size - k` merges then leave k groups.
   struct Merge {
     float distance;
     std::size_t a;
@@ -346,7 +346,7 @@ struct AlikeSet::Impl {
   std::vector<std::size_t> place_by_name;  ///< in `sorted`, by index of the given entries
   std::mutex mutex;                        ///< guards the members below
   std::map<std::size_t, Sample> samples;   ///< by size
-  /// Distances from each representative to all animations; -1 to itself.
+  /// Distances from each representative to all animations; -1 for the representative itself.
   std::map<std::size_t, std::vector<double>> from;
 };
 
@@ -400,7 +400,7 @@ Groups AlikeSet::groups(std::size_t groups, Grouping by) const {
   std::ranges::sort(found.groups, {}, [](const AlikeGroup& group) {
     return std::pair(-static_cast<std::ptrdiff_t>(group.members.size()), group.representative);
   });
-  // Map back to the order of the given entries.
+  // Map the results back to the order of the given entries.
   for (AlikeGroup& group : found.groups) {
     group.representative = set.by_name[group.representative];
     for (std::size_t& member : group.members)

@@ -37,8 +37,8 @@ inline constexpr std::size_t k_run_letters = 8;
 /// Returns the name within an archive: "c0.250" (chain 0, draw 250) or "find.3". Spreadsheets don't
 /// mistake such names for numbers.
 std::string short_text(const AnimationName& name);
-/// Returns the name among several runs: the run's first eight characters and short_text,
-/// "3f2a9c01:c0.250".
+/// Returns the name among several runs: the first eight characters of the run id and short_text(),
+/// such as "3f2a9c01:c0.250".
 std::string long_text(const AnimationName& name);
 
 struct AskedName {
@@ -52,9 +52,9 @@ struct AskedName {
 std::optional<AskedName> parse_name(std::string_view text);
 
 /// A piece of the path of a body's centre: position + velocity s + acceleration s^2 / 2, with s
-/// counted from start_s. A piece lasts until the body's next one; the last has no end. An index of
-/// motion::Segments, which are twice as large, would take twice the memory and slow searches by a
-/// quarter.
+/// counted from start_s. A piece lasts until the body's next piece; the last piece has no end. An
+/// index of motion::Segments, which are twice as large, would take twice the memory and slow
+/// searches by a quarter.
 struct Piece {
   double start_s = 0;
   math::Vec3 position_m{0, 0, 0};

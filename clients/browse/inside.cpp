@@ -31,14 +31,15 @@ struct Parabola {
 
   double at(double s) const { return p + s * (v + 0.5 * a * s); }
 
-  /// Returns when a branch from s0 to s1 crosses c. REQUIRES: one end is below c and one above.
+  /// Returns when a branch from s0 to s1 crosses c. REQUIRES: one end of the branch is below c, the
+  /// other end above c.
   double crossing(double c, double s0, double s1) const {
     const double below = p - c;
     double s = 0;
     if (a == 0) {
       s = -below / v;
     } else {
-      // The two roots of a/2 s^2 + v s + below, in the form without cancellation.
+      // The two roots of a/2 s^2 + v s + `below`, in the form without cancellation.
       const double root = std::sqrt(std::max(0.0, v * v - 2 * a * below));
       const double q = -(v + std::copysign(root, v));
       const double first = q / a;

@@ -1,5 +1,5 @@
 // Solves the assignment problem: match rows with columns at the least sum of costs. Algorithm:
-// shortest augmenting paths (R. Jonker and A. Volgenant, Computing 38, 1987).
+// shortest augmenting paths (Jonker and Volgenant, Computing 38, 1987).
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace sleight::browse {
 
-/// Reuses its memory from one problem to the next.
+/// A solver that reuses its memory from one problem to the next.
 class CheapestMatching {
  public:
   /// Returns the column of each row, valid until the next call. If several matchings have the least

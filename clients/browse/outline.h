@@ -1,6 +1,6 @@
-// What a viewer can show of an archive's animations without their motions: names, numbers, and
-// groups that look alike. If an archive was browsed before, a page shows the cached outline while
-// the index, a hundred times as large, is read. Thread safety: values, pure functions.
+// The facts about an archive's animations that a viewer can show without motions: names, numbers,
+// and groups that look alike. If an archive was browsed before, a page shows the cached outline
+// while the index, a hundred times as large, is read. Thread safety: values, pure functions.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@ struct Outline {
 /// REQUIRES: groups of all entries.
 Outline outline_of(const Index& index, Groups groups);
 
-/// `version`: the program's version. The encoding is specific to the machine type, has no scene,
-/// and ends with its SHA-256.
+/// `version`: the program's version. The bytes depend on the machine type, contain no scene, and
+/// end with their SHA-256.
 base::Bytes bytes_of(const Outline& outline, std::string_view version);
 
 /// Returns nothing unless the bytes are a complete outline of this version.

@@ -11,7 +11,7 @@ namespace sleight::browse {
 void for_each_block(std::size_t count, std::size_t threads,
                     const std::function<void(std::size_t, std::size_t)>& work) {
   threads = std::max<std::size_t>(threads, 1);
-  // Use small blocks, because their costs differ.
+  // Use small blocks, because the blocks' costs differ.
   constexpr std::size_t k_blocks_of_thread = 16;
   const std::size_t size = std::max<std::size_t>(1, count / (threads * k_blocks_of_thread));
   std::atomic<std::size_t> next{0};

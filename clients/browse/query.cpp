@@ -5,8 +5,8 @@
 namespace sleight::browse {
 namespace {
 
-/// The end of the previous step. The next step holds only from that time on, and its hit must be
-/// later than the last hit, because one hit is one event.
+/// The end of the previous step. The next step can hold only from this time on. A hit counts for
+/// one step only, so the next step's hit must be later than the last hit.
 struct After {
   double time_s = -std::numeric_limits<double>::infinity();
   double hit_s = -std::numeric_limits<double>::infinity();
@@ -16,8 +16,7 @@ bool overlaps(const Box& a, const Box& b) {
   return (a.low_m.array() <= b.high_m.array()).all() && (b.low_m.array() <= a.high_m.array()).all();
 }
 
-/// Returns the earliest time of one of the bodies, or for `every` the latest of all bodies'
-/// earliest times.
+/// Returns the minimum of the bodies' earliest times; for `every`, the maximum of these times.
 template <class FirstOf>
 std::optional<double> first_of(const Bodies& who, const Entry& entry, FirstOf first_of_body) {
   std::optional<double> found;

@@ -27,8 +27,7 @@ constexpr std::uint64_t k_report_every = 64;
 /// Maximum animations of a group, more than any request may store.
 constexpr std::uint64_t k_animations_max = 10'000'000;
 
-/// Columns over `animation` that don't become an entry's numbers, or that become other fields of an
-/// entry.
+/// Datasets over `animation` that are unused, or are read separately from an entry's other numbers.
 constexpr std::array<std::string_view, 14> k_no_numbers{
     "animation",  "chain",          "draw",          "lineage",       "in_proportion",
     "log_prior",  "log_constraint", "segment_start", "segment_count", "part_start",
@@ -133,8 +132,8 @@ class GroupReader {
             .draw = static_cast<std::uint64_t>(draw_[row])};
   }
 
-  /// Whether an earlier archive's entry is this row: same name, same numbers and the same number of
-  /// segments.
+  /// Whether an earlier archive's entry equals this row: same name, same numbers and the same
+  /// number of segments.
   bool is_same(const Entry& earlier, std::uint64_t row) const {
     const Entry entry = without_motion(row);
     const auto is_equal = [](double x, double y) {
@@ -185,7 +184,7 @@ class GroupReader {
     return text.empty() ? text : "[" + text + "]";
   }
 
-  /// Reads integers that count from 0.
+  /// Reads integers, which must not be negative.
   std::vector<std::int64_t> whole(const char* name) const {
     auto values = std::get<std::vector<std::int64_t>>(source_.read(group_, name, 0, count()));
     if (std::ranges::any_of(values, [](std::int64_t value) { return value < 0; })) {
@@ -275,8 +274,8 @@ std::span<const Entry> earlier_entries(const Index* earlier, bool is_finds) {
                   : std::span(earlier->entries.begin(), first_find);
 }
 
-/// Whether the earlier index is of the same run and form, and contains nothing that the scene
-/// lacks.
+/// Whether the earlier index has the same run, world and numbers, and only bodies and features of
+/// the scene.
 bool is_usable(const Index& earlier, const Index& index) {
   const std::uint32_t bodies = index.scene.bodies();
   const auto fits = [&](const Entry& entry) {

@@ -12,7 +12,7 @@
 
 namespace sleight::browse {
 
-/// Larger arrays, such as HI's vertex offsets, are left out of the index.
+/// Arrays with more elements per animation, such as HI's vertex offsets, are left out of the index.
 inline constexpr std::size_t k_number_elements_max = 64;
 
 /// Maximum amounts read from an archive, because a small file may claim any number. An index takes
@@ -24,11 +24,11 @@ inline constexpr double k_browsed_numbers_max = 200e6;
 struct ReadingOptions {
   /// Index of an earlier archive of the run; null: none. The earlier index's scene isn't used.
   /// Entries are reused for animations with the same name and numbers. If the archive has the same
-  /// digest, nothing is reused: another program may have changed the archive, which leaves the
-  /// digest unchanged.
+  /// digest, nothing is reused, because another program can change an archive without changing the
+  /// stored digest.
   const Index* earlier = nullptr;
-  /// Index of exactly this file, unchanged since. The index's entries are moved out without reading
-  /// the file. If the file changed anyway, treat the index as `earlier`.
+  /// Index of exactly this file, which hasn't changed since. The index's entries are moved out
+  /// without reading the file. If the file changed anyway, treat the index as `earlier`.
   Index* of_this_file = nullptr;
   /// If more than this many animations would have to be read and no earlier index is usable, read
   /// only this many. 0: read all.

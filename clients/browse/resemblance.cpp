@@ -160,7 +160,7 @@ void Sketches::From::match(const Sketch& a, const Sketch& b) {
 double Sketches::From::order_between(const Sketch& a, const Sketch& b) {
   const std::size_t longer = std::max(a.first.size(), b.first.size());
   if (longer == 0) return 0;
-  // For each body of the other animation, find its partner in the one animation.
+  // Map the bodies of the other animation to the matched bodies of `one`.
   const Sketch& one = sketches_->sketches_[one_];
   in_one_ = partner_of_;
   if (&one == &a) {
@@ -170,8 +170,9 @@ double Sketches::From::order_between(const Sketch& a, const Sketch& b) {
   const auto in_one = [&](std::uint32_t feature) {
     return feature < in_one_.size() ? in_one_[feature] : feature;
   };
-  // Contacts of a list are distinct, so the longest common subsequence is the longest increasing
-  // subsequence of the positions of one list's contacts in the other list.
+  // Look up the positions of one list's contacts in the other list. Contacts of a list are
+  // distinct, so the longest common subsequence is the longest increasing subsequence of these
+  // positions.
   std::array<std::uint32_t, k_first_contacts_max> places;
   std::size_t count = 0;
   for (const FirstContact& contact : (&one == &a ? b : a).first) {

@@ -1,9 +1,9 @@
 // Measures how different two animations look, from their recorded motions alone.
 //
-//   value = (mean + greatest) / 2 * (1 + order)                          in metres
+//   Value in metres = (mean + greatest) / 2 * (1 + order).
 //
-// The mean and the greatest are over the distances between a body's centres in the two animations.
-// The mean and the greatest cover all bodies, at 64 equally spaced times and at rest. The equal
+// `mean` and `greatest` are the mean and the maximum of the distances between a body's centres in
+// the two animations, over all bodies, at 64 equally spaced times and at rest. The equally spaced
 // times reach from the beginning to the time when 19 of 20 animations of the set are at rest. Until
 // a body enters, its centre is taken to be where it will enter. `order` compares the first contacts
 // of the two animations: the first hit of each pair of features, at most 256. `order` is 1 -
@@ -35,7 +35,7 @@ namespace sleight::browse {
 
 /// Equally spaced times at which bodies are compared, in addition to the time at rest.
 inline constexpr std::size_t k_equal_times = 64;
-/// Number of these times, rest included, at which bodies are matched.
+/// Number of the compared times, rest included, at which bodies are matched.
 inline constexpr std::size_t k_matching_times = 9;
 
 struct Resemblance {
@@ -54,7 +54,7 @@ class Sketches {
            std::size_t threads = 1);
 
   std::size_t size() const { return sketches_.size(); }
-  /// Compares the entries a and b; symmetric.
+  /// Compares the entries `a` and `b`, whose order doesn't matter.
   Resemblance between(std::size_t a, std::size_t b) const;
 
   /// Returns the values of all pairs of the given entries, row by row. The bits don't depend on the
@@ -79,8 +79,8 @@ class Sketches {
   struct Sketch {
     std::vector<Places> places{};        ///< by body
     std::vector<std::uint8_t> enters{};  ///< by body: 1 or 0
-    /// For one class of interchangeable bodies after another: x, y, z of its bodies at the matching
-    /// times, as [time][axis][body]. Classes of one body are omitted.
+    /// The bodies' coordinates at the matching times, by class of interchangeable bodies, within a
+    /// class as [time][axis][body]. Classes of one body are omitted.
     std::vector<float> matched_by{};
     std::vector<FirstContact> first{};  ///< in the order of time
   };

@@ -40,7 +40,7 @@ std::string text_of(const browse::AskedName& name) {
       browse::AnimationName{.is_find = name.is_find, .chain = name.chain, .draw = name.draw});
 }
 
-/// A program that reads a bare "3.700" as a number writes 3.7.
+/// Throws if a spreadsheet may have read the id "3.700" as a number and written "3.7".
 void refuse_lost_zeros(const archive::Source& source, const std::string& text,
                        browse::AskedName name, const IdsByText& by_text) {
   if (!name.is_bare || name.draw % 10 == 0) return;

@@ -31,7 +31,8 @@ std::vector<AnimationId> animation_ids(const archive::Source& source);
 
 /// Returns the requested ids in the given order, without duplicates. Throws base::Error(usage) for
 /// an unknown id or an id of another run; the message lists the first few ids. Old ids such as
-/// "3.7" are accepted. If a spreadsheet may have turned "3.700" into "3.7", the error names both.
+/// "3.7" are accepted. If a spreadsheet may have turned "3.700" into "3.7", the error lists the
+/// possible ids.
 std::vector<AnimationId> animations_of(const archive::Source& source,
                                        std::span<const std::string> ids);
 

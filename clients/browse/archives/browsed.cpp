@@ -19,7 +19,7 @@
 namespace sleight::browse {
 namespace {
 
-/// Minimum duration of reading that is reported.
+/// Reading is reported on stderr only if it takes longer than this.
 constexpr double k_silent_s = 1;
 
 class ReadingPrinter {
@@ -111,8 +111,8 @@ Browsed browse_archives(const std::vector<std::string>& paths) {
       browsed.left_out.push_back({.path = path, .reason = std::move(reason)});
     };
     try {
-      // Get the file's state before opening, so that an index of a replaced file isn't cached for
-      // the new one.
+      // Get the file's state before opening, so that the index of a replaced file isn't cached as
+      // the new file's.
       const std::optional<FileState> file = state_of_file(path);
       browsed.archives.push_back(
           {.path = path, .index = index_of(*archive::remote::open_remote(path), path, file)});
@@ -139,7 +139,7 @@ void leave_out_twice(Browsed& browsed) {
 }
 
 std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked) {
-  // Build all conditions before erasing archives, because erasing changes the others' positions.
+  // Build all conditions before erasing archives, because erasing moves other archives.
   std::vector<browse::Condition> wanted;
   std::optional<base::Error> first;
   std::erase_if(browsed.archives, [&](const BrowsedArchive& archive) {

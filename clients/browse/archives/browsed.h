@@ -48,8 +48,8 @@ struct IndexingOptions {
   /// Progress callback: animations read, animations in total.
   std::function<void(std::uint64_t, std::uint64_t)> progress{};
 };
-/// Returns an open archive's index. Reuses what was read before, and caches the index unless it is
-/// incomplete. Throws base::Error if the archive has no index or can't be read.
+/// Returns an open archive's index. Reuses entries of earlier indices, and caches the index unless
+/// it is incomplete. Throws base::Error if the archive has no index or can't be read.
 browse::ReadIndex read_index(const archive::Source& source, const std::string& path,
                              const IndexingOptions& options);
 /// Returns the complete index, and reports progress on stderr.
@@ -82,10 +82,10 @@ std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked);
 std::string name_among(const Browsed& browsed, const browse::AnimationName& name);
 
 /// Prints to stderr which archives were left out and how many duplicate animations there are.
-/// REQUIRES: called once, after the last step that can leave something out.
+/// REQUIRES: called once, after the last step that can leave out archives.
 void say_what_is_missing(const Browsed& browsed);
 
-/// Formats a number with six digits; NaN as "".
+/// Formats a number with six digits. NaN becomes "".
 std::string shown_number(double number);
 
 }  // namespace sleight::browse

@@ -32,11 +32,11 @@ std::optional<fs::path> cache_place(const std::string& archive, std::string_view
          (hash::sha256_hex(real.string()).substr(0, k_name_letters) + std::string(ending));
 }
 
-/// Marks unfinished files. After this time, an unfinished file is left over from a killed program.
+/// Marks unfinished files. An unfinished file older than this was left by a killed program.
 constexpr const char* k_unfinished = ".tmp.";
 constexpr auto k_left_behind = std::chrono::hours(1);
 
-/// Deletes leftovers, and the least recently used files until this many bytes fit.
+/// Deletes leftover files, then the least recently used files until this many bytes fit.
 void make_room(const fs::path& folder, std::uint64_t bytes) {
   struct Kept {
     fs::file_time_type used;

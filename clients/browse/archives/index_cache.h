@@ -12,7 +12,7 @@
 
 namespace sleight::browse {
 
-/// Minimum pieces of a cached index. Reading smaller indices from the archive is as fast.
+/// An index with fewer pieces isn't cached, because reading it from the archive is as fast.
 inline constexpr std::size_t k_pieces_worth_keeping = 20'000;
 
 struct KeptIndex {
@@ -20,8 +20,8 @@ struct KeptIndex {
   FileState of{};  ///< the archive's file when it was read
 };
 
-/// Returns the cached index of the archive at this path, which may be of an earlier state of the
-/// file.
+/// Returns the cached index of the archive at this path. The index may be of an earlier state of
+/// the file.
 std::optional<KeptIndex> kept_index(const std::string& archive);
 
 /// Caches an index unless it is too small. `of`: the file's state before it was read.

@@ -18,18 +18,18 @@
 namespace sleight::browse {
 
 /// Returns the group whose animations are drawn: the animations of chains if there are any,
-/// otherwise the search's finds. All functions below use this group.
+/// otherwise the search's finds. All functions below use the group that drawn_group() returns.
 std::string_view drawn_group(const archive::Source& source);
 
-/// Returns where an animation was found: "chain 0, scan 250" by `step_of_draw`, or "find 3 of start
-/// 5".
+/// Returns where an animation was found, such as "chain 0, scan 250" (with `step_of_draw`) or "find
+/// 3 of start 5".
 std::string where_found(const archive::Source& source, std::size_t animation,
                         const std::function<std::string(double draw)>& step_of_draw);
 
 std::vector<double> of_animations(const archive::Source& source, std::string_view dataset);
 
 /// Throws base::Error(bad_archive): "<archive>: its animation <name> <reason>". `animation` is a
-/// row of the drawn group, and its number serves as the name.
+/// row of the drawn group, and the row's number serves as the name.
 [[noreturn]] void refuse_animation(const archive::Source& source, std::string_view name,
                                    std::string_view reason);
 [[noreturn]] void refuse_animation(const archive::Source& source, std::size_t animation,
@@ -45,7 +45,7 @@ struct KeptAnimation {
   std::vector<math::Vec3> offsets_m{};  ///< offsets of the scene's vertices
 };
 /// Reads a row of /animations or /finds. Throws base::Error(bad_archive) with `name` if the row is
-/// invalid. REQUIRES: `scene` and `motions` are the archive's, and the row exists.
+/// invalid. REQUIRES: `scene` and `motions` belong to the archive, and the row exists.
 KeptAnimation kept_animation(const archive::Source& source, const archive::KeptMotions& motions,
                              std::uint64_t row, const scene::Scene& scene, std::string_view name);
 
