@@ -116,7 +116,8 @@ _FUNCTION() {
 complete -F _FUNCTION NAME
 )bash";
 
-/// Returns what `_value` sets for an argument; empty if nothing completes it.
+/// Returns the shell assignments that describe an argument's completion. Returns an empty text if
+/// there is no completion.
 std::string value_of(const Argument& argument) {
   switch (argument.completes()) {
     case Completes::nothing:

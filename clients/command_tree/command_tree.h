@@ -8,7 +8,7 @@
 // Invariants
 //   1. Options and commands that the help hides (in a group without a name) aren't in the tree.
 //   2. Options and commands are in the order of the help.
-//   3. A positional that repeats is the last one.
+//   3. Only the last positional can repeat.
 // Thread-safe as any value.
 #pragma once
 
@@ -41,8 +41,9 @@ struct Argument {
   bool repeats = false;
 
   bool is_flag() const { return type_name.empty(); }
-  /// Chooses by choices and type name. REQUEST.toml and FILE.svg|FILE.png are files with these
-  /// suffixes; FOLDER, DIR and NAME.h5.run are folders; FILE and PIPE any files; JOB jobs.
+  /// Chooses the completion by `choices` and `type_name`. REQUEST.toml and FILE.svg|FILE.png are
+  /// files with these suffixes; FOLDER, DIR and NAME.h5.run are folders; FILE and PIPE are any
+  /// files; JOB is a job.
   Completes completes() const;
   /// Returns, for example, ".svg" and ".png" for FILE.svg|FILE.png.
   std::vector<std::string> suffixes() const;

@@ -11,13 +11,16 @@
 
 namespace sleight::command_tree {
 
-/// For `source <(sleight completion bash)`, or a file in share/bash-completion/completions.
+/// Returns the script for `source <(sleight completion bash)`, or a file in
+/// share/bash-completion/completions.
 std::string bash_completion(const Command& program);
 
-/// For `source <(sleight completion zsh)` after compinit, or a file _sleight in $fpath.
+/// Returns the script for `source <(sleight completion zsh)` after compinit, or a file _sleight in
+/// $fpath.
 std::string zsh_completion(const Command& program);
 
-/// For `sleight completion fish | source`, or a file in fish/vendor_completions.d.
+/// Returns the script for `sleight completion fish | source`, or a file in
+/// fish/vendor_completions.d.
 std::string fish_completion(const Command& program);
 
 }  // namespace sleight::command_tree

@@ -8,8 +8,8 @@
 namespace sleight::command_tree {
 namespace {
 
-/// Placeholders: NAME and FUNCTION for the program's name and function, VALUED for the options that
-/// take a value, COMMANDS for all commands.
+/// Placeholders are NAME and FUNCTION (the program's name and function), VALUED (the options that
+/// take a value) and COMMANDS (all commands).
 constexpr const char* k_fish_walk = R"fish(
 # Prints the command that the words before the cursor name, and the number of the next positional.
 function __fish_FUNCTION_place

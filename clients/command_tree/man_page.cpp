@@ -23,7 +23,7 @@ std::string escaped(std::string_view text) {
   return line;
 }
 
-/// Returns a quoted argument of a macro, so that it isn't taken for a macro.
+/// Returns a quoted argument of a macro, so that mdoc doesn't interpret it as a macro.
 std::string argument(std::string_view text) {
   return "\"\\&" + replaced(escaped(text), "\"", "\\(dq") + "\"";
 }
@@ -56,8 +56,8 @@ std::string sentence(std::string text) {
   return text;
 }
 
-/// Returns the description after the name in an index: no capital, no full stop, and without the
-/// program's name.
+/// Returns the description that follows a page's name in an index: no capital, no full stop, and
+/// without the program's name.
 std::string description(std::string text, const std::string& program) {
   if (std::tolower(static_cast<unsigned char>(text.empty() ? ' ' : text.front())) ==
           program.front() &&
@@ -138,7 +138,7 @@ std::string examples(const Command& command) {
   return text + ".Ed\n";
 }
 
-/// Refers to the parent, the subcommands and the program.
+/// Writes references to the pages of the parent, the subcommands and the program.
 std::string see_also(const Place& place) {
   std::vector<std::string> pages;
   const std::string own = joined(place.words, '-');

@@ -1,8 +1,8 @@
 // Generates a program's manual pages in the language mdoc(7).
 //
-// The program and each of its commands has a page: sleight.1, sleight-archive-info.1. Each page
-// refers to the program's page and to those of the parent command and the subcommands. Pure
-// functions of the tree; thread-safe.
+// The program and each of its commands have a page: sleight.1, sleight-archive-info.1. Each page
+// refers to the pages of the program, the parent command and the subcommands. Pure functions of the
+// tree; thread-safe.
 #pragma once
 
 #include <string>
