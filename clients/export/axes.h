@@ -1,8 +1,8 @@
 // Converts from the scene's axes to those of glTF, both right-handed and in metres.
 //
-// The scene has z up; glTF has y up and +z towards the viewer: (x, y, z) becomes (x, z, -y). All
-// data are converted, instead of rotating a root node, to avoid rounding. A program with z up that
-// reverses the conversion (Blender) gets the archive's numbers in float precision. Pure functions.
+// The scene has z up; glTF has y up and +z towards the viewer: (x, y, z) becomes (x, z, -y). To
+// avoid rounding, all data are converted instead of rotating a root node. A program with z up, such
+// as Blender, reverses the conversion and gets the archive's numbers as floats. Pure functions.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace sleight::gltf {
 using Float3 = std::array<float, 3>;
 using Float4 = std::array<float, 4>;
 
-/// Converts a place, a direction or a displacement. Avoids -0, which would be printed.
+/// Converts a place, a direction or a displacement. Avoids -0, whose sign would be printed.
 inline Float3 y_up(const math::Vec3& v) {
   return {static_cast<float>(v.x() + 0.0), static_cast<float>(v.z() + 0.0),
           static_cast<float>(0.0 - v.y())};

@@ -61,8 +61,8 @@ Json json_of(const Extras& extras) {
   return json;
 }
 
-/// Converts from screen colours (IEC 61966-2-1) to glTF's linear ones. Four digits are finer than a
-/// channel's steps.
+/// Converts from screen colours (IEC 61966-2-1) to glTF's linear colours. Four digits are finer
+/// than the steps of an 8-bit channel.
 double linear(std::uint8_t channel) {
   const double share = channel / 255.0;
   const double value = share <= 0.04045 ? share / 12.92 : math::pow((share + 0.055) / 1.055, 2.4);

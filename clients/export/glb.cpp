@@ -37,7 +37,7 @@ void pad(std::string& bytes, char with) {
   bytes.append((k_alignment - bytes.size() % k_alignment) % k_alignment, with);
 }
 
-/// FNV-1a, by G. Fowler, L. C. Noll and K.-P. Vo.
+/// FNV-1a, by Fowler, Noll and Vo.
 std::uint64_t hash_of(const std::string& bytes) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char byte : bytes)

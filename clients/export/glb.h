@@ -23,7 +23,7 @@
 
 namespace sleight::gltf {
 
-/// Maximum size. Writers and readers hold files in memory, some of them in several copies.
+/// Maximum size, because some writers and readers hold several copies of a file in memory.
 inline constexpr std::uint64_t k_glb_bytes_max = std::uint64_t{512} << 20;
 
 struct Glb {
@@ -37,11 +37,11 @@ class GlbWriter {
   /// Columns of vertices. Positions have minimum and maximum values, as glTF requires.
   Accessor add_positions(std::span<const Float3> places);
   Accessor add_normals(std::span<const Float3> normals);
-  /// Stored as 16 bits if all fit. REQUIRES: not empty.
+  /// Indices are stored as 16 bits if all fit. REQUIRES: not empty.
   Accessor add_indices(std::span<const std::uint32_t> indices);
 
-  /// Columns of animation samplers. Times also have minimum and maximum. REQUIRES: not empty; times
-  /// ascend.
+  /// Columns of animation samplers. Times also have minimum and maximum values. REQUIRES: not
+  /// empty; times ascend.
   Accessor add_times(std::span<const float> times_s);
   Accessor add_values(std::span<const Float3> values);
   Accessor add_values(std::span<const Float4> values);

@@ -84,7 +84,7 @@ class Keys {
   Channel<Value> channel{};
 };
 
-/// Chooses between q and -q, which are the same rotation: the one nearer to the previous one.
+/// Chooses q or -q, whichever is nearer to the previous quaternion; both are the same rotation.
 void make_neighbours(std::vector<Float4>& rotations) {
   for (std::size_t i = 1; i < rotations.size(); ++i) {
     float along = 0;
@@ -195,7 +195,8 @@ base::Result<BodyKeys, std::string> keys_of(const motion::Path& path, double end
   CHECK(path.enters());
   const std::vector<Piece> pieces = pieces_of(path, end_s);
 
-  // Count the keys before making any, even if `fps` is set, since the count limits rotations.
+  // Count the keys before making any, even if `fps` is set, since this also bounds the amount of
+  // rotation.
   std::vector<double> for_places;
   std::vector<double> for_turns;
   double total = 0;

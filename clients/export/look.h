@@ -1,9 +1,10 @@
 // Converts a scene feature to triangles with materials.
 //
-// Triangles of a body are in the body's frame, others in the scene's; both with y up (axes.h).
-// Spheres have 192 triangles and smooth normals. Pips are discs above a die's faces, at a hundredth
-// of its half side. A surface has sixteen squares per patch. Goals are 0.2 mm above the table, so
-// that renderers show only one of the two; a ring follows the surface below it. Pure functions.
+// Triangles of a body are in the body's frame, other triangles in the scene's frame, both with y up
+// (axes.h). Spheres have 192 triangles and smooth normals. Pips are discs above a die's faces, at a
+// hundredth of its half side. A surface has sixteen squares per patch. Goals are 0.2 mm above the
+// table, so that renderers show only one of the two; a ring follows the surface below it. Pure
+// functions.
 #pragma once
 
 #include <cstdint>

@@ -13,7 +13,7 @@ namespace {
 using math::Vec3;
 
 constexpr std::int32_t k_squares = 4;  ///< squares per side of a patch
-/// Larger surfaces than any table's have one square per patch.
+/// Surfaces with more patches than this (no table is so large) have one square per patch.
 constexpr std::size_t k_fine_patches_max = 20'000;
 
 /// Minimum spacing of control points; closer points give invalid slopes.

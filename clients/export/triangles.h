@@ -16,7 +16,7 @@ namespace sleight::gltf {
 /// Height of goals above the ground.
 inline constexpr double k_lift_m = 0.2e-3;
 
-/// Maps a part's frame to its feature's.
+/// Maps a part's frame to its feature's frame.
 struct Frame {
   math::Vec3 origin_m{0, 0, 0};
   math::Quat turn = math::Quat::Identity();
