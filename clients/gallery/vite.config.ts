@@ -25,7 +25,7 @@ export default defineConfig({
         chunkFileNames: "assets/[name]-[hash].js",
         assetFileNames: "assets/[name]-[hash][extname]",
         manualChunks(id: string): string | undefined {
-          // Loaded only by the plots' view.
+          // This code is loaded only by the plots' view.
           return id.includes("/node_modules/uplot/") ? "uplot" : undefined;
         },
       },

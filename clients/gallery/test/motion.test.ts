@@ -31,8 +31,8 @@ test("a thrown body follows its parabola and rests at its last segment", () => {
 });
 
 test("at a border the later segment applies; if several start there, the last one applies", () => {
-  // Goal: segments follow the rule of common/motion/path.h. Method: use three segments, two of which start at
-  // the same time.
+  // Goal: the segment in force at a time follows the rule of common/motion/path.h. Method: use three
+  // segments, two of which start at the same time.
   const recording = recordingFrom([
     { start: 0, p: [0, 0, 0] }, { start: 1, p: [1, 0, 0] }, { start: 1, p: [2, 0, 0] },
   ]);
@@ -74,8 +74,8 @@ test("around a fixed axis the rotation equals the closed form", () => {
 });
 
 test("the rotation about a turning axis solves the differential equation", () => {
-  // Goal: the error is below 1e-6 rad. Method: solve q' = w q / 2 by an explicit fourth-order method in
-  // 20,000 steps.
+  // Goal: the error of orientations is below 1e-6 rad. Method: solve q' = w q / 2 by an explicit fourth-order
+  // method in 20,000 steps.
   const w = [9, -14, 6] as const;
   const a = [-40, 25, 60] as const;
   const end = 0.4;
@@ -107,7 +107,8 @@ test("the rotation about a turning axis solves the differential equation", () =>
 });
 
 test("a resting body doesn't turn", () => {
-  // Goal: orientations follow the rule of segment.cpp. Method: give a resting segment an angular velocity.
+  // Goal: a resting body's orientation is constant, as in common/motion/segment.cpp. Method: give a resting
+  // segment an angular velocity.
   orientationInto(segmentsFrom([{ mode: "resting", w: [1, 2, 3] }]), 0, 9, pose);
   assert.deepEqual([pose.qw, pose.qx, pose.qy, pose.qz], [1, 0, 0, 0]);
 });

@@ -251,7 +251,7 @@ test("an aborted request ends at once, and the file still loads for others", asy
 });
 
 test("plots that were not saved have an error message", async () => {
-  // Goal: a missing chain and a missing diagnosis are reported, without loading the latter.
+  // Goal: a missing chain and a missing diagnosis are reported, and no file is requested for the diagnosis.
   const { source, page } = open();
   const error = await source.series(0, "trace.50% ä", { chain: "9" })
     .then(() => null, (failure: unknown) => failure);
@@ -304,8 +304,8 @@ test("the source reports that it is reachable, and nothing more", () => {
 });
 
 test("the least recently used value is dropped first", async () => {
-  // Goal: the limit holds, and a value above the limit is kept while it is the newest. Method: use
-  // numbers as values, each with itself as its size, and count loads.
+  // Goal: the cache respects its limit, but keeps the newest value even if this value exceeds the limit.
+  // Method: use numbers as values, each number being its own size, and count loads.
   const once = new Once<number>({ bytesMax: 10, bytesOf: (value) => value });
   const made: string[] = [];
   const get = (key: string, size: number): Promise<number> => once.get(key, () => {
@@ -341,8 +341,8 @@ test("a failed load is repeated after a pause, regardless of the number of reque
 });
 
 test("shares of groups equal the server's", () => {
-  // The case computed by hand in tests/unit/clients/gallery_server/shares_test.cpp: two lineages, one with
-  // four draws (three and one of two animations) and one with a single draw.
+  // The case is computed by hand in tests/unit/clients/gallery_server/shares_test.cpp. One lineage has four
+  // draws (three and one of two animations), the other lineage a single draw.
   const column = (values: number[]): Float64Array => Float64Array.from(values);
   const packed = {
     head: {},

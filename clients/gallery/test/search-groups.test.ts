@@ -29,7 +29,7 @@ test("SHA-256 is SHA-256", () => {
 });
 
 test("groups don't depend on a set's order, and known distances are reused", async () => {
-  // Goal: sets within and above the full matrix are grouped. Method: group 700 random animations.
+  // Goal: sets below and above 500 animations are grouped. Method: group 700 random animations.
   const search = await searchOf(made(700));
   const some = [5, 3, 9, 250, 17, 44];
   const cases = [[some, "medoids"], [null, "medoids"], [null, "hierarchy"]] as const;
@@ -52,8 +52,8 @@ test("groups don't depend on a set's order, and known distances are reused", asy
 });
 
 test("long work lets the page respond, and can be aborted", async () => {
-  // Goal: the page can run, and a request can be aborted. Method: count timers while 400 animations are
-  // grouped.
+  // Goal: during long work, the page can run, and the request can be aborted. Method: count timers while 400
+  // animations are grouped.
   const search = await searchOf(made(400));
   let turns = 0;
   const timer = setInterval(() => ++turns, 1);

@@ -1,10 +1,11 @@
 // Answers requests as a saved page does. tests/programs/test_gallery_search.py compares the answers with
 // those of the C++ programs.
 //
-//   search-program INDEX QUESTIONS
+//   `search-program INDEX QUESTIONS`.
 //
-// QUESTIONS has one JSON per line: {"find": "..."}, {"groups": {"entries", "groups", "by"}} or {"alike":
-// {"to", "entries"}}. Prints one answer per line, and times to stderr.
+// The file QUESTIONS has one JSON object per line, with the key "find" (a text), "groups" (an object with
+// "entries", "groups", "by") or "alike" (an object with "to", "entries"). The program prints one answer per
+// line, and times to stderr.
 
 import { readFileSync, writeSync } from "node:fs";
 import { unpack } from "../src/data/packed";

@@ -30,8 +30,8 @@ test("aligned animations agree at shared time 0", () => {
 });
 
 test("animations differ once their distance exceeds the tolerance", () => {
-  // Goal: the time equals the closed form. Method: after the hit, let one body continue at 1 m/s and the
-  // other at 2 m/s.
+  // Goal: the time where two animations start to differ equals the closed form. Method: after the hit, let
+  // one body continue at 1 m/s and the other at 2 m/s.
   const rows = (speed: number): Row[] => [
     { p: [0, 0, 1.25], a: [0, 0, G] }, { start: 0.5, cause: "hit", v: [speed, 0, 0] },
     { start: 5, cause: "rest", mode: "resting", p: [4.5 * speed, 0, 0] },
@@ -45,8 +45,8 @@ test("animations differ once their distance exceeds the tolerance", () => {
 });
 
 test("a short difference is not missed", () => {
-  // Goal: steps are no longer than the speeds allow. Method: after an hour without events, move one body away
-  // by 5 mm and back within 4 ms.
+  // Goal: steps are short enough for the bodies' speeds. Method: after an hour without events, move one body
+  // away by 5 mm and back within 4 ms.
   const still: Row[] = [{ mode: "resting" }, { start: 4000, mode: "resting" }];
   const jerk: Row[] = [
     { mode: "resting" }, { start: 3600, v: [2.5, 0, 0] },

@@ -1,11 +1,11 @@
 // Packed answers: a JSON header and columns of numbers in one block of bytes.
 //
-//    u32 H, little-endian | H bytes of JSON, padded with blanks so that 4 + H is a multiple of 8 | columns
-//    {"head": {...}, "columns": [{"name": "start_s", "type": "f64", "offset": 0, "count": 12}, ...]}
+//    Bytes: u32 H (little-endian), H bytes of JSON, columns.
+//    JSON: {"head": {...}, "columns": [{"name":"start_s", "type":"f64", "offset":0, "count":12}, ...]}.
 //
-// `offset` counts bytes from the end of the JSON and is a multiple of 8. `count` counts numbers, not rows.
-// Columns are views of the answer's bytes, without copies. Truncated, misaligned or otherwise invalid answers
-// throw.
+// Blanks pad the JSON, so that 4 + H is a multiple of 8. `offset` counts bytes from the end of the JSON and
+// is a multiple of 8. `count` counts numbers, not rows. Columns are views of the answer's bytes, without
+// copies. Truncated, misaligned or otherwise invalid answers throw.
 
 import { SourceError } from "./source";
 import type { Column } from "./types";

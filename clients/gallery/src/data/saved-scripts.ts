@@ -16,7 +16,7 @@ export interface SavedText {
 }
 
 declare global {
-  // The files call this function. It is global, because the files are classic scripts.
+  // The files call this function. The function is global, because the files are classic scripts.
   var sleightSaved: ((path: unknown, kind: unknown, text: unknown) => void) | undefined;
 }
 
@@ -38,7 +38,7 @@ export class SavedScripts {
   ) {
     globalThis.sleightSaved = (path, kind, text) => {
       if (typeof path !== "string" || typeof text !== "string") return;
-      // Other kinds are reported when the script has ended.
+      // Unknown kinds are reported when the script has ended.
       if (kind === "json" || kind === "gz") this.awaited.get(path)?.take({ kind, text });
     };
   }
@@ -64,7 +64,7 @@ export class SavedScripts {
       clearTimeout(timer);
       script.remove();
       this.awaited.delete(path);
-      // Has no effect if the text has arrived.
+      // If the text has arrived, fail() has no effect.
       fail(error);
     };
     // A truncated script doesn't parse, so its load event arrives without a call.

@@ -34,7 +34,7 @@ export class SatisfiedDraws {
     if (chain?.length !== counts.length || lineage?.length !== counts.length)
       throw torn("the index's columns differ in length");
     const entries = [...counts.keys()].filter((entry) => counts[entry]! > 0);
-    // Sums use this order, as on the server.
+    // Sum in the same order as the server.
     entries.sort((a, b) => chain[a]! - chain[b]! || lineage[a]! - lineage[b]! || a - b);
     const lineages: Lineage[] = [];
     entries.forEach((entry, i) => {
@@ -56,7 +56,8 @@ export class SatisfiedDraws {
     groups.forEach((members, group) => {
       for (const entry of members) groupOf[entry] = group;
     });
-    // For each group and each of its lineages: the lineage's draws, and the group's draws among them.
+    // For each group and each of its lineages: `size`, the lineage's draws, and `own`, the group's part of
+    // these draws.
     const parts = groups.map((): { size: number; own: number }[] => []);
     let squares = 0;
     for (const lineage of this.lineages) {
@@ -71,7 +72,7 @@ export class SatisfiedDraws {
     const count = this.lineages.length;
     return parts.map((part) => {
       const value = part.reduce((sum, { own }) => sum + own, 0) / this.draws;
-      // In lineages without draws of the group, the deviation is value * size.
+      // In lineages without draws of the group, the deviation is `value * size`.
       let deviations = value * value * (squares - part.reduce((sum, { size }) => sum + size * size, 0));
       for (const { size, own } of part) deviations += (own - value * size) ** 2;
       const error = count < 2 ? NaN : Math.sqrt((count / (count - 1)) * deviations) / this.draws;

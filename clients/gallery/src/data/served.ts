@@ -1,8 +1,8 @@
 // A gallery answered by a server: `sleight gallery`.
 //
-// While the server doesn't answer, all requests but changeNotes() wait, and are sent again once the server
-// answers; listeners are notified. The event stream shows whether the server answers. A broken stream is
-// opened again with increasing pauses, so nobody has to reload the page.
+// While the server doesn't answer, listeners are notified, and requests wait until the server answers; then
+// they are sent again. Only changeNotes() doesn't wait. The event stream shows whether the server answers. A
+// broken stream is opened again with increasing pauses, so nobody has to reload the page.
 
 import {
   animationsOf, galleryOf, looksOf, sceneOf, seriesOf, seriesTitlesOf, tableOf,
@@ -198,7 +198,7 @@ class ServedSource implements GallerySource {
     stream.addEventListener("gallery", (event) => this.changed(event));
     stream.onopen = () => this.found();
     stream.onerror = () => {
-      // The browser's own retries neither report refusals nor back off.
+      // Close the stream, because the browser's own retries neither report refusals nor back off.
       stream.close();
       if (this.stream !== stream) return;
       this.stream = null;
@@ -242,7 +242,7 @@ class ServedSource implements GallerySource {
       setTimeout(() => this.found(), PAUSE_MS_MAX);
       return;
     }
-    // The failed request may be the first sign of trouble. A new stream reports when the server returns.
+    // Open a new stream, which reports when the server returns.
     this.stream?.close();
     this.stream = null;
     this.again();
@@ -293,7 +293,7 @@ async function failureOf(response: Response): Promise<SourceError> {
   try {
     said = await response.json();
   } catch {
-    // The body isn't our JSON (from a proxy, for example): use the status alone.
+    // The response body isn't our JSON (from a proxy, for example): use the status alone.
   }
   const error = isObject(said) && typeof said["error"] === "string" ? said["error"] : "";
   const toDo = isObject(said) && typeof said["what_to_do"] === "string" ? said["what_to_do"] : "";

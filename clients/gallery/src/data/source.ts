@@ -1,7 +1,7 @@
 // The source of the page's data: a server (served.ts) or a saved folder of static files (saved.ts).
 //
-// Promises reject only with SourceError. A source answers for one generation of an archive at a time: answers
-// contain their generation, and requests with entries contain the generation of these entries.
+// Promises reject only with SourceError. A source answers for one generation of an archive at a time. So each
+// answer contains a generation, and each request with entries contains the entries' generation.
 
 import type {
   AlikeAnswer, AlikeAsk, Animation, AnimationName, ArchiveAt, ArchiveId, ChangedNotes, FindAnswer,

@@ -1,8 +1,8 @@
 // Finds where two animations start to differ: the first shared time at which some body's places differ.
 //
 // Between the starts of segments both centres are quadratic in time, so their distance changes by at most |v|
-// h + |a| h^2 / 2 within h. Steps within this bound miss nothing. A body that is in only one animation
-// differs once it is further than the tolerance from where it entered.
+// h + |a| h^2 / 2 within h. The steps are chosen by this bound, so no difference is missed. A body that is in
+// only one animation differs once it is further than the tolerance from where it entered.
 
 import { Pose } from "./pose";
 import type { Recording } from "./recording";

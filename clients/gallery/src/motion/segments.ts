@@ -1,8 +1,8 @@
-// Segments of recorded motion in columns, and their evaluation. The formulas and their order equal those of
-// common/motion/segment.{h,cpp}, so that both agree to 1e-9 m and 1e-6 rad.
+// Segments of recorded motion in columns, and their evaluation. The formulas and their order are the same as
+// in common/motion/segment.{h,cpp}, so the results agree to 1e-9 m and 1e-6 rad.
 //
-//    centre       c(t) = position + velocity s + acceleration s^2 / 2       s = t - start
-//    orientation  turned by the angular velocity w(t) = w + a s, in the scene's frame
+//    Centre: c(t) = position + velocity s + acceleration s^2 / 2, where s = t - start.
+//    Orientation: rotated by the angular velocity w(t) = w + a s, in the scene's frame.
 //
 // Functions don't allocate.
 

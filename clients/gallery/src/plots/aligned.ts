@@ -1,5 +1,5 @@
-// Merges several thinned lines onto one x axis, as uPlot requires. undefined means no point at this x (the
-// line continues); null means a gap.
+// Merges several thinned lines onto one x axis, as uPlot requires. In a column, `undefined` means no point at
+// this x (the line continues); `null` means a gap.
 import type { Thinned } from "./decimate";
 
 export type AlignedColumn = (number | null | undefined)[];

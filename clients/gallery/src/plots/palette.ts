@@ -12,6 +12,6 @@ export function lineColour(index: number, isDark: boolean): string {
 }
 
 export function lineDash(index: number): number[] {
-  // The first six lines differ in colour and dashes. Later lines repeat colours and dashes in other pairs.
+  // The first six lines differ in colour and dashes. Later lines repeat them in other combinations.
   return [...(dashes[(index + Math.floor(index / dashes.length)) % dashes.length] ?? [])];
 }

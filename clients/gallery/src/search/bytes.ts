@@ -1,7 +1,7 @@
 // Texts for the search: strings in which each character is one byte of UTF-8.
 //
 // Queries are defined on bytes (clients/browse/query.h): their maximum length, positions of errors, and
-// similarity of names. With such strings the same rules yield the same answers.
+// similarity of names. With such strings, the page's rules yield the same answers as the server's.
 
 const PART = 4096;
 

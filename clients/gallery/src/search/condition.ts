@@ -1,4 +1,4 @@
-// The meaning of a query, with the same forms as clients/browse/query.h.
+// The parsed form of a query, with the same structure as in clients/browse/query.h.
 
 /** Limits of a query: length of the text and depth of nesting. */
 export const QUERY_BYTES_MAX = 20_000;

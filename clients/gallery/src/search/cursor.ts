@@ -113,7 +113,7 @@ export class Cursor {
     }
     if (low === null && high === null)
       throw new QueryFault(column, "a range needs at least one end, as in 0.. or ..20");
-    // If only one limit has a unit, the unit applies to both limits.
+    // If only one limit of a range has a unit, the unit applies to both limits.
     const ends = {
       low: low === null ? -Infinity : low * (lowUnit ?? highUnit ?? 1),
       high: high === null ? Infinity : high * (highUnit ?? lowUnit ?? 1),

@@ -1,6 +1,6 @@
 // Grouping by hierarchy: the two nearest groups are joined until k groups are left. The distance of groups is
-// the mean distance of their members (average linkage by nearest-neighbour chains: F. Murtagh, The Computer
-// Journal 26, 1983). The choices are the same as those of hierarchy_of in clients/browse/groups.cpp.
+// the mean distance of their members (average linkage by nearest-neighbour chains, as in Murtagh, The
+// Computer Journal 26, 1983). The choices are the same as those of hierarchy_of in clients/browse/groups.cpp.
 
 import type { Matrix } from "./medoids";
 
@@ -12,8 +12,8 @@ interface Merge {
 
 /** The group (0 to k - 1) of each point. REQUIRES: 1 <= k <= size. */
 export function hierarchyOf(matrix: Matrix, k: number): number[] {
-  // Chains don't find the merges in order of distance, so the merges are sorted. The first size - k then
-  // leave k groups. The sort is stable.
+  // Chains don't find the merges in order of distance, so the merges are sorted. The first `size - k` merges
+  // then leave k groups. The sort is stable.
   const merges = mergesOf(matrix).sort((a, b) => a.distance - b.distance);
   const root = Array.from({ length: matrix.size }, (_, point) => point);
   const rootOf = (from: number): number => {

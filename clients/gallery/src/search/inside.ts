@@ -140,7 +140,7 @@ function crossing(p: number, v: number, a: number, c: number, s0: number, s1: nu
   if (a === 0) {
     s = -below / v;
   } else {
-    // The roots of a/2 s^2 + v s + below, in the form without cancellation.
+    // The roots of a/2 s^2 + v s + `below`, in the form without cancellation.
     const root = Math.sqrt(max(0, v * v - 2 * a * below));
     const isNegative = v < 0 || (v === 0 && 1 / v < 0);
     const q = -(v + (isNegative ? -root : root));
@@ -154,8 +154,8 @@ function crossing(p: number, v: number, a: number, c: number, s0: number, s1: nu
   return s < s0 ? s0 : s1 < s ? s1 : s;
 }
 
-// Like std::max and std::min, these return the first of two equal values. Math.max and Math.min distinguish 0
-// and -0.
+// Like std::max and std::min, these functions return the first of two equal values. Math.max and Math.min
+// distinguish 0 and -0.
 function max(a: number, b: number): number {
   return a < b ? b : a;
 }

@@ -1,5 +1,5 @@
-// Solves the assignment problem by shortest augmenting paths (R. Jonker and A. Volgenant, Computing 38,
-// 1987). Among equally cheap matchings, the choice is the same as that of CheapestMatching in
+// Solves the assignment problem by shortest augmenting paths (Jonker and Volgenant, Computing 38, 1987).
+// Among equally cheap matchings, the choice is the same as that of CheapestMatching in
 // clients/browse/matching.h.
 
 /** Scratch memory shared by all matchings: there are hundreds of thousands, mostly of a few bodies. */

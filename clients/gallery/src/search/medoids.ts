@@ -14,7 +14,7 @@ export interface Matrix {
 /** In ascending order. REQUIRES: 1 <= k <= size. */
 export async function medoidsOf(matrix: Matrix, k: number, turns: Turns): Promise<number[]> {
   const medoids = await firstMedoids(matrix, k, turns);
-  // A single medoid has no second nearest, and the first choice is optimal.
+  // Exchanges need a second nearest medoid. For k = 1, the first choice is already optimal.
   while (k > 1 && k < matrix.size && exchange(matrix, medoids)) if (turns.isDue()) await turns.take();
   return medoids.sort((a, b) => a - b);
 }

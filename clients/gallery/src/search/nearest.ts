@@ -1,4 +1,4 @@
-// Suggests a known name for a mistyped one, as common/request/nearest.cpp does, on bytes (bytes.ts).
+// Suggests a known name for a mistyped name, as common/request/nearest.cpp does, on bytes (bytes.ts).
 
 /** Longer texts match no name. */
 const LENGTH_MAX = 64;

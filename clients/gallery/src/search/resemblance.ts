@@ -108,9 +108,8 @@ export class Resemblance {
   private orderBetween(a: Sketch, b: Sketch): number {
     const longer = Math.max(a.keys.length, b.keys.length);
     if (longer === 0) return 0;
-    // Find the places of a's contacts in b. Contacts in a list are distinct, so the longest common
-    // subsequence is the longest ascending subsequence of the places of one list's contacts in the other
-    // list.
+    // Find the places of a's contacts in b's list. Contacts in a list are distinct, so the longest common
+    // subsequence is the longest ascending subsequence of these places.
     let length = 0;
     for (let at = 0; at < a.contacts.length; at += 2) {
       const one = this.inB(a.contacts[at]!);

@@ -2,8 +2,8 @@
 // index file.
 //
 // Answers equal those of clients/browse bit for bit (compared by tests/programs/test_gallery_search.py).
-// Requests may overlap, and no part of the work blocks the page. Functions throw SourceError: "aborted" if
-// the signal is aborted, "torn" for an invalid file, "other" for an invalid request.
+// Requests may overlap, and no part of the work blocks the page. Functions throw a SourceError of kind
+// "aborted" if the signal is aborted, "torn" for an invalid file, or "other" for an invalid request.
 
 import type { Packed } from "../data/packed";
 import { type AskOptions, SourceError } from "../data/source";

@@ -10,7 +10,7 @@ const BLOCK_BYTES = 64;
 /** 64 lower-case hexadecimal digits. */
 export function sha256Hex(text: string): string {
   const bytes = new TextEncoder().encode(text);
-  // A one bit, zeros, and the length in bits fill the last block.
+  // A 1 bit, zeros, and the length in bits fill the last block.
   const padded = new DataView(new ArrayBuffer(Math.ceil((bytes.length + 9) / BLOCK_BYTES) * BLOCK_BYTES));
   bytes.forEach((byte, at) => padded.setUint8(at, byte));
   padded.setUint8(bytes.length, 0x80);

@@ -123,7 +123,7 @@ export class Loading {
     const { page, selection } = this.store.state;
     const isAsked = page.run === "" || page.run === archive.run;
     if (!isAsked) say(this.store, `There is no run ${page.run.slice(0, 8)} here. ${archive.name} is shown instead.`);
-    // Names are only valid within a run: drop those of another run.
+    // Names are only valid within a run: drop the names of another run.
     const sort = page.sort.by === "alike" ? asKept : page.sort;
     const ofOther = { archive: "", path: [], playing: [], timeS: null, plot: "", sort };
     const kept = isAsked ? page : { ...page, ...ofOther };
@@ -169,7 +169,7 @@ export class Loading {
   private failed(error: unknown): void {
     const failure = error instanceof SourceError ? error : null;
     if (failure?.kind === "aborted") return;
-    // "away" ends by itself: the source reports when the server answers.
+    // For "away" no retry is needed, because the source reports when the server answers.
     if (this.store.state.loaded === null)
       this.store.set({ loadFailure: failure?.kind === "reading" ? "" : sentenceOf(error) });
     if (failure?.kind === "away" || failure?.kind === "refused") return;

@@ -1,5 +1,5 @@
-// Wraps the source for the page's parts. If another run's archive replaces the shown one, its names and
-// entries mean other animations; then all requests fail.
+// Wraps the source for the page's parts. If another run's archive replaces the shown one, names and entries
+// mean other animations, so all requests fail.
 import { SourceError, type GallerySource } from "../data/source";
 import type { AppState } from "./app-state";
 import { replacing } from "./derived";
@@ -18,7 +18,7 @@ export function ofShownRun(source: GallerySource, store: Store<AppState>): Galle
   const ask = async <Answer>(question: () => Promise<Answer>): Promise<Answer> => {
     refuseOther();
     const answer = await question();
-    // The replacement may have happened meanwhile.
+    // The archive may have been replaced during the request.
     refuseOther();
     return answer;
   };

@@ -109,7 +109,7 @@ interface Places {
 function keyActions(ui: Ui, { wall, player, filters, root, showKeys }: Places): KeyActions {
   const { store, page, notes, loading } = ui;
   const isOpen = (): boolean => store.state.page.playing.length > 0;
-  // If the player has the focus, keys act on the playing animations. Otherwise they act on the selection or
+  // If the player has the focus, keys act on the playing animations. Otherwise keys act on the selection or
   // the card.
   const names = (): readonly string[] =>
     isOpen() && player.element.contains(document.activeElement)

@@ -1,5 +1,5 @@
 // Estimates where a body touched what it hit: at the body's furthest point opposite to its change of
-// velocity. For a ball this is exact except for friction; for a die it is the correct corner.
+// velocity. The estimate for a ball is exact except for friction; for a die, it is the correct corner.
 
 import type { Mesh, Place } from "../data/types";
 import type { MotionEvent } from "../motion/events";

@@ -2,8 +2,8 @@
 //
 // Browsers limit the number of contexts, and each costs memory. So all pictures are drawn here off-screen,
 // then handed without a copy to the canvas that shows them. A context can be lost at any time (driver
-// restart, wake-up of a laptop). Until it is restored nothing is drawn; then three.js uploads everything
-// again, and the listeners draw again.
+// restart, wake-up of a laptop). Until the context is restored, nothing is drawn; then three.js uploads
+// everything again, and the listeners draw again.
 
 import { type Camera, type Scene, SRGBColorSpace, WebGLRenderer } from "three";
 
@@ -67,7 +67,7 @@ export class SharedRenderer {
   /** Whether WebGL is available. The first call creates the context. */
   get available(): boolean { return this.context !== null; }
   get isLost(): boolean {
-    // The event of the loss arrives a little later.
+    // Check the context too, because the browser's event about a lost context arrives a little later.
     return this.lost || (this.context !== null && this.context.gl.getContext().isContextLost());
   }
 

@@ -1,5 +1,5 @@
-// The player's picture as cells. Each cell shows one animation, all from the same direction. Converts points
-// of the picture to rays and features, and places to points.
+// The player's picture as cells. Each cell shows one animation, and all cells have the same direction of
+// view. Converts points of the picture to rays and features, and places to points.
 //
 // Pixels are CSS pixels from the picture's upper left.
 
