@@ -26,7 +26,7 @@ std::string looks(const Snapshot& snapshot);
 std::string table(const Snapshot& snapshot);
 /// One animation (packed.h).
 std::string one_animation(const Snapshot& snapshot, std::string_view name);
-/// Several animations; the columns of the n-th have names with the prefix "n:".
+/// Several animations. Names of the n-th animation's columns have the prefix "n:".
 std::string several_animations(const Snapshot& snapshot, std::span<const std::string> names);
 /// The output of `sleight diagnose --json`. `path`: the archive's name in the output.
 json::Value diagnosis_json(const Snapshot& snapshot, const std::string& path,

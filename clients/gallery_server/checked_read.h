@@ -1,7 +1,7 @@
 // Reads numbers from an untrusted archive.
 //
-// A Source's read has preconditions that a damaged or hostile archive may violate; a server must
-// survive that.
+// Source::read() has preconditions that a damaged or hostile archive may violate; a server must
+// survive this.
 #pragma once
 
 #include <cstdint>

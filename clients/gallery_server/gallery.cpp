@@ -20,8 +20,8 @@ using Json = json::Value;
 
 /// Minimum time between two reports of reading progress.
 constexpr auto k_tell_every = std::chrono::milliseconds(250);
-/// Number of animations shown while an archive is read for the first time. For more animations, not
-/// all pairs are compared.
+/// Number of animations shown while an archive is read for the first time. Above this number, not
+/// all pairs of animations are compared.
 constexpr std::uint64_t k_beginning = browse::k_full_matrix_max;
 
 const char* word_of(ArchiveState state) {
@@ -172,7 +172,7 @@ void Gallery::look_at(std::size_t archive) {
       fault = "there is not enough memory to read the archive";
     }
     show(archive, now, fault);
-    // Returns the memory used for reading to the system.
+    // Release the memory that was used for reading.
     ::malloc_trim(0);
     tell();
     if (!now) return;

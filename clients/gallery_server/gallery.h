@@ -36,7 +36,7 @@ enum class ArchiveState : std::uint8_t { reading, ready, gone, damaged };
 struct GalleryOptions {
   std::vector<std::string> paths{};  ///< archives and folders of archives
   double look_every_s = 0.25;
-  /// Called when the result of `state` has changed.
+  /// Called when the result of state() has changed.
   std::function<void()> changed{};
   Opener open{};  ///< none: archive::remote::open_remote
 };

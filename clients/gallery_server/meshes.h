@@ -15,13 +15,13 @@
 
 namespace sleight::gallery {
 
-/// Features whose look differs between animations, ascending: they have moved vertices, control
-/// points below them, or animation-specific parts.
+/// Returns the features whose look differs between animations because of moved vertices or control
+/// points, ascending.
 std::vector<std::uint32_t> own_features(const scene::Scene& scene);
 /// Returns the features with an individual look in this animation, including those of its own
 /// parts.
 std::vector<std::uint32_t> own_features(const scene::Scene& scene, const scene::Variation& own);
-/// Returns all other features of the scene.
+/// Returns the features that own_features(scene) omits.
 std::vector<std::uint32_t> common_features(const scene::Scene& scene);
 
 /// Adds the features' columns, with `prefix` before each name. Returns the answer's "meshes":

@@ -39,7 +39,7 @@ rpc::JobId job_of(const std::string& text, std::string& service,
         base::ExitCode::usage,
         fmt::format("{}: names several jobs; give each job's number separately", text));
   }
-  // Checked here, so that a missing job or service is reported at once.
+  // Check the job here, so that a missing job or service is reported at once.
   if (service.empty()) service = service_called();
   service_client::with_service(service, [&](rpc::Client& client) {
     client.status(*job);

@@ -22,11 +22,11 @@ class NamedArchives {
     std::string path{};  ///< where its archive is written
   };
 
-  /// A text that is a number, but not an existing file, names a job, which the service must have.
-  /// Calls `service_called` only if a job is named, so files need no service. Throws base::Error:
-  /// environment if a name is neither file nor job, usage for several jobs, no_server and others
-  /// from the service. Unreadable archives are reported by the page. REQUIRES: no other thread is
-  /// running.
+  /// If a text is a number and not an existing file, the text is the id of a job, and the service
+  /// must have this job. Calls `service_called` only if a job is named, so files need no service.
+  /// Throws base::Error: environment if a name is neither file nor job, usage for several jobs,
+  /// no_server and others from the service. Unreadable archives are reported by the page. REQUIRES:
+  /// no other thread is running.
   NamedArchives(const std::vector<std::string>& texts,
                 const std::function<std::string()>& service_called);
   ~NamedArchives();  ///< removes the folder

@@ -1,10 +1,10 @@
 // Writes columns of numbers as one answer for the page. Browsers use the columns as typed arrays
 // without parsing.
 //
-//    u32       length of the text, little-endian
-//    text      JSON: {"head": ..., "columns": [{"name", "type", "offset", "count"}, ...]},
-//              padded with blanks so that u32 and text are a multiple of 8 bytes
-//    columns   each at its offset from the text's end, a multiple of 8; little-endian
+//   `u32`: length of the text, little-endian.
+//   `text`: JSON {"head": ..., "columns": [{"name", "type", "offset", "count"}, ...]},
+//     padded with blanks so that `u32` and `text` together are a multiple of 8 bytes.
+//   `columns`: each at its offset from the text's end, a multiple of 8; little-endian.
 //
 // Types are f64, f32, u32, i32 and u8. Thread safety: one thread at a time uses a writer.
 #pragma once

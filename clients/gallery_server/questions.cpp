@@ -48,7 +48,7 @@ std::uint64_t archive_of(const Gallery& gallery, const Question& ask) {
   return id;
 }
 
-/// Returns the snapshot. Throws Refused unless the request is for its generation.
+/// Returns the snapshot. Throws Refused if the request is for another generation.
 std::shared_ptr<const Snapshot> asked_for(const Gallery& gallery, const Question& ask,
                                           std::shared_ptr<const Snapshot> snapshot) {
   if (!snapshot) refuse_unread(gallery, archive_of(gallery, ask));
@@ -102,7 +102,7 @@ std::size_t character_of(std::string_view text, std::size_t byte) {
          }));
 }
 
-/// Shares count animations without finds, so entries that are finds are skipped.
+/// Skips finds, because shares count only animations of chains.
 std::vector<Share> shares(const Snapshot& snapshot, const browse::Groups& groups,
                           const std::vector<std::size_t>& entries) {
   const auto& all = snapshot.index().entries;

@@ -18,7 +18,7 @@ namespace sleight::gallery {
 void add_segments(Packed& to, const std::string& prefix, std::span<const motion::Segment> segments);
 
 /// Adds the columns of all segments, in the order of bodies, and the animation's own meshes.
-/// Returns its head: "name", "end_s", "meshes", "columns" (the prefix).
+/// Returns the animation's head: "name", "end_s", "meshes", "columns" (the prefix).
 json::Value add_animation(Packed& to, const std::string& prefix, const std::string& name,
                           const browse::KeptAnimation& animation, const scene::Scene& scene);
 

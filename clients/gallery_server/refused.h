@@ -25,7 +25,7 @@ class Refused : public std::runtime_error {
 };
 
 class Gallery;
-/// Throws the reason why an existing archive has no (whole) snapshot.
+/// Throws Refused with the reason why an existing archive has no snapshot or only an outline.
 [[noreturn]] void refuse_unread(const Gallery& gallery, std::size_t archive);
 
 }  // namespace sleight::gallery

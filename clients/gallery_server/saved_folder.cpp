@@ -138,7 +138,7 @@ class Moves {
     fs::rename(from, to);
     done_.emplace_back(from, to);
   }
-  /// Undoes all renames. Returns whether all could be undone.
+  /// Undoes all renames. Returns false if a rename could not be undone.
   bool take_back() {
     bool is_whole = true;
     for (; !done_.empty(); done_.pop_back()) {
@@ -163,7 +163,7 @@ SavedFolder::SavedFolder(const std::string& folder)
     check_place(place_, {});
   }
   work_ = folder_of_our_own(is_new_ ? place_.parent_path() : place_);
-  // mkdtemp's folder is readable only by its owner; this one will be published.
+  // A folder made by mkdtemp() is readable only by its owner, but this folder will be published.
   fs::create_directory(work_ / "new");
 }
 

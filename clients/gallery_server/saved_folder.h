@@ -3,18 +3,18 @@
 //
 // A saved gallery lists its files in its manifest, sleight-gallery.json:
 //
-//   {"about": "...", "sleight_gallery": 1, "files": ["app.css", ..., "sleight-gallery.json"]}
+//   {"about":"...", "sleight_gallery":1, "files":["app.css", ..., "sleight-gallery.json"]}.
 //
 // Invariants:
 //
 // 1. Only regular files listed in the present gallery's manifest are replaced or removed. A folder
 //    with any other content is refused and not changed. A manifest with names that no saved gallery
 //    writes is ignored.
-// 2. The new gallery is written into a separate folder, and put in place when it is complete. The
-//    new files and the old ones are exchanged by renames; if one fails, all are undone.
+// 2. The new gallery is written into a separate folder, and put in place when it is complete. Old
+//    and new files are exchanged by renames; if a rename fails, all renames are undone.
 // 3. An existing folder stays the same folder, because it may be a mount point, the target of a
 //    link, or a shell's current folder. So the new gallery is first written inside an existing
-//    folder, or beside a new one.
+//    folder, or beside a new folder.
 //
 // A killed process leaves a folder ".sleight-saving-...". The program never removes such a folder,
 // because it may contain the old gallery.

@@ -3,16 +3,16 @@
 // A page opened as a file cannot fetch, so all data are scripts, which the page loads with script
 // elements:
 //
-//   index.html, app.js, app.css    the page, built for saved galleries
-//   data/gallery.js                the answer of /api/gallery
-//   data/A/NAME.js                 answers about archive A: scene, looks, table, index,
-//                                  diagnosis, series, series-NAME-CHAIN, animations-K
-//                                  (animations 32 K to 32 K + 31, in the table's order)
-//   sleight-gallery.json           the names of all these files
+//   `index.html`, `app.js`, `app.css`: the page, built for saved galleries;
+//   `data/gallery.js`: the answer of /api/gallery;
+//   `data/A/NAME.js`: answers about archive A, where NAME is scene, looks, table, index, diagnosis,
+//     series, series-NAME-CHAIN or animations-K (animations 32 K to 32 K + 31, in the table's
+//     order);
+//   `sleight-gallery.json`: the names of all these files.
 //
-// Each script calls sleightSaved(path, kind, text). Kind "json" has a JSON text; kind "gz" has the
-// answer's bytes, compressed by gzip, as base64. Names of files are numbers and fixed words. Text
-// from archives never becomes part of a name, and is in scripts only inside JSON strings.
+// Each script calls sleightSaved(path, kind, text). Text of kind "json" is JSON; text of kind "gz"
+// is base64 of the answer's bytes, compressed by gzip. Names of files are numbers and fixed words.
+// Text from archives never becomes part of a name, and is in scripts only inside JSON strings.
 //
 // The folder is put in place as a whole (saved_folder.h). People's stars and notes are not saved.
 #pragma once
@@ -38,8 +38,8 @@ struct SaveOptions {
   std::string folder{};  ///< new, empty, or a saved gallery to replace
   std::string page{};    ///< the folder of the built page (page_folder.h)
   std::string version{};
-  /// Called after each file with the numbers of files written and of all files. If `progress`
-  /// throws, the work ends and leaves nothing behind.
+  /// Called after each file with the number of files written and the total number of files. If
+  /// `progress` throws, the work ends and leaves nothing behind.
   std::function<void(std::size_t, std::size_t)> progress{};
 };
 

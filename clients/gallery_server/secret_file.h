@@ -8,8 +8,8 @@
 namespace sleight::gallery {
 
 /// The secret in $XDG_STATE_HOME/sleight/gallery/PORT.secret (default ~/.local/state/...), readable
-/// only by its owner; created if missing. Empty if it cannot be stored. The server then creates a
-/// new secret, and open pages need a new link.
+/// only by its owner; created if missing. Empty if the secret cannot be stored; then the server
+/// creates a new secret, and open pages need a new link.
 std::string kept_secret(std::uint16_t port);
 
 }  // namespace sleight::gallery

@@ -254,7 +254,7 @@ std::string index_of(const archive::Source& source, const archive::Summary& summ
                         {"replicas", process.level.size()}});
 }
 
-/// The numbers of all chains with their weights; every n-th if there are too many.
+/// The numbers of all chains with their weights; only every n-th number if there are too many.
 struct Weighed {
   std::vector<double> values{};
   std::vector<double> log_weights{};  ///< empty: equal weights

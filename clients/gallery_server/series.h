@@ -3,21 +3,21 @@
 //
 // Kinds of plots:
 //
-//   trace   a number along a chain. Head: chain, chains, draws, unit, is_thinned. Columns: "draw"
-//           and "value"; and draws with marks: "change_all" (an accepted proposal that changes
-//           all variables), "fall" (a draw that doesn't satisfy, after one that does),
-//           "lineage" (the draw has another lineage than the one before)
-//   levels  by a ladder's rounds and levels. Head: kinds. Columns: "round", "level",
-//           "inverse_temperature", "swap_acceptance" (with the next cooler level; NaN at the
-//           last), and for each kind of proposal its acceptance: "acceptance.0" ...
-//   rounds  numbers of a ladder by round. Columns: "round", "round_trips",
-//           "predicted_round_trips", "restarts", "barrier"
-//   index   the level of each replica over time. Head: replicas. Columns: "scan", "level.0" ...,
-//           and "round" (first scans of rounds)
-//   pair    prior and posterior, as two histograms with the same bins. Head: unit,
-//           is_weighted. Columns: "edges", "prior", "posterior" (shares, by weight if draws are
-//           weighted)
-//   table   the answer of /diagnosis
+//   `trace`: a number along a chain. Keys of the head: chain, chains, draws, unit, is_thinned.
+//     Columns with all points: "draw" and "value". Columns with marked draws: "change_all" (an
+//     accepted proposal that changes all variables), "fall" (a draw that doesn't satisfy, after
+//     one that does), "lineage" (the draw has another lineage than the previous draw).
+//   `levels`: numbers by a ladder's rounds and levels. Key of the head: kinds. Columns are "round",
+//     "level", "inverse_temperature", "swap_acceptance" (with the next cooler level, NaN at the
+//     last level), and each kind of proposal's acceptance, "acceptance.0" and so on.
+//   `rounds`: numbers of a ladder by round. Columns are "round", "round_trips",
+//     "predicted_round_trips", "restarts", "barrier".
+//   `index`: the level of each replica over time. Key of the head: replicas. Columns are "scan",
+//     "level.0" and so on, and "round" (first scans of rounds).
+//   `pair`: prior and posterior, as two histograms with the same bins. Keys of the head: unit,
+//     is_weighted. Columns are "edges", "prior", "posterior" (shares, by weight if draws are
+//     weighted).
+//   `table`: the answer of /diagnosis.
 //
 // Functions throw base::Error if the archive is damaged, and Refused if the plot doesn't exist.
 #pragma once

@@ -79,7 +79,7 @@ std::vector<Share> shares_of(const SatisfiedDraws& draws,
   std::vector<Share> shares(groups);
   for (std::size_t group = 0; group < groups; ++group) {
     const double share = sum[group] / all;
-    // In lineages without draws of the group, the deviation is share * n.
+    // In lineages without draws of the group, the deviation is `share * n`.
     double deviations = share * share * (squares - squares_of_sizes[group]);
     for (std::size_t i = 0; i < of_lineage[group].size(); ++i)
       deviations += std::pow(of_lineage[group][i] - share * size[group][i], 2);

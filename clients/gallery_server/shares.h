@@ -12,7 +12,7 @@
 //
 //     sqrt(L / (L - 1) * sum (g_l - p n_l)^2) / sum n
 //
-// (W. Cochran, "Sampling Techniques", 1977, section 6.4: ratio of clusters' sums).
+// (Cochran, "Sampling Techniques", 1977, section 6.4, ratio of clusters' sums).
 //
 // Thread safety: pure.
 #pragma once

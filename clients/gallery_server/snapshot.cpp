@@ -124,7 +124,7 @@ Snapshot::Snapshot(const std::string& path, const Options& options)
 
 std::vector<double> Snapshot::satisfied_draws() const {
   if (facts_.by_lineage.draws == 0) return {};
-  // Shares count animations without finds, so map their indices to entries.
+  // Shares count only animations of chains, so map the animations' indices to entries.
   std::vector<std::size_t> entry_of_animation;
   for (std::size_t entry = 0; entry < read_.index.entries.size(); ++entry)
     if (!read_.index.entries[entry].name.is_find) entry_of_animation.push_back(entry);

@@ -39,7 +39,8 @@ inline constexpr std::uint64_t k_counted_draws_max = 50'000'000;
 /// Facts about an archive besides its animations.
 struct Facts {
   archive::Summary summary{};
-  /// Whether draws are in the model's proportions: there are draws, without weights and warnings.
+  /// Whether draws are in the model's proportions: true if there are draws, and no weights or
+  /// warnings.
   bool in_proportion = false;
   std::optional<std::uint64_t> satisfied{};  ///< number of satisfied draws; none: too many to count
   SatisfiedDraws by_lineage{};               ///< empty unless draws are in proportion
@@ -59,13 +60,13 @@ class Snapshot {
  public:
   struct Options {
     std::uint64_t generation = 1;
-    /// The file's state before it was opened; none: determined by the constructor.
+    /// The file's state before the file was opened; none: the constructor determines the state.
     std::optional<browse::FileState> file{};
     const Snapshot* earlier = nullptr;  ///< earlier snapshot of the same path, to reuse its data
     /// Read only this many animations if all would have to be read; 0: read all.
     std::uint64_t beginning_max = 0;
-    /// The stored outline of this file, which is moved from. If set, nothing more is read. If the
-    /// file changed anyway, the archive is read as a whole.
+    /// The stored outline of this file; its contents are moved. If `outline` is set, nothing more
+    /// is read. If the file changed anyway, the archive is read as a whole.
     browse::Outline* outline = nullptr;
     std::function<void(std::uint64_t, std::uint64_t)> progress{};  ///< animations read, total
     Opener open{};  ///< none: archive::remote::open_remote
