@@ -9,7 +9,8 @@
 //
 // Still parts are drawn once for all frames (clients/plot/film.h). One core (2.4 GHz, 2026-11-26,
 // `sleight export --fps 200`) renders per second about 200 PNG files of one ball, 110 of a die and
-// 50 of HI. For films, including ffmpeg's work, one core renders 150, 70 and 50 frames per second.
+// 50 of HI. For one ball, a die and HI, one core renders 150, 70 and 50 film frames per second,
+// including ffmpeg's work.
 //
 // Files appear complete or not at all: each is written under a temporary name and renamed. A folder
 // of frames must be new or empty. An existing file is replaced, as with every `-o`.
@@ -61,7 +62,7 @@ struct FramesOptions {
   FrameLook look{};
   double scale = 1;            ///< image pixels per figure pixel; above 0
   std::string name = "frame";  ///< prefix of PNG files: NAME-0001.png
-  /// Called after each frame. An exception ends the work and leaves nothing behind.
+  /// Called after each frame. If `progress` throws, the work ends and leaves no files behind.
   std::function<void(std::size_t done, std::size_t of)> progress{};
 };
 

@@ -288,7 +288,7 @@ void ScenePainter::fixed(const SceneView& view, const scene::Part& part) {
     if (piece.radius_mm == 0 && shown.corners_mm.empty()) continue;
     fill(view, shown,
          from_above ? between(k_low, k_high, share) : k_high.with_opacity(k_see_through));
-    // Triangles are parts of a larger surface; other pieces get an edge.
+    // Triangles get no edge, because they are parts of a larger surface.
     if (piece.corners_mm.size() != 3) edge(view, shown, plot::palette::k_grey, 0.8);
   }
 }

@@ -11,7 +11,7 @@ namespace {
 using math::Quat;
 using math::Vec3;
 
-/// Maps a part's frame to the scene's.
+/// Maps a part's frame to the scene's frame.
 struct Frame {
   Vec3 origin_m;
   Quat turn;
