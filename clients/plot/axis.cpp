@@ -20,8 +20,8 @@ namespace {
 // Minimum span relative to the magnitude, for which doubles represent ten distinct ticks.
 constexpr double k_relative_span_min = 1e-12;
 constexpr double k_margin = 0.05;  // relative to the span, on sides that the series don't fill
-// From this power of ten on, plain digits are longer than "1.5×10⁶". With more decimals than this,
-// plain digits of small steps are longer too.
+// Labels have powers of ten for greater exponents, and for more decimals, because "1.5×10⁶" is
+// shorter than plain digits then.
 constexpr int k_plain_exponent_max = 5;
 constexpr int k_plain_decimals_max = 5;
 
@@ -42,7 +42,7 @@ struct Step {
   }
 };
 
-// The multiples of a step in a range; `first > last` if there are none.
+// The multiples of a step in a range; `first > last` if the range has no multiples.
 struct Multiples {
   double first;
   double last;

@@ -15,7 +15,7 @@ namespace {
 std::optional<std::pair<Point, Point>> clipped(Point from, Point to, double width, double height) {
   const double dx = to.x - from.x;
   const double dy = to.y - from.y;
-  // Per side: how fast the segment leaves it, and how far inside the segment starts.
+  // For each side: the segment's speed outwards, and its start's distance inwards from the side.
   const double leaving[] = {-dx, dx, -dy, dy};
   const double inside[] = {from.x, width - from.x, from.y, height - from.y};
   double enter = 0;
@@ -37,8 +37,8 @@ std::optional<std::pair<Point, Point>> clipped(Point from, Point to, double widt
                    Point{from.x + leave * dx, from.y + leave * dy}};
 }
 
-// Bit of the dot at (x, y), at index x + 2 y. In Unicode, a braille character's dots are numbered
-// down the left column, then down the right one, except that the lowest pair comes last.
+// Bits of dots; the dot at (x, y) has index x + 2 y. In Unicode, a braille character's dots are
+// numbered down the left column, then down the right one, except that the lowest pair comes last.
 constexpr unsigned k_braille_bit[] = {0x01, 0x08, 0x02, 0x10, 0x04, 0x20, 0x40, 0x80};
 
 std::string braille(unsigned dots) {
@@ -46,7 +46,7 @@ std::string braille(unsigned dots) {
   for (std::size_t i = 0; i < 8; ++i) {
     if ((dots >> i & 1U) != 0) pattern |= k_braille_bit[i];
   }
-  // U+2800 plus the pattern, as UTF-8.
+  // The character is U+2800 plus the pattern, as UTF-8.
   return {'\xE2', static_cast<char>(0xA0U | pattern >> 6),
           static_cast<char>(0x80U | (pattern & 0x3FU))};
 }

@@ -2,6 +2,7 @@
 //
 // A figure describes content, not presentation. The writers choose ticks, margins and legends and
 // thin long series (svg.h, png.h, terminal.h), so the same figure serves files and terminals.
+// Example:
 //
 //   Panel panel{.title = "Landing position", .x_label = "iteration", .y_label = "x (D)"};
 //   panel.series.push_back(HorizontalBand{.low = 0.9, .high = 1.1, .label = "target"});
@@ -92,7 +93,7 @@ struct Markers {
   double radius_px = 2.5;
 };
 
-/// All y from low to high, over the panel's width.
+/// An area from `low` to `high` in y, over the panel's width.
 struct HorizontalBand {
   double low = 0;
   double high = 0;

@@ -1,10 +1,9 @@
-// Renders a film's frames: the still parts once, and the moving parts on top in each frame.
+// Renders a film's frames: the still parts once, and the moving parts on top in each frame. So a
+// frame's cost depends only on its moving parts. Not thread-safe. Example:
 //
 //   Film film(still);                  // looks like a PNG of the figure
 //   film.show(moving);                 // its series on top, at the same places
 //   write(film.png());                 // or film.pixels(), for a video encoder
-//
-// So a frame's cost depends only on its moving parts. Not thread-safe.
 #pragma once
 
 #include <cstdint>

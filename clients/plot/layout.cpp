@@ -180,8 +180,8 @@ ColumnMargins sides_of(const Panel& panel, const PanelLayout& placed) {
   return sides;
 }
 
-// Returns the grid's cells, row by row. All frames of a figure have the same width; rows have
-// heights by their shares.
+// Returns the grid's cells, row by row. All frames of a figure have the same width; the rows'
+// heights are proportional to the rows' shares.
 std::vector<Box> cells_of(const Figure& figure, double top, const GridMargins& margins) {
   const std::size_t columns = figure.columns;
   const std::size_t rows = margins.rows.size();

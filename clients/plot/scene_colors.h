@@ -17,7 +17,7 @@ inline constexpr Color k_ivory{0xFF, 0xFD, 0xF5};  ///< dice
 inline constexpr Color k_ring{0xC4, 0x12, 0x30};   ///< a goal of one body; no body has this colour
 inline constexpr Color k_tint{0xF4, 0xB8, 0xA0};   ///< a goal of any body
 
-/// Maximum bodies with distinct hues. More bodies are coloured by their order.
+/// Maximum bodies with distinct hues. If there are more, colours depend on the bodies' order.
 inline constexpr std::uint32_t k_hues = 6;
 
 /// Returns a colour of the viridis map; `share` is from 0 (first body) to 1 (last). The map's

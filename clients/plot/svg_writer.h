@@ -1,7 +1,7 @@
 // Appends the few SVG elements that figures need to a string.
 //
-// The same calls produce the same bytes: numbers have at most two decimals (a fiftieth of what is
-// visible at double size), and neither locale nor clock has an effect. Not thread-safe.
+// The same calls produce the same bytes: neither locale nor clock has an effect. Numbers have at
+// most two decimals, a fiftieth of what is visible at double size. Not thread-safe.
 #pragma once
 
 #include <span>
@@ -38,7 +38,7 @@ class SvgWriter {
   /// Writes a line `name: value` per note. Renderers ignore the metadata.
   void metadata(const Notes& notes);
 
-  /// Clips everything up to end_group to the box.
+  /// Clips all elements that are drawn before end_group() to the box.
   void begin_clipped(Box box);
   void end_group();
 

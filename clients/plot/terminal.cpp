@@ -30,7 +30,7 @@ std::string words(std::string_view text, const TerminalOptions& options, std::si
   return std::string(first_of(options.unicode ? clean : to_ascii(clean), width));
 }
 
-// Writes text into a row from a column on. Text outside is clipped.
+// Writes text into a row, starting at a column. Text outside the row is clipped.
 void put(Row& row, std::size_t column, std::string_view text, Color color = palette::k_ink) {
   while (!text.empty() && column < row.size()) {
     const std::string_view character = first_of(text, 1);
@@ -39,7 +39,7 @@ void put(Row& row, std::size_t column, std::string_view text, Color color = pale
   }
 }
 
-// Draws series as dots. The ends of a range are at the first and the last dot.
+// Draws series as dots. A range's low end is at the first dot, its high end at the last dot.
 class DotPainter {
  public:
   DotPainter(DotCanvas& canvas, PanelRanges ranges, const TerminalOptions& options)

@@ -1,10 +1,12 @@
-// A panel as text for a terminal: braille dots with axes, or plain ASCII.
+// A panel as text for a terminal: braille dots with axes, or plain ASCII. No line is wider than
+// `columns`, and there are at most `rows` lines. Ticks, gaps, cut ranges and thinning are the same
+// as in the SVG. Bands are drawn as dotted edges, and the legend is below the plot:
 //
 //     │⢢
-//     │⠈⡆                                     No line is wider than `columns`, and there are at
-//   5 ┤ ⢸⡀                                    most `rows` of them. Ticks, gaps, cut ranges and
-//     │  ⢇      ⣀⠤⢄⡀                          thinning are those of the SVG. Bands show as
-//     │⡁ ⡹⡀⡁ ⡁ ⡝⠁⡁ ⡉⠢⣅⡀⣁⣀⡥⠴⡓⠒⡓⠒⡥⠤⡥⠤⡥⠤⡥⠤⡥⠤⡥     dotted edges; the legend stands below.
+//     │⠈⡆
+//   5 ┤ ⢸⡀
+//     │  ⢇      ⣀⠤⢄⡀
+//     │⡁ ⡹⡀⡁ ⡁ ⡝⠁⡁ ⡉⠢⣅⡀⣁⣀⡥⠴⡓⠒⡓⠒⡥⠤⡥⠤⡥⠤⡥⠤⡥⠤⡥
 //     │   ⢳  ⢀⠎       ⠈⠁
 //   0 ┤    ⠱⠤⠋
 //     └┬─────────────┬──────────────┬─────

@@ -40,7 +40,7 @@ std::size_t sequence_length(std::string_view text) {
     if (!is_continuation(text[i])) return 0;
   }
   if (length < 3) return length;
-  // Exclude overlong forms, surrogates, code points beyond U+10FFFF, and the two that XML forbids.
+  // Exclude overlong forms, surrogates, values beyond U+10FFFF, and two values that XML forbids.
   const auto second = static_cast<unsigned char>(text[1]);
   if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
       (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F)) {

@@ -1,6 +1,6 @@
 // Prepares text for the writers: makes UTF-8 valid, measures, shortens and escapes.
 //
-// Widths are those of DejaVu Sans, in which figures are set; other fonts are similar. Characters
+// Widths are measured for DejaVu Sans, the font of figures; other fonts are similar. Characters
 // outside ASCII count as wide. Pure functions.
 #pragma once
 
