@@ -27,7 +27,7 @@ std::vector<Shown> columns_with_text(const TextTable& table) {
   return shown;
 }
 
-/// Returns the width with the last column at its minimum.
+/// Returns the table's width if the last column has its minimum width.
 std::size_t least_width(const std::vector<Shown>& shown) {
   std::size_t width = 0;
   for (const Shown& s : shown)

@@ -1,6 +1,6 @@
 // Formats aligned columns of text and fits them to a terminal's width.
 //
-// If a table doesn't fit, columns are omitted, those of the highest rank first. If the table is
+// If a table doesn't fit, columns are omitted, beginning with the highest rank. If the table is
 // still too wide, texts in the last column are cut. Each character counts as one column of the
 // terminal. Columns without any text are omitted. Pure; thread-safe.
 #pragma once
@@ -27,7 +27,7 @@ struct TextTable {
 /// Minimum width of the last column.
 inline constexpr std::size_t k_last_column_min = 16;
 
-/// Returns lines with their ends, the heads first. Without a width, nothing is omitted or cut.
+/// Returns lines with line breaks, the heads first. Without a width, nothing is omitted or cut.
 std::string to_text(const TextTable& table, std::optional<std::size_t> width);
 
 }  // namespace sleight::report
