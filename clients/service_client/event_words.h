@@ -12,7 +12,7 @@ namespace sleight::service_client {
 /// solution in the model's proportions. A line of progress has no job name.
 std::string words_of_event(rpc::JobId job, const events::RunEvent& event);
 
-/// Returns the state, the start if it is not the first, and the reason.
+/// Returns the job's state, the number of the start unless this is the first start, and the reason.
 std::string words_of_change(const rpc::StateChange& change);
 
 }  // namespace sleight::service_client

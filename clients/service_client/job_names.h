@@ -1,5 +1,4 @@
-// Parses names of jobs: `17`, an inclusive range `3..8`, or a group `g5`; commands accept several.
-// Pure; thread-safe.
+// Parses names of jobs: a job `17`, an inclusive range `3..8`, or a group `g5`. Pure; thread-safe.
 #pragma once
 
 #include <cstdint>

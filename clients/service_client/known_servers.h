@@ -1,6 +1,6 @@
 // Stores the services on other machines to which this user has logged in. Each service has a file
 // in $XDG_CONFIG_HOME/sleight/servers with the token and the service's identity, readable only by
-// its owner. Thread safety: one process at a time writes a service's file; each is replaced
+// its owner. Thread safety: one process at a time writes a service's file; each file is replaced
 // atomically.
 #pragma once
 

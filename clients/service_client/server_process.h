@@ -32,7 +32,7 @@ class ServerProcess {
   pid_t pid() const { return pid_; }
   const std::string& log_path() const { return log_path_; }
   bool is_running();
-  /// Returns an exited daemon's exit code if daemons fail with this code, otherwise `environment`.
+  /// Returns an exited daemon's exit code if this is 1 to 5 or 9, otherwise `environment`.
   base::ExitCode exit_code() const;
   /// Returns the last lines logged since the start.
   std::vector<std::string> log_lines(std::size_t count_max) const;

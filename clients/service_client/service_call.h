@@ -17,7 +17,8 @@ namespace sleight::service_client {
 /// becomes ExitCode::no_server with advice on how to start one.
 int with_service(const std::string& called, const std::function<int(rpc::Client&)>& work);
 
-/// Returns not_allowed 9, bad_request 3, conflict 4, not_found and gone 2, bug 1, others 5.
+/// Returns the exit code of a refusal: 9 for not_allowed, 3 for bad_request, 4 for conflict, 2 for
+/// not_found and gone, 1 for bug, 5 for others.
 base::ExitCode exit_code_of(rpc::RefusalKind kind);
 
 /// Returns the sentence and the advice on one line.
