@@ -4,7 +4,7 @@
 // the gallery. So a new shape of body only needs facets here. Ground and surfaces have no facets,
 // because bodies never have these shapes.
 //
-// Frame: the part's, z up, metres. Pure functions.
+// Polygons are in the part's frame, with z up, in metres. Pure functions.
 #pragma once
 
 #include <cstdint>
