@@ -1,4 +1,4 @@
-// Handles Ctrl-C and SIGTERM for commands that end in order.
+// Handles Ctrl-C and SIGTERM, so that commands can end in an orderly way.
 #pragma once
 
 #include <signal.h>
@@ -8,9 +8,9 @@
 
 namespace sleight::terminal {
 
-/// During its lifetime, the first signal sets a flag and interrupts a waiting system call; the
-/// second one ends the process at once. REQUIRES: only one Interruption exists at a time, in the
-/// main thread.
+/// While an Interruption exists, the first signal sets a flag and interrupts a waiting system call;
+/// the second signal ends the process at once. REQUIRES: only one Interruption exists at a time, in
+/// the main thread.
 class Interruption {
  public:
   /// The signal handler calls `also`, which must be async-signal-safe, like rpc::Client::interrupt.

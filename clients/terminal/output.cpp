@@ -68,8 +68,8 @@ void occupy_standard_streams() {
   std::signal(SIGXFSZ, SIG_IGN);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
-    // open() returns the lowest free number, which is this stream's. The stream is opened in the
-    // wrong direction, so that uses of it fail.
+    // open() returns the lowest free number, which is this stream's number. The stream is opened in
+    // the wrong direction, so that every use of the stream fails.
     if (::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) {
       throw base::Error("standard input, output or error is closed and /dev/null can't be opened");
     }

@@ -17,8 +17,8 @@ inline constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
 /// Flushes stdout. Throws base::Error(environment) if this flush or an earlier print failed.
 void flush_stdout();
 
-/// Runs `work`, which prints to stdout, then flush_stdout. Returns the result of `work`. Failed
-/// prints in `work` become the same base::Error(environment).
+/// Runs `work`, which prints to stdout, then calls flush_stdout(). Returns the result of `work`. A
+/// failed print in `work` also becomes base::Error(environment).
 int with_results(const std::function<int()>& work);
 
 /// Writes a line to stderr. A failed write doesn't change the exit code. Control characters become
@@ -30,8 +30,8 @@ std::string shown(std::string_view text);
 /// Returns text of several lines as one line, like shown().
 std::string shown_on_one_line(std::string text);
 
-/// During its lifetime, the process ends as if by SIGPIPE when its standard output has no reader,
-/// even if it has nothing to write: `sleight watch 17 | head -1`.
+/// While this object exists, the process ends as if by SIGPIPE when its standard output has no
+/// reader, even if the process has nothing to write: `sleight watch 17 | head -1`.
 class EndsWithItsReader {
  public:
   EndsWithItsReader();
@@ -44,9 +44,9 @@ class EndsWithItsReader {
   std::thread look_;
 };
 
-/// Opens the standard streams that the caller closed, so that no other file gets their numbers.
-/// Writing to these streams still fails. Makes writes beyond a file size limit fail, instead of
-/// ending the process. Call occupy_standard_streams first in main.
+/// Opens the standard streams that the caller closed, so that no other file gets their descriptor
+/// numbers. Writing to these streams still fails. Makes writes beyond a file size limit fail,
+/// instead of ending the process. Call occupy_standard_streams first in main.
 void occupy_standard_streams();
 
 /// Throws base::Error(usage) if writing `output` would replace `archive`, even through another path
