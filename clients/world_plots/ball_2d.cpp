@@ -95,7 +95,7 @@ void append_hop(const motion::Segment& segment, double end_s, double diameter_m,
 }
 
 /// Returns a range with nearly all values, so that a chain's first steps don't flatten the rest.
-/// The range includes `least`. Values outside are clipped, as in the thesis's figure.
+/// The range includes `least`. Values outside the range are clipped, as in the thesis's figure.
 plot::Range range_of_most(std::vector<double> values, const plot::Range& least) {
   plot::Range range = least;
   if (!values.empty()) {

@@ -265,7 +265,7 @@ DicePrior dice_prior_of(const archive::Source& source) {
       for (std::uint64_t axis = 0; axis < k_axes.size(); ++axis) {
         const double sd = sds[i].at(3 * die + axis);
         const double mean = means[i].at(3 * die + axis);
-        // 0 if fixed, NaN if not normal.
+        // `sd` is 0 for a fixed number, and NaN for a number that isn't normal.
         if (!(sd > 0)) continue;
         if (!std::isfinite(sd) || !std::isfinite(mean)) {
           refuse_number(source, fmt::format("{}_prior_mean", k_normal_vectors[i].variable),

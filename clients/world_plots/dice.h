@@ -5,12 +5,12 @@
 // table's restitution and friction, which are uniform. So each panel has the same prior curve. A
 // log density lies below the mean of blind throws by half of (the sum of squared scores minus the
 // number of scores), in nats. Single blind throws vary by the square root of half the number of
-// scores. Which control points a throw meets depends slightly on their heights. In some 4,000 blind
-// throws on each of three tables, this dependence moved the mean by less than 0.15.
+// scores. The control points that a throw meets depend slightly on their heights. In about 4,000
+// blind throws on each of three tables, this dependence moved the mean by less than 0.15.
 //
 // The plot uses the kept animations, which differ from each other and are few per lineage. Each
-// animation counts once, even if draws have weights. Errors are those of the mean over lineages,
-// because animations of a lineage are dependent.
+// animation counts once, even if draws have weights. The mean's error treats lineages as
+// independent, because animations within a lineage are dependent.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,8 @@
 
 namespace sleight::world_plots {
 
-/// Bins of the outcome `offsets`, by a control point's height in standard deviations: below the
-/// first edge, then in steps, and a last bin. The outcome's long_name describes the same bins.
+/// Bins of the outcome `offsets`, by a control point's height in standard deviations. The outermost
+/// bins are unbounded; the others have equal widths. The outcome's long_name describes the bins.
 inline constexpr std::size_t k_offset_bins = 14;
 inline constexpr double k_offset_first_sd = -3;
 inline constexpr double k_offset_step_sd = 0.5;
