@@ -43,7 +43,7 @@ function placeOf(value: unknown, what: string): Place {
   return [numberOf(x, what), numberOf(y, what), numberOf(z, what)];
 }
 
-/** The gallery's state. Of each archive, the fields that the page relies on are checked. */
+/** Decodes the gallery's state, and checks the archives' fields that the page relies on. */
 export function galleryOf(value: unknown): GalleryState {
   const state = objectOf(value, "the gallery");
   for (const archive of listOf(state["archives"], "'archives'")) {

@@ -55,7 +55,7 @@ export function misses(boxes: Float32Array | Float64Array, at: number, box: Box)
     box[0]! <= boxes[at + 3]! && box[1]! <= boxes[at + 4]! && box[2]! <= boxes[at + 5]!);
 }
 
-/** As above for one piece, which is in force until `endS`. */
+/** The first moment when one piece, which is in force until `endS`, is in the box. */
 export function firstInsidePiece(
   index: SearchIndex, piece: number, endS: number, box: Box, fromS: number, toS: number,
 ): number {

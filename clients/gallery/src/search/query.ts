@@ -40,8 +40,8 @@ export function isMet(condition: Condition, index: SearchIndex, entry: number): 
   }
 }
 
-/** The previous step: the next step isn't met before its time, and a hit must be later than the last hit,
- *  because one hit is one event. */
+/** The end of the previous step. The next step can hold only from this time on. A hit counts for one step
+ *  only, so the next step's hit must be later than the last hit. */
 interface After {
   readonly timeS: number;
   readonly hitS: number;

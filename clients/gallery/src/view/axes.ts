@@ -12,7 +12,7 @@ export function zUp(of: Vector3): Place {
   return [of.x, -of.z, of.y];
 }
 
-/** As above, for separate coordinates. */
+/** Same as setYUp(), for separate coordinates. */
 export function setYUpOf(out: Vector3, x: number, y: number, z: number): Vector3 {
   return out.set(x, z, -y);
 }

@@ -4,14 +4,14 @@ export type ThemeName = "light" | "dark";
 
 export interface Theme {
   readonly background: number;
-  /** Between animations. */
+  /** Colour of the gaps between animations. */
   readonly divider: number;
   /** Strengths of light from above, light from below, and the lamp. */
   readonly sky: number;
   readonly ground: number;
   readonly skyStrength: number;
   readonly lampStrength: number;
-  /** Of trails, marks and drawn boxes. */
+  /** Opacity of trails, and colours of marks and drawn boxes. */
   readonly trailOpacity: number;
   readonly mark: number;
   readonly box: number;
