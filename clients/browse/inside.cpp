@@ -31,8 +31,7 @@ struct Parabola {
 
   double at(double s) const { return p + s * (v + 0.5 * a * s); }
 
-  /// Returns when a branch from s0 to s1 crosses c. REQUIRES: one end of the branch is below c, the
-  /// other end above c.
+  /// Returns when a branch from s0 to s1 crosses c. REQUIRES: the ends are below and above c.
   double crossing(double c, double s0, double s1) const {
     const double below = p - c;
     double s = 0;

@@ -116,8 +116,7 @@ _FUNCTION() {
 complete -F _FUNCTION NAME
 )bash";
 
-/// Returns the shell assignments that describe an argument's completion. Returns an empty text if
-/// there is no completion.
+/// Returns the shell assignments for an argument's completion; empty if there is no completion.
 std::string value_of(const Argument& argument) {
   switch (argument.completes()) {
     case Completes::nothing:

@@ -41,7 +41,7 @@ struct Argument {
   bool repeats = false;
 
   bool is_flag() const { return type_name.empty(); }
-  /// Chooses the completion by `choices` and `type_name`. REQUEST.toml and FILE.svg|FILE.png are
+  /// The completion depends on `choices` and `type_name`. REQUEST.toml and FILE.svg|FILE.png are
   /// files with these suffixes; FOLDER, DIR and NAME.h5.run are folders; FILE and PIPE are any
   /// files; JOB is a job.
   Completes completes() const;

@@ -11,16 +11,13 @@
 
 namespace sleight::command_tree {
 
-/// Returns the script for `source <(sleight completion bash)`, or a file in
-/// share/bash-completion/completions.
+/// Script for `source <(sleight completion bash)`, or a file in share/bash-completion/completions.
 std::string bash_completion(const Command& program);
 
-/// Returns the script for `source <(sleight completion zsh)` after compinit, or a file _sleight in
-/// $fpath.
+/// Script for `source <(sleight completion zsh)` after compinit, or a file _sleight in $fpath.
 std::string zsh_completion(const Command& program);
 
-/// Returns the script for `sleight completion fish | source`, or a file in
-/// fish/vendor_completions.d.
+/// Script for `sleight completion fish | source`, or a file in fish/vendor_completions.d.
 std::string fish_completion(const Command& program);
 
 }  // namespace sleight::command_tree

@@ -264,7 +264,7 @@ void Connection::stream() {
 
 void Connection::push(const std::shared_ptr<const std::string>& text) {
   if (stage_ != Stage::streaming) return;
-  // A single event may be larger: the program itself wrote it, and all streams share it.
+  // A single event may exceed the limit: the program itself wrote it, and all streams share it.
   if (!events_.empty() && events_bytes_ + text->size() > server_.options.limits.stream_bytes_max)
     return close_as_too_much();
   events_.push_back(text);

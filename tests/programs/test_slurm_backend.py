@@ -354,7 +354,7 @@ class Service(ServiceTest):
     def test_cancelled_and_held_while_it_waits(self):
         jobs = [self.submit_one("more=--begin=now+1000") for _ in range(2)]
         for number, job in enumerate(jobs, 1):
-            self.until(lambda: "waits: " in self.job(job)["reason"], 30)
+            self.until(lambda: "waiting: " in self.job(job)["reason"], 30)
         self.succeed(self.ask("cancel", jobs[0]))
         self.succeed(self.ask("hold", jobs[1]))
         self.until_state(jobs[0], "cancelled", 60)

@@ -56,8 +56,7 @@ export class SatisfiedDraws {
     groups.forEach((members, group) => {
       for (const entry of members) groupOf[entry] = group;
     });
-    // For each group and each of its lineages: `size`, the lineage's draws, and `own`, the group's part of
-    // these draws.
+    // For each group and each of its lineages: the lineage's draws, and the group's part of these draws.
     const parts = groups.map((): { size: number; own: number }[] => []);
     let squares = 0;
     for (const lineage of this.lineages) {
