@@ -31,8 +31,8 @@ struct Parameter {
 
 struct Ask {
   Method method = Method::get;
-  /// Percent signs are decoded once. Begins with '/'. Valid UTF-8 without control characters,
-  /// backslashes, and segments "." and "..".
+  /// The path after decoding percent signs once. It begins with '/', and is valid UTF-8 without
+  /// control characters, backslashes, and segments "." and "..".
   std::string path = "/";
   std::vector<Parameter> parameters{};  ///< in their order, decoded as the path is
   std::string body{};                   ///< of a POST; type application/json, not parsed
@@ -77,7 +77,8 @@ struct Answer {
   std::string type = "application/json";
   Content content{};
   Cache cache = Cache::no_store;
-  /// Quoted, such as `"3f2a"`; empty: none. Clients that have this content receive 304.
+  /// The ETag with its quotes, such as `"3f2a"`; empty: none. Clients that have this content
+  /// receive 304.
   std::string etag{};
   /// Additional headers, such as Content-Disposition (reply.h adds the common ones).
   std::vector<Field> fields{};

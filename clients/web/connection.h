@@ -4,11 +4,11 @@
 //
 //    reading ──▶ answering ──▶ writing ──▶ reading ...
 //       │                         └──────▶ lingering ──▶ closed
-//       └──▶ streaming ──▶ closed
+//       └──▶ streaming ──▶ closed.
 //
-// Lingering: a refused peer may still be sending. If the connection were closed at once, the system
-// would reset it, and the peer would lose the answer. So incoming bytes are read and dropped for a
-// while.
+// In the stage `lingering`, a refused peer may still be sending. If the connection were closed at
+// once, the system would reset it, and the peer would lose the answer. So incoming bytes are read
+// and dropped for a while.
 //
 // Thread safety: only the loop's thread calls functions. A handler's thread keeps the connection
 // alive and posts to the loop.

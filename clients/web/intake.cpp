@@ -55,7 +55,7 @@ struct Intake::Impl {
   void begin() {
     hold(0);
     parser.emplace();
-    // The parser's own limit only counts unparsed bytes; ours counts all.
+    // The parser's own limit only counts unparsed bytes; the intake's limit counts all bytes.
     parser->header_limit(k_buffer_bytes);
     head_bytes = 0;
     parser->body_limit(limits.body_bytes_max);

@@ -1,7 +1,7 @@
 // The requests of one connection: bytes go in, requests that have passed the guard come out, one at
 // a time.
 //
-// The class has no socket and no clock, so that tests and fuzzers run the server's own code.
+// The class has no socket and no clock, so that tests and fuzzers run the server's own code. Usage:
 //
 //   while (true) switch (intake.step()) {
 //     case Step::more:    read into intake.room(), then intake.got(count)

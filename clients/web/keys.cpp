@@ -34,7 +34,7 @@ std::string new_secret() {
 
 bool is_same(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
-  // volatile, so that the compiler doesn't end this loop early.
+  // The variable is volatile, so that the compiler doesn't end this loop early.
   volatile unsigned char differs = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     differs = static_cast<unsigned char>(differs | (a[i] ^ b[i]));

@@ -21,12 +21,12 @@ inline constexpr std::size_t k_tokens_max = 8;  ///< unused tokens; the oldest i
 /// Throws base::Error if the system has no random bits.
 std::string new_secret();
 
-/// Compares in a time that depends only on the lengths.
+/// Compares texts in a time that depends only on their lengths.
 bool is_same(std::string_view a, std::string_view b);
 
 class Keys {
  public:
-  /// If `secret` is empty, creates one. Throws base::Error if `secret` doesn't have the form of
+  /// Creates a secret if `secret` is empty. Throws base::Error if `secret` doesn't have the form of
   /// new_secret(). `tokens`: unused tokens from before.
   explicit Keys(std::string secret = {}, std::deque<std::string> tokens = {});
 

@@ -23,7 +23,7 @@ struct Reply {
   bool keeps_open = false;  ///< the connection stays open for another request
 };
 
-/// Has Content-Length, except for a stream of events. REQUIRES: is_sound().
+/// Returns the head with Content-Length, except for a stream of events. REQUIRES: is_sound().
 std::string head_text(const Reply& reply);
 std::string stream_head_text();
 

@@ -65,7 +65,7 @@ std::string read_all(const base::Descriptor& file, const std::string& path, std:
   return text;
 }
 
-/// Compresses with gzip. Returns none if this saves less than a tenth.
+/// Compresses with gzip. Returns none if compression saves less than a tenth.
 std::optional<std::string> compress(const std::string& plain) {
   std::string packed = gzipped(plain);
   if (packed.size() > plain.size() - plain.size() / 10) return std::nullopt;
@@ -89,7 +89,7 @@ struct StaticFiles::Reading {
 void StaticFiles::Reading::read_folder(const base::Descriptor& folder, const std::string& inside,
                                        int depth) {
   if (depth > k_static_depth_max) fail(root + inside, "is nested too deeply for a page's folder");
-  // Uses the descriptor, so that a renamed or replaced folder makes no difference.
+  // List the folder by its descriptor, in case another process renames or replaces the folder.
   const base::PosixFileSystem system;
   for (const std::string& name : system.names_in(fmt::format("/proc/self/fd/{}", folder.get())))
     read_entry(folder, name, inside, depth);
@@ -102,7 +102,7 @@ void StaticFiles::Reading::read_entry(const base::Descriptor& folder, const std:
   if (++entries > k_static_files_max)
     fail(root,
          fmt::format("contains more than {} files, the maximum for a page", k_static_files_max));
-  // Doesn't follow links, and doesn't wait for the other end of a pipe.
+  // Open without following links or waiting for the other end of a pipe.
   const base::Descriptor file(
       ::openat(folder.get(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK));
   if (!file && errno == ELOOP)

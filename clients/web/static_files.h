@@ -17,7 +17,7 @@
 
 namespace sleight::web {
 
-/// Larger folders aren't a page of ours.
+/// Limits of a page's folder; larger folders are refused.
 inline constexpr std::size_t k_static_files_max = 1000;
 inline constexpr std::size_t k_static_bytes_max = 64U << 20U;
 inline constexpr int k_static_depth_max = 8;
@@ -29,7 +29,7 @@ class StaticFiles {
   explicit StaticFiles(const std::string& folder);
 
   /// The file for "/assets/index-3f2a9c01.js", for example, or index.html for "/". The file is
-  /// compressed if the browser accepts that and it becomes shorter.
+  /// compressed if the browser accepts gzip and gzip makes the file shorter.
   std::optional<Answer> find(std::string_view path, bool accepts_gzip) const;
 
   std::size_t count() const { return files_.size(); }
@@ -51,9 +51,9 @@ class StaticFiles {
 /// none.
 std::optional<std::string_view> type_of(std::string_view name);
 
-/// Whether a name contains its content's hash, as Vite writes it: index-DkX3_9aQ.js. The name's
-/// last nine characters before the extension must be '-' or '.' and eight of base64url, with at
-/// least one digit or capital.
+/// Whether a name contains its content's hash, as Vite writes it: index-DkX3_9aQ.js. Before the
+/// extension, the name must end with '-' or '.' and eight base64url characters, of which at least
+/// one is a digit or capital.
 bool has_hash(std::string_view name);
 
 }  // namespace sleight::web

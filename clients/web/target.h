@@ -1,8 +1,8 @@
 // Parses a request's target, the part between method and version: "/a/b?c=d%20e".
 //
 // Ambiguous targets are refused, not repaired, because two readers might see different paths.
-// Percent signs are decoded once. "+" is a blank in the query, as forms and URLSearchParams write
-// it, and itself in the path.
+// Percent signs are decoded once. "+" means a blank in the query, as in forms and URLSearchParams,
+// but stays "+" in the path.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -24,12 +24,12 @@ struct Target {
   std::vector<Parameter> parameters{};
 };
 
-/// None if the target:
-///  - is too long or doesn't begin with '/';
-///  - contains anything but visible ASCII, a backslash, or '#';
-///  - has a percent sign without two hexadecimal digits;
-///  - decodes to a control character or to invalid UTF-8;
-///  - has a path that decodes to a backslash, another '/', or a segment "." or "..".
+/// Returns none in these cases:
+///  - The target is too long or doesn't begin with '/'.
+///  - The target contains a backslash, '#', or anything but visible ASCII.
+///  - A percent sign isn't followed by two hexadecimal digits.
+///  - The target decodes to a control character or to invalid UTF-8.
+///  - The path has an encoded backslash or '/', or a decoded segment is "." or "..".
 std::optional<Target> parse_target(std::string_view target);
 
 }  // namespace sleight::web
