@@ -1,7 +1,7 @@
-// Reads each chain's records of methods with a burn-in from an archive's group /tempering:
-// simulated tempering's walk over levels, tempered transitions, weighted ascents.
+// Reads the per-chain results of methods with a burn-in from an archive's group /tempering: walks
+// of simulated tempering, tempered transitions, weighted ascents.
 //
-// Archives are untrusted, as in tempering.h. Not thread-safe, because the source isn't.
+// Archives are untrusted (see tempering.h). Not thread-safe, because archive::Source isn't.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace sleight::analysis {
 
-/// A chain's walk over levels, hottest first.
+/// A chain's walk over levels, which are listed hottest first.
 struct WalkReport {
   double round_trips = 0;
   std::vector<double> inverse_temperature;

@@ -31,7 +31,7 @@ std::vector<LogEstimate> estimates_of(const archive::Source& source, const std::
   return ladders;
 }
 
-/// Returns how a natural throw differs from a draw from the prior, in words for any world
+/// Returns how a natural throw differs from a draw from the prior, in words that fit any world
 /// (WorldLayout::log_natural_throw).
 std::string natural_throw_of(double log_natural_throw) {
   if (log_natural_throw == 0) return "";
@@ -106,8 +106,8 @@ JudgedEstimate judge_islands(const archive::Source& source, std::string_view nam
           .doubts = doubts_of_islands(islands, odds.island_number, particles)};
 }
 
-/// Returns the sized round's error as predicted by earlier islands. Returns nothing if no round was
-/// sized, or if no prediction is possible.
+/// Predicts the error of the sized round (IslandNumber::sized) from the islands before it. Returns
+/// nothing if there is no such round, or if no prediction is possible.
 std::optional<double> error_foretold(const archive::Source& source, const ArchiveOdds& odds) {
   const std::size_t sized = odds.log_p_satisfied.all.ladders;
   if (!odds.odds_from_island || sized == 0) return std::nullopt;
@@ -116,16 +116,16 @@ std::optional<double> error_foretold(const archive::Source& source, const Archiv
   return std::isfinite(error) ? std::optional(error) : std::nullopt;
 }
 
-/// Rounds the suggested error down to two digits, so that the rule `odds` doesn't size the same
-/// round again.
+/// Rounds the suggested error down to two digits. Rounding up could lead to a round of the same
+/// size.
 double error_to_ask_for(double error) {
   const double within = std::clamp(error, request::k_odds_min, request::k_odds_max);
   const double unit = std::pow(10, std::floor(std::log10(within)) - 1);
   return std::max(std::floor(within / unit) * unit, request::k_odds_min);
 }
 
-/// Suggests a rule that sizes the islands. If the requested error gave too few islands, suggests a
-/// smaller error. Only an error below the predicted one makes the round longer.
+/// Suggests an error for the stop rule `odds`. If the requested error led to too few islands,
+/// suggests a smaller error. Only an error below the predicted error makes the round longer.
 HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> asked_for,
                                  std::optional<double> foretold) {
   const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;
@@ -195,7 +195,7 @@ JudgedEstimate judge(const Ladders& ladders, const std::string& name) {
   if (ladders.judged > 0) facts.before = of_round(ladders.judged - 1);
   JudgedEstimate estimate{
       .all = combined(facts.judged), .round = ladders.judged, .doubts = doubts_of(facts)};
-  // If nothing satisfied in the judged round, use the latest round with a solution.
+  // If the judged round has no solution, use the latest round that has one.
   for (std::size_t r = ladders.rounds.size(); r-- > 0 && estimate.all.ladders == 0;) {
     estimate.round = r;
     estimate.all = combined(of_round(r));
@@ -203,7 +203,7 @@ JudgedEstimate judge(const Ladders& ladders, const std::string& name) {
   return estimate;
 }
 
-/// Returns the keys that help against too few round trips, besides more rounds.
+/// Returns advice on request keys, other than `rounds`, that lead to more round trips.
 std::string besides_rounds(const Ladders& ladders, const RequestNumbers& request) {
   const std::uint64_t chains = ladders.summary.chains;
   const auto numbers = [&](const char* name) {
@@ -237,7 +237,8 @@ HowToKnow how_to_know(const Ladders& ladders, std::span<const Doubt> doubts) {
   const double first_round = request.find("sampler", "round_scans").value_or(0);
   if (!(first_round >= 1)) return how;
 
-  // Count how often rounds must double to reach this length. The first round is never judged alone.
+  // Count how often rounds must double to reach this length. At least one doubling is needed,
+  // because a first round is always doubted.
   const double length = static_cast<double>(ladders.rounds[ladders.judged].scans) * remedy.longer;
   const double doublings = std::max(std::ceil(std::log2(length / first_round)), 1.0);
   if (doublings + 1 > request::k_rounds_max) return how;

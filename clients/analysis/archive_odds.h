@@ -4,9 +4,10 @@
 //
 // The odds apply to a natural throw, which isn't always a draw from the prior. For example, the
 // spelling prior drops each ball by chance, but a throw drops all balls
-// (WorldLayout::log_natural_throw). The text for people has only the throw's log P; JSON has both.
+// (WorldLayout::log_natural_throw). Text shows log P of the throw only; JSON also shows log P of
+// the draw.
 //
-// Archives are untrusted, as in tempering.h. Not thread-safe, because the source isn't.
+// Archives are untrusted (see tempering.h). Not thread-safe, because archive::Source isn't.
 #pragma once
 
 #include <cstddef>
@@ -32,11 +33,11 @@ struct JudgedEstimate {
   bool known() const { return doubts.empty() && all.error_from != ErrorFrom::unknown; }
 };
 
-/// What would remove the doubts about the odds.
+/// Changes to a run that would remove the doubts about its odds.
 struct HowToKnow {
   double longer = 1;      ///< factor for the length of a round or the number of draws or islands
   bool at_least = false;  ///< `longer` is a lower bound
-  /// Total rounds of each ladder, and their scans. Not set for weighted draws and islands.
+  /// Total rounds of each ladder, and their scans; empty for weighted draws and islands.
   std::optional<std::uint32_t> rounds{};
   std::optional<std::uint64_t> scans{};
   std::optional<double> odds{};  ///< islands: the rule in [stop] that determines their number
@@ -55,16 +56,16 @@ struct ArchiveOdds {
   std::size_t rounds = 0;
   std::size_t judged = 0;  ///< the round whose ladders are judged, counted from 0
   JudgedEstimate log_z{};
-  /// Probability that a draw from the prior satisfies. If nothing satisfied in the judged round,
-  /// the estimate is from another round, which casts a doubt.
+  /// Probability that a draw from the prior satisfies the constraint. If the judged round has no
+  /// solution, the estimate is from another round, which casts a doubt.
   JudgedEstimate log_p_satisfied{};
   std::size_t without_trips = 0;  ///< ladders of the judged round without a round trip
   double log_natural_throw = 0;
   std::string natural_throw{};             ///< how a throw differs from a draw; may be empty
   std::optional<HowToKnow> how_to_know{};  ///< none if log P is known
   IslandNumber island_number = IslandNumber::unknown;
-  /// If set, an estimate uses only each chain's islands from odds_from_island on (the sized batch),
-  /// or only those before odds_until_island (made in any case).
+  /// If set, estimates use only islands of each chain from odds_from_island on (the sized batch),
+  /// or only islands before odds_until_island, which are made whatever the results are.
   std::optional<std::uint64_t> odds_from_island{};
   std::optional<std::uint64_t> odds_until_island{};
 };

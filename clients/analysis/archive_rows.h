@@ -34,7 +34,7 @@ struct Rows {
 
 /// Reads rows of a dataset of doubles or integers, as doubles. Throws base::Error(bad_archive) if
 /// the dataset is missing, has no such rows, or has another shape than (rows, ...) with `columns`
-/// numbers per row. For one column, the shape may be (rows).
+/// numbers per row. With one column, the shape may also be (rows).
 std::vector<double> read_rows(const archive::Source& source, std::string_view group,
                               std::string_view dataset, std::uint64_t columns, const Rows& rows);
 

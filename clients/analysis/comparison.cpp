@@ -52,7 +52,7 @@ std::vector<std::pair<std::string, std::string>> lines_of(const std::string& tex
     } else if (const std::size_t equals = line.find(" = "); equals != std::string::npos) {
       lines.emplace_back(section + line.substr(0, equals), line.substr(equals + 3));
     } else if (!lines.empty()) {
-      // Append a further line of the value.
+      // Append the next line of a value that spans several lines.
       lines.back().second += " " + line;
     }
   }

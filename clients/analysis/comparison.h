@@ -24,7 +24,7 @@ struct OtherLine {
 /// Returns the keys in which two normalised requests differ, in the order of the first request.
 std::vector<OtherLine> other_lines(const std::string& first, const std::string& second);
 
-/// Mean and spread of a number over an archive's animations that have it.
+/// Mean and spread of a number over the animations in an archive that have this number.
 struct Spread {
   std::size_t count = 0;
   double mean = 0;
@@ -38,12 +38,12 @@ struct ComparedNumber {
   std::array<Spread, 2> of{};
 };
 
-/// Compares each number that both archives have, except chain, draw and lineage, which only number
-/// the animations.
+/// Compares each number that both archives have, except chain, draw and lineage, which only
+/// identify animations.
 std::vector<ComparedNumber> compared_numbers(const browse::Index& first,
                                              const browse::Index& second);
 
-/// The comparison of two sets' looks: how many animations of each set were tested, and the result.
+/// Number of animations tested in each of two sets, and the result of comparing how they look.
 struct ComparedLooks {
   std::array<std::size_t, 2> tested{};
   browse::NeighbourTest test{};

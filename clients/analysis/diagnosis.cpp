@@ -68,7 +68,7 @@ ScalarReport report_of(const Rules& rules, std::string name, const DrawRange& ra
   return report;
 }
 
-/// Orders the worst first: with complaints, then by R-hat, then by effective sample size.
+/// Orders the worst scalars first: by complaints, then by R-hat, then by effective sample size.
 bool is_worse(const ScalarReport& a, const ScalarReport& b) {
   const auto key = [](const ScalarReport& report) {
     const Verdict& v = report.verdict;
@@ -79,7 +79,7 @@ bool is_worse(const ScalarReport& a, const ScalarReport& b) {
   return key(a) < key(b);
 }
 
-/// Explains why states of probability 0 are a reason against mixing. Only for log densities.
+/// Complains if any draw has probability 0. Only for log densities.
 void complain_of_zero_density(ScalarReport& report, std::uint64_t draws) {
   const std::uint64_t count = report.not_finite.minus_infinite;
   if (count == 0) return;
@@ -98,7 +98,7 @@ void note_thinning(Judged& judged, const DrawRange& range, std::string_view what
                   what, range.stride, range.count));
 }
 
-/// Reports once for all scalars that there are too few draws. `what`: such as "judged scans".
+/// Reports too few draws once, for all scalars together. `what`: such as "judged scans".
 void complain_of_few(Judged& judged, const DrawRange& range, std::string_view what) {
   const double wanted = judged.rules.ess_wanted(range.chains);
   if (range.count < judged.rules.draws_min) {
@@ -163,7 +163,7 @@ void complain_of_variable(Judged& judged, const VariableReport& report) {
 void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
                      const DrawRange& range) {
   if (variables.empty()) return;
-  // If every scan's state is archived, the lack of scans was already reported.
+  // If every scan's state is archived, judge_scalars() has already reported too few scans.
   if (judged.diagnosis.states < judged.diagnosis.judged.scans) {
     complain_of_few(judged, range,
                     "archived states (see the request's key `thin`) in the judged scans");
@@ -183,8 +183,8 @@ void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
   }
 }
 
-/// Judges the ladders in the judged round: whether states travel from the prior and back. Burn-in
-/// ladders are only shown, because no draw depends on their trips.
+/// Judges whether the states of ladders travel from the prior and back in the judged round. Ladders
+/// of a burn-in are only shown, because no draw depends on their trips.
 void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> rounds,
                    bool burn_in) {
   const std::size_t round = judged_round(rounds);
@@ -265,7 +265,7 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
   judged.diagnosis.weights = std::move(report);
 }
 
-/// Draws of tours always agree, so agreement doesn't show mixing.
+/// Reports that mixing can't be judged, because draws of tours agree even if tours are too short.
 void refuse_tours(Diagnosis& diagnosis, std::int64_t tour_scans) {
   diagnosis.reasons.insert(
       diagnosis.reasons.begin(),
@@ -297,7 +297,7 @@ void choose_scans(Diagnosis& diagnosis, std::optional<request::Method> method,
 /// such state.
 std::uint64_t first_state_from(const archive::Source& source, std::uint64_t states,
                                std::uint64_t scan) {
-  // The states' scans increase, so bisect.
+  // States are ordered by scan, so use bisection.
   std::uint64_t low = 0;
   std::uint64_t high = states;
   while (low < high) {
@@ -317,7 +317,7 @@ std::uint64_t first_state_from(const archive::Source& source, std::uint64_t stat
   return low;
 }
 
-/// Returns the archived states of each chain among the judged scans.
+/// Returns each chain's archived states that belong to judged scans.
 DrawRange states_in(const archive::Source& source, const Diagnosis& diagnosis, std::uint64_t states,
                     const Sizes& sizes) {
   const Round& judged = diagnosis.judged;

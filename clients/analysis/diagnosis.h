@@ -1,23 +1,24 @@
 // The diagnosis of an archive by `sleight diagnose`: whether its chains have mixed, and why not.
 //
 // Idea. Only draws of one Markov chain can be judged. Parallel tempering adapts between rounds, so
-// the draws of one round are judged (tempering.h says which). Plain chains never change; their
-// second half is judged, since the first half leads away from the prior. Methods with a burn-in
-// adapt before their first draw, so all draws are judged. State variables are judged by the
-// archived states among the judged scans.
+// only the draws of one round are judged (see tempering.h). Plain chains never adapt; their second
+// half is judged, since the first half leads away from the prior. Methods with a burn-in adapt
+// before their first draw, so all draws are judged. State variables are judged only at scans whose
+// states are archived.
 //
 // If each draw ends its own tour, draws are independent, and all measures are good even if tours
 // are too short. So a run with tours is never reported as mixed. Draws of annealed importance
 // sampling are independent and weighted; only their effective size is judged.
 //
 // A state with log_constraint -inf has probability 0 at inverse temperature 1, and a chain that has
-// left such states never returns. So -inf is treated as the least of all values. The states with
-// -inf are also counted, and a single one is a reason against mixing. Entries of state variables
-// and outcomes that don't apply (NaN) are also treated as the least values, but aren't a reason
-// against mixing.
+// left such states never returns. So -inf is treated as a value below all others. States with -inf
+// are also counted, and even a single such state is a reason against mixing. Entries of state
+// variables and outcomes that don't apply (NaN) are also treated as the least values, but aren't a
+// reason against mixing.
 //
 // The caller passes the measures (Rules), because clients don't depend on sampling methods; a
-// program's main joins them. Archives are untrusted: invalid content throws ExitCode::bad_archive.
+// program's main() connects both. Archives are untrusted: invalid content throws
+// ExitCode::bad_archive.
 #pragma once
 
 #include <cstdint>
@@ -71,7 +72,7 @@ struct ScalarReport {
   StandIns not_finite;  ///< if any, mean and sd are of the finite values and mcse is NaN
 };
 
-/// Maximum entries of an array that are listed; larger arrays list their worst entries.
+/// Maximum array entries listed. For larger arrays, only the worst entries are listed.
 inline constexpr std::size_t k_entries_listed_max = 10;
 
 struct VariableReport {
@@ -149,7 +150,7 @@ struct Diagnosis {
 /// Returns why an archive's draws can't be judged as chains; empty if they can.
 std::string why_not_diagnosed(const archive::Source& source, const archive::Summary& summary);
 
-/// Throws base::Error(usage) if why_not_diagnosed returns a reason.
+/// Throws base::Error(usage) if why_not_diagnosed() returns a reason.
 Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules);
 
 }  // namespace sleight::analysis

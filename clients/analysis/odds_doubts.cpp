@@ -20,7 +20,7 @@ std::string so_many(std::size_t count, const Whose& whose) {
   return fmt::format("{} {}", count, count == 1 ? whose.one : whose.many);
 }
 
-/// Uncertainty of one ladder's log: its own error, or the ladders' spread if that is larger.
+/// Uncertainty of a ladder's log estimate: the larger of its own error and the ladders' spread.
 double spread_of(const CombinedEstimate& all) {
   const auto ladders = static_cast<double>(all.ladders);
   return std::sqrt(ladders) * std::fmax(all.own_error, all.between_error);
@@ -122,7 +122,7 @@ void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const
   }
 }
 
-/// Returns why the number of islands can't be trusted; empty if it can.
+/// Returns the reason not to trust the number of islands; empty if there is none.
 const char* reason_not_sized(IslandNumber number) {
   switch (number) {
     case IslandNumber::fixed:
@@ -167,7 +167,7 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
          .at_least = true});
   }
   if (all.ladders == 0) return doubts;
-  // The error of a log is one over the square root of the draws' effective size.
+  // A log estimate has an error of one over the square root of the draws' effective size.
   double worth = 0;
   for (const LogEstimate& chain : chains) {
     if (std::isfinite(chain.value)) worth += 1 / (chain.error * chain.error);

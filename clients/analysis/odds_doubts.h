@@ -1,32 +1,33 @@
 // Doubts: reasons why an estimate of log Z or odds gets no error, and what would help.
 //
 // Idea. A ladder that has not mixed yields a wrong log Z with a small error, because its stepping
-// stones and their jackknife use only the states that were found. In every ladder, the cold levels
-// still hold the states that reached them first. So log Z is usually too low, and neither the
-// errors nor the spread of ladders show it. Therefore an estimate has an error only if the judged
-// round shows that its ladders have mixed. Each of these facts casts a doubt:
+// stones and their jackknife use only the states that were found. In every unmixed ladder, the cold
+// levels still hold the states that reached them first. So log Z is usually too low, and neither
+// the errors nor the spread of ladders show it. Therefore an estimate has an error only if the
+// judged round shows that its ladders have mixed. Each of these facts casts a doubt:
 //
-//   `no_value`: a ladder has no value, because nothing satisfied. Leaving the ladder out would bias
-//     the result.
+//   `no_value`: a ladder has no estimate, because it found no solution. Leaving the ladder out
+//     would bias the result.
 //   `few_round_trips`: only round trips bring new states from the prior to inverse temperature 1.
 //     Without round trips, the cold levels hold the first states (Syed et al. 2022). Each ladder
-//     needs k_trips_each, because other ladders' trips don't remove its bias from the mean. All
-//     ladders together need k_renewals_in_all, because errors are only as good as the number of
-//     renewals from which they are estimated.
+//     needs k_trips_each round trips, because other ladders' trips don't remove its bias from the
+//     mean. All ladders together need k_renewals_in_all round trips, because errors are only as
+//     good as the number of renewals from which they are estimated.
 //   `first_round`: the round begins with prior draws at all temperatures, and no earlier round
-//     shows whether they are forgotten.
+//     shows whether these draws still matter.
 //   `rounds_disagree`: the previous round, half as long, has a different estimate, so the estimate
 //     still drifts.
-//   `wide`: a single ladder's log has an error above k_spread_max, so the mean of logs is too low
-//     by more than half of k_spread_max, and errors are unreliable.
+//   `wide`: a single ladder's log estimate has an error above k_spread_max, so the mean of logs is
+//     too low by more than half of k_spread_max, and errors are unreliable.
 //   `ladders_disagree`: the ladders differ by more than their own errors explain, so each ladder
-//     lacks something that its round trips didn't bring.
+//     lacks states that its round trips didn't bring.
 //
 // The constants were chosen on worlds with known odds, where the resulting errors cover the truth
 // as often as they should (tests/statistical/odds_test.cpp).
 //
 // Weighted ascents are independent, and their mean weight is unbiased for any burn-in. Ascents are
-// doubted if their effective size is too small, if one chain alone is wide, or if chains disagree.
+// doubted if their effective size is too small, if a single chain's error is too large, or if
+// chains disagree.
 //
 // Free islands are independent too, and each estimate is unbiased. These facts cast doubts:
 //
@@ -34,10 +35,10 @@
 //     missing from the mean and its error.
 //   `few_particles`: islands of fewer than 16 particles usually miss the large weights that
 //     dominate the mean, and the islands then resemble each other.
-//   `not_sized`: the number of islands depended on their results: the run ended at a number of
-//     solutions (which come from large islands), or before the odds were precise enough. A number
-//     of islands is sound if it was fixed in advance (scans, rounds), or chosen from earlier
-//     islands that aren't counted (odds).
+//   `not_sized`: the number of islands depended on their results, because the run ended at a number
+//     of solutions (which come from large islands), or before the odds were precise enough. The
+//     number is sound if `scans` or `rounds` fixed it in advance, or if `odds` chose it from
+//     earlier islands, which aren't counted.
 // Thread safety: pure functions.
 #pragma once
 
@@ -60,8 +61,8 @@ inline constexpr double k_trips_each = 5;
 /// Round trips needed over all ladders: a standard deviation estimated from this many trips is
 /// accurate to 11%. The effective size of weighted draws needs the same minimum.
 inline constexpr double k_renewals_in_all = 40;
-/// Maximum standard deviation of one ladder's log. At 1, the mean of logs is below the log of the
-/// mean by half the variance (0.5), which is as large as the standard error of four ladders.
+/// Maximum standard deviation of one ladder's log estimate. At 1, the mean of logs is below the log
+/// of the mean by half the variance (0.5), which is as large as the standard error of four ladders.
 inline constexpr double k_spread_max = 1;
 /// Maximum difference between two rounds, in standard errors of the difference.
 inline constexpr double k_drift_max = 3;
@@ -90,7 +91,6 @@ struct Doubt {
   bool at_least = false;  ///< `longer` is a lower bound, since no measurement shows the factor
 };
 
-/// Facts about every ladder in the judged round.
 struct LadderFacts {
   std::vector<LogEstimate> judged;
   std::vector<LogEstimate> before;  ///< estimates in the previous round; empty if there is none

@@ -25,8 +25,7 @@ class RequestNumbers {
   std::string archive_;
 };
 
-/// Returns the name of a step along a chain: "iteration" if each scan is one iteration, otherwise
-/// "scan".
+/// Returns "iteration" if each scan is one iteration, otherwise "scan".
 std::string scan_label(const RequestNumbers& numbers);
 
 }  // namespace sleight::analysis

@@ -19,10 +19,11 @@ struct RunSizes {
   std::span<const Round> rounds{};
 };
 
-/// Returns the simulations of the whole run, which are the proposals and the draws from the prior.
-/// A scan is one draw at the prior's temperature, and iterations_per_scan proposals at each other
+/// Returns the number of simulations in the whole run: proposals and draws from the prior. A scan
+/// is one draw at the prior's temperature, and iterations_per_scan proposals at each other
 /// temperature. A start is a draw at all temperatures. Draws of temperatures added between rounds
-/// count as scans, which is slightly too much. Unfinished ascents are left out. NaN: unknown.
+/// count as scans, so the result is slightly too large. Unfinished ascents are left out. NaN:
+/// unknown.
 double simulations_of(const archive::Source& source, const std::string& request_text,
                       const RunSizes& sizes);
 

@@ -40,7 +40,7 @@ struct Block {
   std::uint64_t count = 0;
 };
 
-/// Returns the values of a block's scalars, chains * count each.
+/// Returns `chains` * `count` values for each scalar of a block.
 std::vector<std::vector<double>> read_block(const archive::Source& source, const Quantity& quantity,
                                             const Block& block, const DrawRange& range) {
   const std::uint64_t row = quantity.entries();

@@ -24,10 +24,10 @@
 
 namespace sleight::analysis {
 
-/// Maximum draws held of one scalar, and of a block of scalars read in one pass.
+/// Maximum draws in memory: of one scalar, and of a block of scalars read in one pass.
 inline constexpr std::uint64_t k_scalar_draws_max = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t k_block_draws_max = std::uint64_t{1} << 22;
-/// Maximum draws of all scalars together: about a minute's work.
+/// Maximum draws of all scalars together, which take about a minute.
 inline constexpr std::uint64_t k_all_draws_max = std::uint64_t{1} << 25;
 /// Minimum draws used of each scalar and of each chain, for any number of scalars.
 inline constexpr std::uint64_t k_scalar_draws_min = 16384;
@@ -35,7 +35,7 @@ inline constexpr std::uint64_t k_chain_draws_min = 256;
 /// Maximum chains used. With k_chain_draws_min draws each, the chains reach k_scalar_draws_max.
 inline constexpr std::uint64_t k_chains_max = 4096;
 
-/// The draws with the numbers first, first + stride, ... of each chain from 0 to chains - 1.
+/// Draws `first`, `first` + `stride`, and so on, of each chain from 0 to `chains` - 1.
 struct DrawRange {
   std::uint64_t chains = 1;
   std::uint64_t first = 0;
@@ -79,7 +79,7 @@ struct StandIns {
 
 /// Counts -inf and NaN, and replaces them by a value far below all others, which is also the
 /// furthest from the median. If no value is finite, all become 0. Leaves +inf unchanged, since no
-/// scalar of Sleight has it.
+/// scalar of Sleight is ever +inf.
 StandIns with_stand_in(std::span<double> values);
 
 }  // namespace sleight::analysis

@@ -2,14 +2,14 @@
 //
 // Idea. A ladder and its step sizes are fixed within a round. So the draws of one round are draws
 // of one Markov chain, and draws of several rounds aren't. The longest round is judged, or the last
-// of several equally long ones. Rounds double, so the longest is the last round, unless the run
-// ended in the last round's first half.
+// of several equally long ones. Each round is twice as long as the one before, so the last round is
+// the longest, unless the run ended in its first half.
 //
 // Scans are numbered as in the run. Draws are counted from the first round on; scans of simulated
 // annealing come before it. If a method burns in, its rounds have no draws.
 //
 // Archives are untrusted: invalid numbers throw ExitCode::bad_archive, and memory is limited to one
-// round of one ladder. Not thread-safe, because the source isn't.
+// round of one ladder. Not thread-safe, because archive::Source isn't.
 #pragma once
 
 #include <cstdint>
@@ -62,11 +62,11 @@ std::size_t judged_round(std::span<const Round> rounds);
 /// the number.
 std::vector<double> of_ladders(const archive::Source& source, std::string_view name,
                                std::uint64_t chains, std::size_t round);
-/// Returns the ladders without a round trip in a round, whose states may not have mixed.
+/// Returns the ladders that made no round trip in a round, so their states may not have mixed.
 std::vector<std::uint64_t> without_round_trip(const archive::Source& source, std::uint64_t chains,
                                               std::size_t round);
 
-/// REQUIRES: the round is one of rounds_of.
+/// REQUIRES: `round` is an index into the result of rounds_of().
 Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t round);
 
 /// Maximum moments of an index process (worker/sampling/index_process.h, which clients can't
@@ -106,8 +106,8 @@ struct IslandRange {
   std::optional<std::uint64_t> end{};
 };
 
-/// Visits these entries of each chain, chain after chain. Entries are logs of estimates: -infinity
-/// or finite. REQUIRES: islands_of_chain returns at least `first`.
+/// Visits the entries of these islands, chain after chain. Entries are logs of estimates: -infinity
+/// or finite. REQUIRES: islands_of_chain() returns at least `first`.
 void for_each_of_islands(const archive::Source& source, std::string_view name, IslandRange islands,
                          const std::function<void(double)>& visit);
 

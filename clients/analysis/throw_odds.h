@@ -2,11 +2,11 @@
 // million".
 //
 // Idea. Each ladder has an estimate of log P(satisfied) with a jackknife error. Logs are averaged,
-// because a mean of probabilities would mostly be the largest probability, which has the most
-// uncertain error. The error of the mean is the largest of three. The combined jackknife error
-// doesn't include what a whole ladder missed. The standard error between ladders includes these
-// misses, but is rough if there are few ladders. The mean of logs is below the log of the mean by
-// half the variance between ladders, and more ladders don't reduce this difference.
+// because a mean of probabilities would mostly depend on the largest probability, whose error is
+// the least certain. The error of the mean is the largest of three errors. The combined jackknife
+// error doesn't include what a whole ladder missed. The standard error between ladders includes
+// these misses, but is rough if there are few ladders. The mean of logs is below the log of the
+// mean by half the variance between ladders, and more ladders don't reduce this difference.
 //
 // Free islands are many, and each has an unbiased estimate of P(satisfied), so their estimates are
 // averaged directly (common/math/island_odds.h).
