@@ -58,8 +58,8 @@ Sum sum_of(const archive::Source& source, std::string_view dataset) {
   return sum;
 }
 
-/// How plausible finds are: the range of log p_w of kept finds, and the range of the middle 90% of
-/// blind throws.
+/// Plausibility of finds: the range of log p_w of kept finds, and of the central 90% of blind
+/// throws.
 struct Plausibility {
   double least = 0;
   double most = 0;

@@ -188,7 +188,7 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
 
 int compare_archives(const CompareOptions& options) {
   return terminal::with_results([&] {
-    // Browse the archives separately, so that animations in both aren't left out.
+    // Browse the archives separately. Browsing both together would omit animations in both.
     browse::Browsed browsed = browse::browse_archives({options.first});
     browsed.archives.push_back(
         std::move(browse::browse_archives({options.second}).archives.front()));

@@ -14,7 +14,7 @@ struct CompareOptions {
   bool json = false;
 };
 
-/// Returns the exit code. Throws base::Error, even if only one of the archives can't be read.
+/// Returns the exit code. Throws base::Error if either archive can't be read.
 int compare_archives(const CompareOptions& options);
 
 }  // namespace sleight::cli

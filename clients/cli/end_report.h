@@ -2,10 +2,9 @@
 //
 // The supervisor creates a named pipe (mkfifo), opens it for reading and starts the program with
 // its path, because ranks under mpirun don't inherit descriptors. Rank 0 writes one line
-// (common/events/run_end.h), even if the session was refused or its disk is full. If a check fails,
-// the rank where it fails writes the line, if that rank can see the pipe. If no line was written,
-// the session died or never began (--help, --print-request, or an invalid command line with exit
-// code 2).
+// (common/events/run_end.h), even if the session was refused or its disk is full. If a check fails
+// on a rank that can see the pipe, that rank writes the line. If no line was written, the session
+// died or never began (--help, --print-request, or an invalid command line with exit code 2).
 //
 // The line describes how the run ended. If the program can't print its summary after writing the
 // line, the exit code is still 5.
@@ -19,7 +18,7 @@
 
 namespace sleight::cli {
 
-/// One per process. Failed checks are reported too as soon as an EndReport exists.
+/// One per process. While an EndReport exists, failed checks are also reported.
 class EndReport {
  public:
   /// How to treat a pipe that doesn't exist or has no reader.

@@ -12,14 +12,14 @@
 
 namespace sleight::cli {
 
-/// Maximum animations written without `all`, unless ids name them.
+/// Maximum animations written if neither `all` nor ids are given.
 inline constexpr std::size_t k_export_max = 100;
 
 /// Ids, or queries with representatives. Default: all animations.
 struct ExportChoice {
   std::vector<std::string> ids{};     ///< animation_ids.h
   std::vector<std::string> select{};  ///< queries (browse/query.h) that must all hold
-  /// Maximum groups that look alike (browse/groups.h), of which one animation each is exported.
+  /// Maximum groups of similar animations (browse/groups.h). One animation per group is exported.
   std::optional<std::size_t> representatives{};
   bool all = false;  ///< no maximum
   /// State of the archive's file before it was opened, for index_cache.h. None: no cache.
@@ -28,7 +28,7 @@ struct ExportChoice {
 
 /// Returns at least one animation, in the order of the given ids or of the archive. Representatives
 /// of larger groups come first. Throws base::Error(usage) for an invalid query (with its position),
-/// for no match, and for more than k_export_max animations if `is_bounded`.
+/// if nothing matches, or if `is_bounded` and there are more than k_export_max animations.
 std::vector<browse::AnimationId> chosen(const archive::Source& source, const ExportChoice& choice,
                                         bool is_bounded);
 

@@ -65,7 +65,7 @@ std::string format_of(const std::string& output) {
   return found == formats.end() ? "glb" : *found;
 }
 
-/// Refuses an output name with another format's extension, which is a mistake, not a folder's name.
+/// Refuses an output name with another format's extension, which is probably a mistake.
 void refuse_other_ending(const ExportAnimationsOptions& options) {
   constexpr std::array<std::string_view, 13> k_files{
       "glb", "gltf", "csv", "png", "svg", "mp4", "mov", "avi", "gif", "jpg", "h5", "mkv", "blend"};
@@ -126,8 +126,8 @@ void check(const ExportAnimationsOptions& options) {
   check_range("--scale", options.scale, 1 / k_film_scale_max, k_film_scale_max);
 }
 
-/// Step one: choose animations. Tables have no maximum, but other formats do, because they write a
-/// file per animation.
+/// Chooses animations. Tables have no maximum, but other formats do, because they write a file per
+/// animation.
 std::vector<browse::AnimationId> choose(const archive::Source& source,
                                         const ExportAnimationsOptions& options) {
   return chosen(source, options.choice, options.format != "csv");
@@ -219,7 +219,7 @@ void require_one(std::span<const browse::AnimationId> ids, const ExportAnimation
       options.format == "glb" ? "add --together to write all as clips of one file, or " : ""));
 }
 
-/// Step two: write a single file.
+/// Writes all animations to a single file.
 std::vector<WrittenFile> write_one_file(const archive::Source& source,
                                         const ExportAnimationsOptions& options,
                                         std::span<const browse::AnimationId> ids) {

@@ -15,8 +15,8 @@ struct ExportAnimationsOptions {
   std::string path;
   std::string format{};  ///< one of export_formats(); empty: the output's extension, or glb
   ExportChoice choice{};
-  /// A file if the name has the format's extension. Otherwise a folder with a file per animation
-  /// (png: a folder per animation), created if missing. Empty: tables go to stdout.
+  /// Path of a file if the name has the format's extension. Otherwise path of a folder with a file
+  /// per animation (png: a folder per animation), created if missing. Empty: tables go to stdout.
   std::string output{};
   bool together = false;             ///< .glb: all animations as clips of one file
   std::optional<double> fps{};       ///< .glb: keys on whole frames only; films: default k_film_fps

@@ -16,9 +16,9 @@ namespace sleight::cli {
 /// the archive's warning if it has one.
 gltf::Extras extras_of(const archive::Source& source);
 
-/// Returns an animation with its motion, its own parts of the scene, and metadata: id, chain, draw
-/// and lineage (or start), in_proportion, duration_s, log densities and outcomes. Throws
-/// base::Error(bad_archive) if the motion is invalid.
+/// Returns an animation with its motion, its own parts of the scene, and metadata. Metadata are id,
+/// chain, draw and lineage (or start), in_proportion, duration_s, log densities and outcomes.
+/// Throws base::Error(bad_archive) if the motion is invalid.
 gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
                    const browse::AnimationId& id);
 

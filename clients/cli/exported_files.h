@@ -34,7 +34,7 @@ void refuse_others_file(const std::string& path, bool force);
 class ExportProgress {
  public:
   explicit ExportProgress(std::size_t all) : all_(all) {}
-  /// `count`: finished animations. `frames`: finished frames of the next animation, out of `of`.
+  /// `count`: finished animations. `frames`: finished frames of the next animation's `of` frames.
   void done(std::size_t count, std::size_t frames = 0, std::size_t of = 0);
 
  private:

@@ -209,7 +209,7 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& jo
   if (options.json || options.quiet) return brought;
   for (const std::string& path : brought.paths) {
     if (arrivals.same().empty()) {
-      // An unfinished job's results aren't final.
+      // An unfinished job's results aren't final, so print the job's state.
       const bool is_of_now = is_file && !rpc::is_settled(job.state);
       fmt::print(
           "{}  {}{}\n", terminal::shown(path), size_text(arrivals.bytes_of(path)),

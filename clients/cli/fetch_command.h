@@ -1,8 +1,8 @@
 // `sleight fetch`: copies archives, recordings and failure files of jobs into local files.
 //
 // A file arrives in pieces, is checked against its digest and renamed when complete. An interrupted
-// fetch is resumed (rpc::Client). If a file exists already with the same bytes, the fetch is done.
-// A file with other bytes is only replaced with --force.
+// fetch is resumed (rpc::Client). An existing file with the same bytes counts as fetched. A file
+// with other bytes is only replaced with --force.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ int fetch(const std::string& socket, const FetchOptions& options, const ArchiveC
 /// text or more than rpc::k_fetch_ids_max numbers.
 std::optional<std::vector<std::uint64_t>> recording_ids_of(std::string_view text);
 
-/// Throws base::Error(usage) if options exclude each other.
+/// Throws base::Error(usage) if two options exclude each other.
 rpc::FetchAsk fetch_ask_of(const FetchOptions& options);
 
 /// Returns where a job's result is stored: a file for an archive, otherwise a folder. `several`:

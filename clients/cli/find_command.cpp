@@ -46,7 +46,7 @@ void sort_picked(const std::string& name, bool descending, std::vector<browse::P
   std::ranges::transform(keyed, picked.begin(), &std::pair<double, browse::Picked>::second);
 }
 
-/// Whether `name` occurs as a word: "end" doesn't occur in "ends in".
+/// Whether `name` occurs as a whole word, so that "end" isn't found in "ends in".
 bool is_spoken_of(const std::string& name, const std::string& words) {
   const auto is_of_word = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';

@@ -37,8 +37,8 @@
 namespace sleight::cli {
 namespace {
 
-/// Sends the answer of /api/gallery to open pages once a server exists, and warns on the terminal
-/// if nothing can be shown.
+/// Once a server exists, sends new answers of /api/gallery to open pages. Also warns on the
+/// terminal if nothing can be shown.
 class Publisher {
  public:
   explicit Publisher(const std::vector<std::string>& paths) : paths_(paths) {}
@@ -79,7 +79,7 @@ bool has_desktop() {
   return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
-/// Returns whether the desktop's opener was started, in a separate process.
+/// Starts the desktop's opener in a separate process, and returns whether that succeeded.
 bool open_in_browser(const std::string& link) {
   const pid_t pid = ::fork();
   if (pid != 0) return pid > 0;

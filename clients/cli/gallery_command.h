@@ -24,7 +24,7 @@ struct CommandOptions {
   std::string save{};                ///< folder for a saved gallery instead of serving; empty: none
 };
 
-/// `service_called` returns the service's address, and is called only for jobs. Serves until Ctrl-C
+/// `service_called` returns the service's address, and is only called for jobs. Serves until Ctrl-C
 /// or SIGTERM, then returns the exit code. Throws base::Error. REQUIRES: no other thread runs.
 int show_gallery(const CommandOptions& options, const std::function<std::string()>& service_called,
                  const analysis::Rules& rules);

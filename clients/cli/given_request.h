@@ -1,4 +1,4 @@
-// Reads a request from a file, from standard input, or from a word.
+// Reads a request from a file or standard input, or makes one from a word.
 #pragma once
 
 #include <optional>
@@ -22,7 +22,7 @@ struct GivenRequest {
 GivenRequest given_request(const std::string& path, const std::string& word,
                            const std::optional<request::Asked>& asked);
 
-/// Which options of the command line set a key of the request.
+/// Command-line options that set keys of the request.
 struct OptionsGiven {
   bool seed = false;
   bool word = false;
@@ -30,7 +30,7 @@ struct OptionsGiven {
 };
 
 /// Returns an error if a --set and another option set the same key. Without this error, the option
-/// would win silently.
+/// would silently replace the --set value.
 std::optional<request::Diagnostic> given_twice(std::span<const request::KeySet> sets,
                                                const OptionsGiven& options);
 

@@ -22,7 +22,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Maximum jobs listed in a question.
+/// Maximum number of jobs listed in a confirmation question.
 constexpr std::size_t k_asked_about_max = 10;
 
 rpc::JobState state_of(const std::string& text) {
@@ -85,7 +85,7 @@ int complete(const std::string& socket) {
   return terminal::k_ok;
 }
 
-/// Returns a note about a change that the job's state doesn't show; empty: use the service's text.
+/// Returns a note about a change that the job's state doesn't show. Empty: the state shows it.
 std::string words_of(const rpc::ChangeAsk& ask) {
   if (ask.kind == rpc::ChangeKind::pin) return "pinned";
   if (ask.kind == rpc::ChangeKind::unpin) return "not pinned";

@@ -73,7 +73,7 @@ std::string why(const rpc::JobView& job) {
     case rpc::JobState::unknown:
       return reason_of(job);
     case rpc::JobState::starting:
-      // The number of cores is printed elsewhere.
+      // Omit a reason that only repeats the number of cores.
       return job.reason.starts_with("With ") ? "" : reason_of(job);
     case rpc::JobState::running:
     case rpc::JobState::done:

@@ -18,21 +18,18 @@ namespace sleight::cli {
 struct TableLook {
   std::optional<std::size_t> width{};  ///< of the terminal; none: nothing is cut
   bool with_users = false;
-  /// Returns the name of a uid.
   std::function<std::string(std::uint32_t)> user_name{};
 };
 
-/// Returns one line per job after the heading: place in the queue and what the job waits for,
-/// estimated time left by scans and by solutions, finds and solutions in proportion, failures by
-/// kind.
+/// Returns a heading and one line per job: place in the queue and what the job waits for, estimated
+/// time left (by scans and by solutions), finds, solutions in proportion, failures by kind.
 std::string job_table(std::span<const rpc::JobView> jobs, const TableLook& look);
 
 /// Reports everything about a job except its history.
 report::Report job_report(const rpc::JobView& job);
-/// Returns job_report as several lines.
 std::string job_text(const rpc::JobView& job);
 
-/// Returns one line per change: when, state, attempt, reason.
+/// Returns one line per change, with time, state, attempt and reason.
 std::string history_text(const rpc::JobView& job);
 
 /// Returns, for example, "17 done: 5 found, 12 in proportion, 40,000 scans; 12:30 of processor
@@ -42,7 +39,7 @@ std::string end_line(const rpc::JobView& job);
 /// Returns, for example, "17 cancelled: stops at the next scan".
 std::string touched_line(const rpc::Touched& touched);
 
-/// Returns a line for shell completion: "17\tHI, running, 31%".
+/// Returns a line for shell completion, such as "17\tHI, running, 31%".
 std::string completion_line(const rpc::JobView& job);
 
 /// Returns the job's name, or its world's name if the job has none.

@@ -106,7 +106,7 @@ std::string digits_of_fingerprint(const std::string& text) {
       "status` on the service's machine");
 }
 
-/// Sets how to verify the service; nothing if the system's authorities vouch for it.
+/// Sets how to verify a service that the system's certificate authorities don't vouch for.
 void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   if (!options.ca_file.empty()) {
     service.certificate = base::read_text_file(options.ca_file, k_pem_bytes_max);

@@ -13,9 +13,9 @@ struct LoginOptions {
   bool json = false;
 };
 
-/// Checks the token with the service and stores it. The token is never an argument, which other
-/// users could see. Throws base::Error: usage, not_allowed (another fingerprint, wrong token),
-/// no_server.
+/// Checks the token with the service and stores it. The token is never a command-line argument,
+/// because other users could see it. Throws base::Error: usage, not_allowed (another fingerprint,
+/// wrong token), no_server.
 int login(const LoginOptions& options);
 
 int logout(const std::string& address, bool json);

@@ -20,11 +20,11 @@ namespace {
 
 /// Interval for reading a growing log.
 constexpr std::chrono::milliseconds k_log_look_again{500};
-/// Maximum failed reads before a missing server is given up.
+/// Maximum failed reads before the command gives up on a missing server.
 constexpr int k_looks_in_vain_max = 1200;
 
 std::string fit(std::string_view line) {
-  // A terminal would overwrite a progress line; here each state is a separate line.
+  // A terminal would overwrite a progress line. Print each of its states as a separate line.
   if (line.ends_with('\r')) line.remove_suffix(1);
   std::string text;
   for (const char c : line)

@@ -30,7 +30,7 @@ class CommandLine {
   std::unique_ptr<Arguments> arguments_;
 };
 
-/// Adds all commands. REQUIRES: `line` outlives `app`, and both are used only once.
+/// Adds all commands. REQUIRES: `line` must outlive `app`. Use both only once.
 void build_app(CLI::App& app, CommandLine& line);
 
 }  // namespace sleight::programs

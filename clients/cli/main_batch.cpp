@@ -71,7 +71,7 @@ std::string as_rank_0_has_it(std::string text) {
 }
 
 /// Returns rank 0's request on all ranks, because other ranks may lack the file and standard input.
-/// All ranks must call as_rank_0_has_it at the same point.
+/// All ranks must call as_rank_0_has_it() at the same point.
 cli::GivenRequest as_rank_0_has_it(const cli::GivenRequest& given) {
   return {.name = as_rank_0_has_it(given.name), .text = as_rank_0_has_it(given.text)};
 }

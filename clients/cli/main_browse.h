@@ -20,7 +20,7 @@ struct BrowseArguments {
   cli::ExportAnimationsOptions exported{};
 };
 
-/// Adds the commands. REQUIRES: `arguments` and `action` outlive the app.
+/// Adds the commands. REQUIRES: `arguments` and `action` must outlive the app.
 void add_browse_commands(CLI::App& app, BrowseArguments& arguments, Action& action);
 
 }  // namespace sleight::programs

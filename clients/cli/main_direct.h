@@ -1,4 +1,4 @@
-// The commands that require the worlds: `sleight direct`, `check`, `keys` and `replay`.
+// `sleight direct`, `check`, `keys` and `replay`: the commands that require the worlds.
 #pragma once
 
 #include <string>

@@ -8,7 +8,7 @@
 
 namespace sleight::programs {
 
-/// `rules` judge chains. REQUIRES: `options` and `action` outlive the app.
+/// `rules` judge chains. REQUIRES: `options` and `action` must outlive the app.
 void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const analysis::Rules& rules,
                          Action& action);
 

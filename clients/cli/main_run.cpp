@@ -68,7 +68,7 @@ json::Value handling_json(const coordinator::Handling& handling) {
       {"cache_bytes", handling.cache.bytes}};
 }
 
-/// Prints what the session computed, and how often a chain found its last simulation cached.
+/// Prints what the session computed, and the hit rate of the cache of chain states.
 void print_effort(const coordinator::RunSummary& summary) {
   const events::Progress& progress = summary.progress;
   if (progress.session_simulations == 0) return;
@@ -98,7 +98,7 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
                         summary.first_failure));
 }
 
-/// Returns why a search gave up, from what its last starts had in common.
+/// Returns why a search gave up: what its last starts had in common.
 std::string why_it_gave_up(const plan::Finds& finds) {
   if (finds.relaxed < finds.relaxed_wanted && finds.found >= finds.wanted)
     return fmt::format("None of the last {} finds satisfied the constraint after relaxing.",
@@ -225,7 +225,7 @@ std::string usage_words(const CLI::App* app, const CLI::Error& error) {
                           near ? fmt::format("; did you mean '{}'?", *near) : "");
     }
   }
-  // CLI11 also uses this message for an integer written as 1e3.
+  // CLI11 also prints this message for an integer written as 1e3.
   constexpr std::string_view k_value = ": Value ";
   constexpr std::string_view k_range = " not in range ";
   const std::size_t value = words.find(k_value);

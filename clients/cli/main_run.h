@@ -51,14 +51,13 @@ struct DirectArguments {
   run::WorkerResources resources() const { return {.cache_bytes_max = cache_mb << 20U}; }
 };
 
-/// Makes bug reports include how to repeat the bug: the command line, and after read_request also
+/// Makes bug reports include how to repeat the bug: the command line, and after read_request() also
 /// the request and its seed. `launcher` precedes the command, such as "mpirun -n 3 ". Call it first
 /// in main.
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher = {});
 
 void add_run_options(CLI::App& app, DirectArguments& arguments);
 
-/// Adds --set, which may be repeated.
 void add_sets_option(CLI::App& app, std::vector<std::string>& sets);
 
 /// Returns what is wrong with a command line, and which command's help to read. Use as CLI11's

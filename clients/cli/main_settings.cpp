@@ -7,7 +7,7 @@
 namespace sleight::programs {
 namespace {
 
-/// A setting with a command-line option. Other settings are only in the file.
+/// A setting with a command-line option. Other settings can only be set in the settings file.
 struct SettingOption {
   const char* key;
   const char* option;

@@ -1,4 +1,4 @@
-// The commands for services on other machines: `sleight token`, `login` and `logout`.
+// `sleight token`, `login` and `logout`: the commands for services on other machines.
 #pragma once
 
 #include <CLI/CLI.hpp>

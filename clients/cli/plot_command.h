@@ -21,17 +21,16 @@ struct PlotOptions {
   std::vector<std::string> notes{};  ///< `name=value` for an SVG's metadata (clients/plot/notes.h)
 };
 
-/// Returns the choices of `what`: those of every world, then those of single worlds.
+/// Returns the choices of `what`: first the choices of every world, then choices of single worlds.
 std::vector<std::string> whats_of(const pictures::PlotsOfWorlds& worlds);
 
 /// Returns help for the choices: "trace: ...; animations: ...; paths: ... (ball_2d)".
 std::string help_of_whats(const pictures::PlotsOfWorlds& worlds);
 
-/// Returns the exit code. Throws base::Error. REQUIRES: `what` is empty or one of whats_of.
+/// Returns the exit code. Throws base::Error. REQUIRES: `what` is empty or in whats_of().
 int plot_archive(const PlotOptions& options, const pictures::PlotsOfWorlds& worlds);
 
-/// Returns the picture as a value. `whole`: include details that fit into a file but not on a
-/// terminal.
+/// `whole`: include details that fit into a file but not on a terminal.
 pictures::Picture picture_of(const archive::Source& source, const PlotOptions& options, bool whole,
                              const pictures::PlotsOfWorlds& worlds);
 

@@ -7,7 +7,7 @@
 namespace sleight::programs {
 
 /// Returns a hash of the sources and flags that determine a run's stored results, 16 hex digits
-/// (deploy/version --results). Sources of clients, readers and documents don't affect it.
+/// (deploy/version --results). Changes to clients, readers and documents don't change this hash.
 std::string_view results_version();
 
 }  // namespace sleight::programs

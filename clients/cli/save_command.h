@@ -9,10 +9,10 @@
 
 namespace sleight::cli {
 
-/// Saves archives, or jobs' archives so far. Prints progress to stderr, and which archives can't be
-/// read. `service_called` returns the service's address. Throws the first archive's base::Error if
-/// none can be read, and errors of save_gallery. REQUIRES: options.save is set; no other thread
-/// runs.
+/// Saves archives, or the current archives of jobs. Prints progress and unreadable archives to
+/// stderr. `service_called` returns the service's address. If no archive can be read, throws the
+/// base::Error of the first archive. Also throws errors of save_gallery(). REQUIRES: options.save
+/// is set; no other thread runs.
 int save_archives(const CommandOptions& options, const std::function<std::string()>& service_called,
                   const analysis::Rules& rules);
 

@@ -41,7 +41,7 @@ Json touched_json(std::span<const rpc::Touched> touched, bool is_single);
 
 /// Returns the object of run_event.h with `job` added. Null if the line isn't an object.
 Json event_json(rpc::JobId job, const std::string& line);
-/// Returns, for example, {"job": 17, "kind": "state", "change": 3, "state": "running", ...}.
+/// Returns, for example, {"job":17,"kind":"state","change":3,"state":"running",...}.
 Json change_json(rpc::JobId job, const rpc::StateChange& change);
 
 /// Return ASCII text with other characters as \u00e9, so that nothing affects a terminal.

@@ -182,7 +182,7 @@ base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& op
                       fmt::format("--set defines {} jobs, above the maximum of {} per submission",
                                   count, rpc::k_submission_jobs_max));
   }
-  // If the request was made from a word, its text already includes `asked`.
+  // If the request was made from a word, its text already includes the keys of `asked`.
   const auto asked = options.word.empty() ? options.asked : std::nullopt;
   const std::string name =
       asked ? fmt::format("{} with {}", given.name, options.asked_by) : given.name;
