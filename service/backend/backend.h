@@ -1,12 +1,12 @@
-// Interface to batch systems, which run attempts of jobs: Slurm, or any other system through a
-// program (program_backend.h). The interface is small, so a new engine takes little work. The
-// conformance suite (tests/programs/backend_conformance.py) tests an engine. The daemon needs no
-// backend for attempts on this machine (daemon/local_attempts.h).
+// Interface to batch systems, which run attempts of jobs. A batch system is Slurm, or any other
+// system with a program for it (program_backend.h). The interface is small, so a new engine takes
+// little work. The conformance suite (tests/programs/backend_conformance.py) tests an engine. The
+// daemon needs no backend for attempts on this machine (daemon/local_attempts.h).
 //
 //   `launch(order)`   submits the attempt, unless the system has or had it already.
 //   `state(name)`     is waiting, running, gone, or absent: the system never had it, or forgot it.
 //   `list()`          returns the states of all attempts of one daemon, by one query.
-//   `signal(name)`    sends SIGUSR1 to the keeper, or ends the attempt (now, or while waiting).
+//   `signal(name)`    sends SIGUSR1 to the keeper, ends a waiting attempt, or ends any attempt now.
 //   `log(name)`       returns the system's messages, such as why the attempt never began.
 //
 // A backend reports whether the system still has an attempt. How the attempt ended follows from its
@@ -14,7 +14,7 @@
 //
 // Invariants
 //   1. (daemon, job, epoch) names an attempt. If this process or a later one launches an attempt
-//      again, the attempt's command still takes effect once. launch() first searches the system for
+//      again, the attempt's command takes effect only once. First, launch() searches the system for
 //      the name. If the system's answer to a launch was lost, the command may start twice and must
 //      detect that, as a keeper does (keep.h).
 //   2. `gone` is final: no process of the attempt runs any more. An `absent` attempt may have run
@@ -52,7 +52,7 @@ struct AttemptName {
 bool is_daemon_name(std::string_view text);
 /// REQUIRES: is_daemon_name(name.daemon), job and epoch from 1.
 std::string to_text(const AttemptName& name);
-/// Returns none for text that to_text never writes.
+/// Returns none for text that to_text() never writes.
 std::optional<AttemptName> attempt_name_of(std::string_view text);
 
 /// Further options by key; each system has its own ("account", "partition", ...).
@@ -99,7 +99,7 @@ struct Seen {
   bool operator==(const Seen&) const = default;
 };
 
-/// Thrown if the system doesn't answer. Nothing is known about the attempt.
+/// Thrown if the system doesn't answer. The attempt's state is unknown.
 class Away : public base::Error {
  public:
   /// `may_have_begun`: the launch may have reached the system.
@@ -111,7 +111,7 @@ class Away : public base::Error {
   bool may_have_begun_;
 };
 
-/// Functions throw Away, or base::Error if the system refuses.
+/// Functions throw Away if the system doesn't answer, or base::Error if it refuses.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -119,14 +119,15 @@ class Backend {
   /// Submits the attempt unless it was launched before. Returns its state.
   virtual Seen launch(const Order& order) = 0;
   virtual Seen state(const AttemptName& name) = 0;
-  /// Returns false if there is nothing to signal. REQUIRES: a repeated in_order signal is harmless.
+  /// Returns false if there is nothing to signal. REQUIRES: a repeated `in_order` signal is
+  /// harmless.
   virtual bool signal(const AttemptName& name, keeper::Stop how) = 0;
   /// All attempts of the daemon that the system has or remembers.
   virtual std::map<AttemptName, Seen> list(const std::string& daemon) = 0;
   /// Returns whether list() answers from a cache and queries the system only at intervals.
   virtual bool are_lists_cheap() const { return false; }
   /// Returns the last `bytes_max` bytes of the attempt's log. Empty: no log. `folder`: the folder
-  /// of its order.
+  /// in the attempt's order.
   virtual std::string log(const AttemptName& name, const std::string& folder,
                           std::size_t bytes_max) = 0;
   /// Makes a pending query throw Away soon, so that the daemon can stop. Callable from any thread.

@@ -1,7 +1,8 @@
 // The interface of backend.h as JSON, for engines that are programs. docs/BACKENDS.md specifies it.
 //
-// `PROGRAM VERB` reads one object, {"version": 1, ...}, and prints one. Exit code 0 means done, and
-// 75 that the system doesn't answer. Any other code means refused, with the reason on stderr.
+// `PROGRAM VERB` reads an object, {"version": 1, ...}, and prints another. Exit code 0 means done,
+// and 75 that the system doesn't answer. Any other code means that the request was refused, with
+// the reason on stderr.
 //
 // Readers ignore unknown keys and use defaults for missing ones.
 //

@@ -53,7 +53,7 @@ keeper::ToolEnd SlurmBackend::run(const std::vector<std::string>& command) {
 const SlurmQueue& SlurmBackend::queue(bool afresh) {
   const double now_s = clock_.now_s();
   if (!afresh && asked_s_ && now_s - *asked_s_ < settings_.list_every_s) return queue_;
-  // After an unanswered query, don't repeat it for each job.
+  // After an unanswered query, don't repeat the query for each job.
   if (away_s_ && now_s - *away_s_ < settings_.list_every_s) throw Away(away_words_);
   try {
     ask(now_s);
@@ -69,7 +69,7 @@ const SlurmQueue& SlurmBackend::queue(bool afresh) {
 void SlurmBackend::ask(double now_s) {
   const keeper::ToolEnd end = run({settings_.squeue, fmt::format("--user={}", ::getuid()),
                                    "--states=all", "--noheader", "-o", k_squeue_format});
-  // A truncated queue would make the missing jobs absent.
+  // With a truncated queue, missing attempts would count as absent.
   if (end.exit_code != 0 || end.is_cut)
     throw Away(fmt::format("squeue: {}", end.is_cut ? "the output is too long" : end.why()));
   queue_ = slurm_queue_of(end.output);

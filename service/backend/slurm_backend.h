@@ -10,7 +10,7 @@
 // No Slurm job number is stored: an attempt is found by its name, which is its Slurm job's comment.
 // So a restarted daemon finds its attempts again, even if sbatch was killed before it printed the
 // job number. If sbatch's answer is lost, there may be two Slurm jobs for one attempt. Only one of
-// them starts the program, because the second keeper finds that the attempt has begun (keep.h).
+// the two jobs starts the program, because the second keeper finds the attempt begun (keep.h).
 //
 // Slurm keeps ended jobs in its queue for MinJobAge (default 300 s). After that time the jobs are
 // absent, and the keeper's records show how they ended. sacct isn't used, because many sites lack

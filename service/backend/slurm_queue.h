@@ -23,8 +23,8 @@ struct SlurmJob {
   bool operator==(const SlurmJob&) const = default;
 };
 
-/// Slurm jobs by attempt, in ascending number. An attempt may have several jobs if sbatch's answer
-/// was lost.
+/// Slurm jobs of each attempt, in ascending order of their numbers. An attempt may have several
+/// jobs if sbatch's answer was lost.
 using SlurmQueue = std::map<AttemptName, std::vector<SlurmJob>>;
 
 /// Ignores unreadable rows.
