@@ -3,8 +3,8 @@
 // A separate thread derives checkpoints, so that the run never waits for them. The first checkpoint
 // is made as soon as a search has its finds, or with the first solution. Later checkpoints are made
 // at intervals of at least `every_s`. Intervals are longer if checkpoints would take more than
-// k_checkpoint_share_max of the workers' time. That time doesn't include simulating the motions of
-// kept animations, because each motion is simulated once for all archives.
+// k_checkpoint_share_max of the workers' time. The time of checkpoints doesn't include simulating
+// the motions of kept animations, because each motion is simulated once for all archives.
 //
 // The thread runs at normal priority, because a slow reader of the store prevents SQLite from
 // shortening its log. When the thread ran at SCHED_IDLE, a run's log grew by 1.2 GB in 90 s.

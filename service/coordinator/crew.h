@@ -1,5 +1,5 @@
-// A crew computes a run's blocks. It consists of threads of this process, and in an MPI job of the
-// other ranks too.
+// A crew computes a run's blocks. Members are threads of this process and, in an MPI job, the other
+// ranks.
 //
 // A crew only carries messages: plans, stores and scheduling are elsewhere. One thread drives it.
 #pragma once

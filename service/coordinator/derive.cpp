@@ -73,13 +73,12 @@ class TimedReader final : public archive::ForwardingReader {
   double* motions_s_;
 };
 
-/// Returns text of everything besides the states that saved motions depend on.
+/// Returns a text of everything on which saved motions depend, except the states.
 std::string owner_of_motions(const request::DirectionRequest& request) {
   return fmt::format("{}\n{}", base::version(), request::identity_text(request));
 }
 
-/// Returns an id that all archives of a run share, whichever cut they contain and whichever process
-/// derives them.
+/// Returns an id that all archives of a run share, for any cut and any deriving process.
 std::string run_id(const request::DirectionRequest& request, const std::string& results_version) {
   return hash::sha256_hex(fmt::format("{}\n{}", run_identity(request), results_version));
 }

@@ -1,9 +1,9 @@
 // Derives archives from a run's store: at the end of a session, periodically while it runs, and for
 // `sleight archive derive`, which may run concurrently or later.
 //
-// Deriving depends only on the store. Rows of a cut never change, and from them a fresh plan learns
-// again what the run's method had learned. So a cut's archive is the same whenever and in whichever
-// process it is derived.
+// Deriving depends only on the store. Rows of a cut never change, so a fresh plan can learn from
+// them again what the run's method had learned. So a cut's archive doesn't depend on when or in
+// which process it is derived.
 //
 // Thread safety: one archive at a time per process (hdf5/writer.h), in any thread.
 #pragma once
@@ -37,8 +37,8 @@ struct DeriveInputs {
   const std::string& results_version;
   /// Processor seconds for simulating new motions are added to this number. May be null.
   double* motions_s = nullptr;
-  /// The connection for reading; on a network disk, the writer's (RunStore::to_read). Null: open a
-  /// new one.
+  /// The connection for reading. On a network disk it is the writer's connection
+  /// (RunStore::to_read). Null: open a new one.
   std::shared_ptr<store::SharedDatabase> store{};
   /// Called between batches and before renaming. Throws if another process may have taken over the
   /// run. May be empty.
@@ -52,7 +52,7 @@ struct DeriveStopped {};
 
 /// Writes the archive of a cut of the run in `folder` to a temporary file and renames it to
 /// `output`. Returns the archive's digest. While the run is in its burn-in and has found nothing,
-/// returns an empty digest and writes nothing. Sets `cut` to what the archive contains, which is no
+/// returns an empty digest and writes nothing. Sets `cut` to the archive's content, which has no
 /// scans if no scan is a draw yet. Motions are saved in the folder (store/stored_motions.h). Throws
 /// base::Error if the store can't be read or the archive can't be written. Throws DeriveStopped at
 /// most one simulation or one batch after `stop` returns true. `stop` is called in this thread and

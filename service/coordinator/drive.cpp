@@ -47,7 +47,7 @@ class Driver {
   /// Brings plan and scheduler to the state that earlier sessions reached.
   void catch_up() {
     std::map<plan::ReplicaKey, std::uint64_t> next_scans;
-    // replay_all throws if the store is damaged.
+    // replay_all() throws if the store is damaged.
     store_.replay_all([&](const plan::ReplicaKey& replica, base::ScanIndex first,
                           std::span<const plan::ScanRecord> records) {
       plan_.consume(replica, first, records);
@@ -66,7 +66,7 @@ class Driver {
   /// Passes the input to the scheduler and carries out its effects.
   void carry_out(core::Input input) {
     if (const auto* delivered = std::get_if<core::Delivered>(&input)) {
-      // Threads of one worker may deliver results out of order, so accept only a higher count.
+      // Threads of one worker may deliver results out of order, so never let the count decrease.
       plan::CacheUse& known = caches_[delivered->worker];
       const plan::CacheUse& said = delivered->delivery.cache;
       if (said.hits + said.misses >= known.hits + known.misses) known = said;

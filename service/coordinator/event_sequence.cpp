@@ -8,7 +8,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Number of a start or an island, or of a scan as archives count scans.
+/// Returns the number of a start or an island, or a scan's number in archives.
 std::uint64_t place_of(const plan::ReplicaKey& replica, std::uint64_t scan) {
   if (plan::is_search_lane(replica.chain)) return plan::start_number(replica.chain, scan);
   return plan::is_island_lane(replica.chain) ? plan::island_number(replica.chain, scan) : scan;

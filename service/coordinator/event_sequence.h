@@ -9,7 +9,7 @@
 //     - rounds that end with the scan, by chain.
 //
 // So the chains' events are reported only after the search is over. Search and chains are computed
-// concurrently, but the search goes first and takes little of a run.
+// concurrently, but the search goes first and takes little of a run's time.
 //
 // Invariants
 //   1. The events up to a frontier are a function of the results up to that frontier. Events don't
@@ -22,8 +22,8 @@
 //   3. A failure is reported once per scan and kind, up to k_failures_told_max failures per run.
 //      Progress and summaries also count the failures beyond this maximum.
 //
-// Which failures have a file isn't a result: the first failures to arrive get one
-// (failure_files.h). Pure, and not thread-safe.
+// Failure files aren't results: only the first failures to arrive get one (failure_files.h). Pure,
+// and not thread-safe.
 #pragma once
 
 #include <compare>
@@ -54,7 +54,7 @@ class EventSequence {
   /// Resumes at a frontier.
   explicit EventSequence(const store::ToldFrontier& told, FileOf file_of = {});
 
-  /// Accepts results, including those of earlier sessions. Call before the plan's frontier passes
+  /// Accepts results, including results of earlier sessions. Call before the plan's frontier passes
   /// the results.
   void consumed(const plan::ReplicaKey& replica, base::ScanIndex first_scan,
                 std::span<const plan::ScanRecord> records);
@@ -73,7 +73,7 @@ class EventSequence {
     plan::FailureKind kind{};
     friend auto operator<=>(const FailurePlace&, const FailurePlace&) = default;
   };
-  /// Failures that no frontier has passed, at most as many as may still be reported.
+  /// Failures beyond the frontier, at most as many as may still be reported.
   using Waiting = std::set<FailurePlace>;
 
   void remember(Waiting& waiting, const FailurePlace& place) const;

@@ -1,5 +1,5 @@
-// Checks an archive's output path: whether it is writable, and which file is already there. Thread
-// safety: that of the file system. A separate process reads the existing file.
+// Checks an archive's output path: whether it is writable, and which file is already there. A
+// separate process reads the existing file. Thread safety: the same as the file system's.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ namespace sleight::coordinator {
 /// and not after an hour of computing. ExitCode::usage: `output` names no file.
 void refuse_unusable_place(const std::string& output, base::FileSystem& files);
 
-/// Returns the texts with which the request in an archive of this run may begin, including archives
+/// Returns the possible beginnings of the request text in archives of this run, including archives
 /// with only finds.
 std::vector<std::string> beginnings_of(const request::DirectionRequest& request);
 

@@ -45,7 +45,7 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   logging::info(fmt::format("--fresh: deleting the earlier run of {}", output));
   // Delete the archive first: an archive without its store would be refused above.
   files.remove(output);
-  // Then delete the database before its log. A database without its log may be inconsistent.
+  // Next, delete the database before its log. A database without its log may be inconsistent.
   for (const char* suffix : {"", "-wal", "-shm"}) {
     files.remove(database + suffix);
     files.remove(store::StoredMotions::path(folder) + suffix);
@@ -239,7 +239,7 @@ events::End end_of(const RunSummary& summary) {
   return events::End::simulation_failed;
 }
 
-/// Returns a sentence for people that explains the end. Empty for ends that need none.
+/// Returns a sentence for people that explains the end. Empty: the end needs no explanation.
 std::string words_of(const RunSummary& summary) {
   if (summary.is_archive_given_up)
     return "stopped while writing the archive; any previous archive is unchanged";

@@ -14,7 +14,7 @@
 //   3. The listener is called only in the thread that calls this class.
 //   4. The log's thread starts with the first event, after the listener has received it.
 //
-// Thread safety: archive_written may be called from any thread, the rest from one.
+// Thread safety: any thread may call archive_written(); one thread calls the other functions.
 #pragma once
 
 #include <condition_variable>

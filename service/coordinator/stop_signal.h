@@ -3,19 +3,19 @@
 // done. A signal soon after the first is an echo: batch systems signal both mpirun and the ranks,
 // and mpirun forwards its signal to the ranks.
 //
-// SIGUSR1 is for batch systems. On SIGTERM mpirun ends the job, but it only forwards SIGUSR1, so
-// the run has enough time to stop (`sbatch --signal=B:USR1@60`).
+// SIGUSR1 is for batch systems. On SIGTERM, mpirun ends the job. On SIGUSR1, mpirun only forwards
+// the signal, so the run has enough time to stop (`sbatch --signal=B:USR1@60`).
 #pragma once
 
 namespace sleight::coordinator {
 
-/// A signal counts as an echo of the first for this time.
+/// A signal that follows the first within this time counts as an echo.
 inline constexpr double k_echo_s = 0.5;
 
 /// Installs the signal handlers. Call once, from the main thread.
 void catch_stop_signals();
 
-/// For ranks other than 0, which exit when rank 0 requests it.
+/// Call in ranks other than 0, which exit when rank 0 requests it.
 void ignore_stop_signals();
 
 /// Returns whether a stop signal has arrived. Thread-safe.

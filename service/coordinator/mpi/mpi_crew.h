@@ -1,7 +1,7 @@
 // The ranks of an MPI job, which compute blocks together with this process's own threads. Worker n
 // is rank n. Rank 0 drives, and computes in additional threads.
 //
-// Every other rank runs serve (worker/run/mpi/mpi_worker.h). Only the driving thread calls MPI
+// Every other rank runs serve() (worker/run/mpi/mpi_worker.h). Only the driving thread calls MPI
 // (MPI_THREAD_FUNNELED). The driving thread polls for messages, because a blocking receive would
 // occupy a core.
 //
@@ -25,11 +25,11 @@ namespace sleight::coordinator {
 class MpiCrew final : public Crew {
  public:
   /// Rank 0 computes with `local_threads` threads of its own, at least one. Waits for every rank's
-  /// hello and throws base::Error if one differs in version or request. REQUIRES: MPI is
+  /// hello and throws base::Error if any hello differs in version or request. REQUIRES: MPI is
   /// initialised with MPI_THREAD_FUNNELED, and this is rank 0's main thread.
   MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock, std::uint32_t local_threads,
           const schema::Hello& expected);
-  /// Dismisses the ranks. If an exception is in flight, leaves ending the ranks to MPI_Abort.
+  /// Dismisses the ranks. If an exception is in flight, MPI_Abort will end the ranks instead.
   ~MpiCrew() override;
   MpiCrew(const MpiCrew&) = delete;
   MpiCrew& operator=(const MpiCrew&) = delete;
