@@ -41,7 +41,7 @@ class BlockSize {
   /// count only until a scan's cost is known, because they cost almost nothing, or as much as a
   /// scan if they are islands. Invalid times (possible from other ranks) are ignored.
   void measured(std::uint64_t scans, std::uint64_t moving, double cost_s);
-  /// Report that a thread found no work although the plan continues, or that it found some.
+  /// Report that a thread found no work although the plan continues, or that a thread found work.
   void starved() { slack_ = std::max(slack_ * k_narrowing, slack_min()); }
   void fed() { slack_ = std::min(slack_ * k_widening, 1.0); }
 
@@ -52,7 +52,7 @@ class BlockSize {
   static constexpr double k_narrowing = 0.7;
   static constexpr double k_widening = 1.01;
   static constexpr double k_growth = 8;
-  /// Minimum slack. A smaller one would have no effect, and recovery from it would take long.
+  /// Minimum slack. A smaller slack would have no effect, and recovery from it would take long.
   double slack_min() const { return std::min(options_.least_s / options_.target_s, 1.0); }
   BlockSizeOptions options_;
   /// Average number of scans in a split ladder's blocks, regardless of the limit.

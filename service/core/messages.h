@@ -1,4 +1,4 @@
-// Inputs and effects of the scheduler. The coordinator transports and stores them.
+// Inputs and effects of the scheduler, which the coordinator transports and stores.
 #pragma once
 
 #include <cstdint>

@@ -144,8 +144,7 @@ void Scheduler::take(const Answered& input) {
       take_back(id);
       continue;
     }
-    // The worker is only slow: renew the lease, and remove the block from those that wait for a
-    // worker.
+    // The worker is only slow: renew the lease, and remove the block from the waiting blocks.
     if (task == tasks_.end()) {
       renew_lease(id, options_.lease_s);
       continue;
@@ -304,7 +303,7 @@ void Scheduler::hand_out(std::optional<WorkerId> heard_of) {
   while (!roomy_.empty() && roomy_.begin()->first < 1) {
     const WorkerId worker = roomy_.begin()->second;
     if (!has_work()) {
-      // Smaller blocks leave more of a ladder to other threads, but not more of plain chains.
+      // Smaller blocks of a ladder leave more work to other threads. Blocks of plain chains don't.
       if (heard_of && splits_ladders_) size_.starved();
       return;
     }

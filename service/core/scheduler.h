@@ -18,19 +18,20 @@
 //   2. A block that is not done either waits or is assigned under a running lease. So after any
 //      failures of workers and messages, the block completes if some worker eventually answers.
 //   3. By the scheduler's count, a worker has at most threads * blocks_per_thread assignments. A
-//      silent worker gets no assignments until it sends a message. Each assignment of another
-//      worker has a lease, so the scheduler asks about lost assignments.
+//      silent worker gets no assignments until it sends a message. Each assignment of a worker that
+//      isn't silent has a lease, so the scheduler asks about lost assignments.
 //   4. Effects are a function of the inputs' order alone.
 //
-// The order of decisions in one step:
-//   step(input):
-//     process the input            (a result: plan, states, and Keep before anything is assigned)
-//     while a worker has an idle thread, and a block waits or the plan has one:
-//       choose the worker with the fewest assignments per thread, the lowest id among equals
-//       give it the first of the oldest blocks that was passed over too often or of whose states
-//         it holds most; otherwise the oldest block
-//     while the worker that was heard has room: the same, except for blocks of whose states
-//       another worker holds most
+// A step decides in this order:
+//   1. Process the input. A result changes the plan and the states, and leads to a Keep, before
+//      anything is assigned.
+//   2. While a worker has an idle thread, and a block waits or the plan has one, choose the worker
+//      with the fewest assignments per thread (the lowest id among equals). Give the worker the
+//      first of the oldest blocks that was passed over too often or of whose states the worker
+//      holds most; otherwise the oldest block.
+//   3. While the worker that sent the input has room, give blocks to it in the same way, except
+//      blocks of whose states another worker holds most.
+//
 // Not thread-safe.
 #pragma once
 
@@ -93,7 +94,7 @@ class Scheduler {
 
   /// Whether the plan is finished, or a stop was requested and all assignments have come back.
   bool ended() const { return plan_.finished() || (stopping_ && tasks_.empty()); }
-  /// Threads of the workers that aren't silent.
+  /// Number of threads of the workers that aren't silent.
   std::uint64_t threads() const { return threads_; }
   std::size_t given_out() const { return assignments_.size(); }
   const Counts& counts() const { return counts_; }
