@@ -1,5 +1,6 @@
 // Reads jobs' folders and creates the reports on attempts for the machine of jobs: a run's
-// progress, its end, and what prevents it from continuing. Thread safety: all on the loop's thread.
+// progress, its end, and what prevents it from continuing. Thread safety: only the loop's thread
+// makes calls.
 #pragma once
 
 #include <cstdint>
@@ -59,7 +60,7 @@ class AttemptSights {
   /// REQUIRES: the record has an end.
   jobs::Ended ended(jobs::JobId job, const keeper::AttemptRecord& record,
                     std::optional<double> first_commit_after_s);
-  /// `record`: null if the attempt left none.
+  /// `record`: null if the attempt left no record.
   jobs::Died died(jobs::JobId job, const keeper::AttemptRecord* record, std::string words);
   jobs::LaunchFailed launch_failed(jobs::JobId job, jobs::Attempt attempt,
                                    const std::string& words) const;

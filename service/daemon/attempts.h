@@ -2,11 +2,12 @@
 // attempts' states. There are two implementations. local_attempts.h is for this machine and notices
 // a keeper's end at once. system_attempts.h is for batch systems, which it queries periodically.
 //
-//   `Launch` writes request.toml and starts a keeper. Once the keeper has its record: Launched.
-//   `Look` produces a Sight, at once or soon.
+//   `Launch` writes request.toml and starts a keeper, whose record leads to Launched.
+//   `Look` leads to a Sight, at once or soon.
 //   `Stop` sends a signal to the keeper.
 //
-// Thread safety: all on the loop's thread. launch, stop and look never call `hear` directly.
+// Thread safety: only the loop's thread makes calls. launch(), stop() and look() never call `hear`
+// directly.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +21,6 @@
 
 namespace sleight::daemon {
 
-/// A job's data for a launch.
 struct LaunchText {
   std::string request{};
   bool strict = false;

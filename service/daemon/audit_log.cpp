@@ -97,7 +97,7 @@ void AuditLog::tell_more(double now_s) {
   }
 }
 
-/// Opens the file. After a failure, each further line calls this again.
+/// Opens the file. After a failure, each further line calls this function again.
 void AuditLog::open_file() {
   const std::string path = folder_ + "/audit.log";
   // O_NONBLOCK: opening a pipe would block the daemon.

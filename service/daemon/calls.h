@@ -3,7 +3,7 @@
 // A caller sees and changes only its own jobs; the daemon's user and root see all jobs. Another
 // user's job is reported as not found.
 //
-// Thread safety: all on the loop's thread.
+// Thread safety: only the loop's thread makes calls.
 #pragma once
 
 #include <functional>

@@ -10,8 +10,8 @@
 
 namespace sleight::daemon {
 
-/// Refuses `more` further unfinished jobs if they exceed the token's limit. The user's limits apply
-/// as well.
+/// Refuses a call that adds `more` unfinished jobs if they would exceed the token's limit. The
+/// user's limits apply as well.
 std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::size_t more) const {
   if (caller.token_jobs_max == 0) return std::nullopt;
   const auto being = being_submitted_.find(caller.token_id);
@@ -28,8 +28,8 @@ std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::
       .what_to_do = "Wait until some jobs end, or use a token with a higher limit."};
 }
 
-/// For a token with limits: refuses to resume or extend jobs of other tokens, and more jobs than
-/// its limit allows. The token's own jobs already respect its limit of cores.
+/// If the token has limits, refuses to resume or extend jobs of other tokens, or more jobs than the
+/// token's limit. The token's own jobs already respect its limit of cores.
 std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
                                                   const std::vector<jobs::JobId>& jobs) const {
   if (caller.token_jobs_max == 0 && caller.token_cores_max == 0) return std::nullopt;

@@ -11,10 +11,10 @@
 //     `tokens.json`   has access tokens of peers over TCP (tokens.h).
 //     `tls/`          has a self-signed certificate for TCP, unless another one is configured.
 //
-// A killed daemon loses nothing that it has answered. Its jobs continue, and the next daemon takes
-// them over.
+// A killed daemon loses no change that it has already answered. The jobs continue, and the next
+// daemon takes them over.
 //
-// Thread safety: run() belongs to one thread. SIGTERM and SIGINT end it cleanly.
+// Thread safety: run() belongs to one thread. SIGTERM and SIGINT end the daemon cleanly.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ struct DaemonOptions {
   std::optional<std::uint32_t> group{};
   /// Address to listen on over TCP. None: no TCP.
   std::optional<access::ServerAddress> address{};
-  /// Certificate and key, in PEM. Empty: self-signed, in the state folder.
+  /// Certificate and key, in PEM. Empty: use a self-signed certificate in the state folder.
   std::string certificate_path{};
   std::string key_path{};
   ServerFacts facts{};

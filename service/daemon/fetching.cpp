@@ -158,8 +158,8 @@ std::vector<Fetching::Found> Fetching::failures(jobs::JobId job, const std::stri
   return found;
 }
 
-/// Creates another link to the file and hashes the contents. The link still has these contents if
-/// another file replaces the first name. Throws base::Error.
+/// Creates another link to the file and hashes the contents. The link keeps these contents even if
+/// another file replaces the original. Throws base::Error.
 Fetching::Hashed Fetching::hashed(Found file, const std::string& beside) {
   const std::string own = beside + "-" + file.name;
   std::error_code reason;
@@ -253,8 +253,7 @@ std::unique_ptr<rpc::Source> Fetching::held(const std::string& sha256) {
   }
 }
 
-/// Stores the file's link for a while. Stores only the newest of the files that were derived for
-/// one name.
+/// Stores the file's link for a while. Stores only the newest derived file per name.
 void Fetching::hold(const std::string& sha256, const Found& file) {
   const auto [at, is_new] = held_.try_emplace(
       sha256, Held{.path = file.path, .name = file.name, .is_ours = file.is_ours});

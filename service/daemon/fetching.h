@@ -4,7 +4,8 @@
 // Hashing and deriving are slow, so worker threads do them. An announced file stays open for a
 // while. So a client can fetch the rest of the file later, even if the run has written a newer one.
 //
-// Thread safety: all on the loop's thread; `folders`, `loop` and `worker` must outlive the object.
+// Thread safety: only the loop's thread makes calls; `folders`, `loop` and `worker` must outlive
+// the object.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // Paths in a job's folder, and the daemon's operations on them; the keeper (service/keeper) writes
-// the other files. Thread safety: functions of files; one thread at a time per folder.
+// the other files. Thread safety: one thread at a time per folder.
 #pragma once
 
 #include <cstdint>

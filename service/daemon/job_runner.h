@@ -8,7 +8,7 @@
 //      started or stopped because of it. All effects are carried out in the order of their steps.
 //   2. A request's text becomes durable in the same save as its job or its revision.
 //
-// Thread safety: all on the loop's thread.
+// Thread safety: only the loop's thread makes calls.
 #pragma once
 
 #include <cstdint>

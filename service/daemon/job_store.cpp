@@ -40,7 +40,7 @@ std::int64_t checksum_of(const Place& place, std::string_view text) {
                                  text);
 }
 
-/// Throws unless the text is unchanged since it was written at this place.
+/// Throws if the text has changed since it was written at this place.
 void verify(const store::Database& database, const Place& place, std::string_view text,
             std::int64_t checksum) {
   if (checksum_of(place, text) == checksum) return;

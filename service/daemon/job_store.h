@@ -37,7 +37,7 @@ namespace sleight::daemon {
 /// Format of the tables; a store of another format is refused.
 inline constexpr std::int64_t k_job_store_format = 1;
 
-/// A revision of a job's request. Lists of jobs don't read the text.
+/// A revision of a job's request. Lists of jobs don't read the request's text.
 struct StoredRequest {
   jobs::JobId job{};
   std::uint64_t revision = 1;
@@ -108,7 +108,7 @@ class JobReader {
   /// Changes from number `from` on, at most `count_max`.
   std::vector<NumberedChange> changes(jobs::JobId job, std::uint64_t from, std::size_t count_max);
   std::uint64_t change_count(jobs::JobId job);
-  /// None: no such revision, or erased.
+  /// None: the revision doesn't exist, or it was erased.
   std::optional<StoredRequest> request(jobs::JobId job, std::uint64_t revision);
 
  private:

@@ -64,8 +64,8 @@ void LocalAttempts::await_begin(jobs::JobId job, jobs::Attempt attempt) {
       parts_.loop.call_later(k_again_s, [this, job, attempt] { await_begin(job, attempt); });
 }
 
-/// Returns whether the attempt has a record. `see` reports the error if the folder is another
-/// attempt's.
+/// Returns whether the attempt has a record. If the folder belongs to another attempt, `see`
+/// reports the error.
 bool LocalAttempts::look_whether_begun(jobs::JobId job, jobs::Attempt attempt) {
   try {
     return parts_.backend
@@ -97,8 +97,8 @@ void LocalAttempts::look(const jobs::Look& look) {
   see(look.job, look.attempt);
 }
 
-/// Reports the attempt's state according to its folder. If its keeper runs, starts to await the
-/// keeper.
+/// Reports the attempt's state according to its folder. If the attempt's keeper runs, starts to
+/// await the keeper.
 void LocalAttempts::see(jobs::JobId job, jobs::Attempt attempt) {
   const std::string folder = parts_.folders.folder(job);
   const auto number = static_cast<std::uint32_t>(attempt.value);

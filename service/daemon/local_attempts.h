@@ -1,10 +1,10 @@
-// Attempts on this machine. The daemon awaits the attempts' keepers (service/keeper/backend.h).
+// Attempts on this machine. The daemon awaits each keeper's end (service/keeper/backend.h).
 //
-//   `Launch` writes request.toml and starts a keeper. Once the keeper has its record: Launched.
-//   `Look` reads the folder's record: Sight. A running keeper is awaited from then on.
+//   `Launch` writes request.toml and starts a keeper, whose record leads to Launched.
+//   `Look` reads the folder's record, which leads to a Sight, and awaits a running keeper.
 //   `Stop` sends a signal to the keeper.
-//   When a keeper exits: Sight {Ended or Died}, or LaunchFailed without a record.
-//   From time to time: Sight {Running}.
+//   When a keeper exits, Sight {Ended or Died} follows, or LaunchFailed if there is no record.
+//   From time to time, running attempts lead to Sight {Running}.
 //
 // Thread safety: as Attempts.
 #pragma once

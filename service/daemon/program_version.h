@@ -1,5 +1,5 @@
-// The build of the installed programs. The programs may be replaced while the daemon runs, by a
-// build of the same or of another results version. Thread safety: any thread.
+// Identifies the build of the installed programs. While the daemon runs, the programs may be
+// replaced by a build of the same or of another results version. Thread safety: any thread.
 #pragma once
 
 #include <optional>

@@ -18,7 +18,7 @@ using ReadRequest =
     std::function<base::Result<request::DirectionRequest, std::vector<request::Diagnostic>>(
         const std::string& text, const std::string& name)>;
 
-/// Checks a client's request. `ask.name` appears as the file name in errors; empty: "request".
+/// Checks a client's request. `ask.name` is the file name in errors. Default: "request".
 base::Result<StoredRequest, rpc::Refusal> checked_request(const rpc::JobAsk& ask,
                                                           const ReadRequest& read,
                                                           const RequestLimits& limits);

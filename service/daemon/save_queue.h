@@ -10,7 +10,7 @@
 //   4. If the store's lock is lost, nothing more is saved, and the error is thrown in the owner's
 //      thread.
 //
-// Thread safety: one thread calls put; `post` must be callable from any thread.
+// Thread safety: one thread calls put(); `post` must be callable from any thread.
 #pragma once
 
 #include <condition_variable>

@@ -25,7 +25,7 @@ void refresh(const base::FileSystem& files, const std::string& folder) {
   try {
     static_cast<void>(files.names_in(folder));
   } catch (const base::Error&) {
-    // Reading the record reports the error.
+    // Ignore the error: reading the record will report it.
   }
 }
 
@@ -171,7 +171,7 @@ void SystemAttempts::stop(const jobs::Stop& stop) {
       stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   ask([this, name = name_of(stop.job, stop.attempt), how] {
     try {
-      // If the attempt was still queued, only a list shows the outcome.
+      // If the attempt was still queued, only list() can show how it ended.
       if (parts_.backend->signal(name, how)) parts_.loop.post([this] { list(); });
     } catch (const base::Error& failure) {
       // The machine repeats the stop.
@@ -317,7 +317,7 @@ bool SystemAttempts::judge_begun(jobs::JobId job, Run& run, const keeper::Attemp
     tell(jobs::Launched{.job = job, .attempt = run.attempt});
   }
   if (!record.end) return false;
-  // If others stopped the attempt, the system reports who once the attempt is gone from it.
+  // If somebody else stopped the attempt, the system reports this only once the attempt is gone.
   if (may_be_stopped(*record.end) && !run.is_stopped && !is_gone(run)) return false;
   jobs::Ended ended = sights_.ended(job, record, run.watched.first_commit_after_s);
   ended.outside = outside_of(run);

@@ -1,11 +1,12 @@
 // Attempts in a batch system (service/backend). A thread queries the system, and polls read what
 // the keepers on other machines write into the jobs' folders.
 //
-//   `Launch` writes request.toml and calls backend.launch: Sight {Pending}, or LaunchFailed.
-//   `Look` awaits the next list of all attempts and reads the folder's record: Sight.
+//   `Launch` writes request.toml and calls backend.launch, which leads to Sight {Pending}, or to
+//     LaunchFailed.
+//   `Look` awaits the next list of all attempts and reads the folder's record for a Sight.
 //   `Stop` calls backend.signal.
-//   Each second, polls read the folders' records: Launched, Sight {Running}, Sight {Ended}.
-//   From time to time, a list of all attempts is requested: Sight {Pending}, or as in the table.
+//   Each second, polls of the folders' records lead to Launched or Sight {Running or Ended}.
+//   From time to time, a list of all attempts leads to Sight {Pending}, or to a result below.
 //
 //     In the system     | the folder's record | result
 //     waiting, running  | none                | Pending, with the system's words
@@ -44,8 +45,7 @@
 
 namespace sleight::daemon {
 
-/// A list that a Look awaits is requested earlier than after list_every_s: after this share of that
-/// time.
+/// If a Look awaits a list, the list is requested after this share of list_every_s.
 inline constexpr double k_list_soonest_share = 0.2;
 /// Maximum delay until an ended attempt's record becomes visible.
 inline constexpr double k_settle_s = 5;

@@ -62,7 +62,7 @@ access::Keypair keypair_of(const std::string& state, const std::string& certific
     }
     const access::Keypair made = access::make_self_signed();
     files.make_folder(folder);
-    // The key is written first, so if the certificate exists, both do.
+    // Write the key first, so that if the certificate exists, the key exists too.
     base::replace_text_file(files, key, made.key, base::Readers::owner);
     base::replace_text_file(files, certificate, made.certificate);
     return made;

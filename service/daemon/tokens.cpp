@@ -128,7 +128,7 @@ void Tokens::write() {
   has_new_uses_ = false;
 }
 
-/// Returns whether the token is valid. If it has expired, records that.
+/// Returns whether the token is valid. Records the expiry of an expired token.
 bool Tokens::is_valid(Kept& kept) {
   rpc::TokenView& view = kept.view;
   if (!view.has_expired && view.expires_s > 0 && wall_s_() >= view.expires_s) {

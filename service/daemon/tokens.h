@@ -11,7 +11,7 @@
 //      shows later. The token stays in lists for some time. Expiry is checked at each use and once
 //      per minute.
 //
-// Thread safety: all on the loop's thread.
+// Thread safety: only the loop's thread makes calls.
 #pragma once
 
 #include <cstddef>

@@ -29,8 +29,8 @@ rpc::JobView view_of(const ViewOf& what);
 
 rpc::StateChange change_of(const JobReader::NumberedChange& change);
 
-/// Returns the sentence that explains the job's state. If there is none, returns the reason's name
-/// with blanks instead of underscores.
+/// Returns the sentence that explains the job's state. If there is no sentence, returns the
+/// reason's name with blanks instead of underscores.
 std::string reason_of(const jobs::Job& job);
 
 rpc::Refusal refusal_of(const jobs::Refusal& refusal);

@@ -22,7 +22,7 @@ class Worker {
 
   /// Queues the work, which must not throw, and which reports its outcome with Loop::post.
   void run(Work work);
-  /// Makes ending() true and waits for the work in progress. Queued work never begins. REQUIRED
+  /// Makes ending() true and waits for the work in progress. Queued work never begins. Call end()
   /// before destroying anything that the work uses. Repeated calls have no effect.
   void end();
   /// True once end() is called; slow work checks it. Callable from any thread.
