@@ -47,7 +47,7 @@ class Accounts {
   bool is_over_core_hours(UserId user, double now_s, bool is_held) const;
   bool is_over_bytes(UserId user, bool is_held) const;
 
-  /// Updates the user's usage to `now_s`. Call before the number of its cores changes.
+  /// Updates the user's usage to `now_s`. Call before the user's number of cores changes.
   void advance(UserId user, double now_s);
 
   const std::map<UserId, Account>& all() const { return accounts_; }

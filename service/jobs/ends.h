@@ -2,18 +2,20 @@
 // daemon's observations of the attempt, and on people's requests.
 //
 //   Result of judge(job, ended):
-//     Request finished: done, or queued if the request was extended meanwhile.
-//     Gave up, no draws, or failed under --strict: failed, and never restarted. Gave up with finds:
-//       done.
-//     Invalid request: failed, because another start would be refused too.
-//     Disk full, other results version: held.
-//     A check of the program failed: a death. If the previous failed check was at the same place,
-//       with no commit since: failed.
-//     Cancelled in the batch system: held until the user resumes the job.
-//     The batch system took the job's cores: starts again, not a death.
-//     Clean stop: the outcome for which the stop was requested. Without a request: starts again.
-//     Any other error, or no record: a death. Starts again later; the fifth death without a
-//       commit in between: failed.
+//     If the request is finished, the job is done, or queued if the request was extended meanwhile.
+//     If a search gave up, the job is done with finds or solutions, and failed without any.
+//     If the run has no draws or failed under --strict, the job is failed and never restarted.
+//     If the request is invalid or the run store is damaged, the job is failed, because another
+//       start would fail too.
+//     If the disk is full or the results version differs, the job is held.
+//     A failed check of the program counts as a death. If the previous failed check was at the same
+//       place, with no commit since, the job is failed.
+//     If the job was cancelled in the batch system, the job is held until the user resumes it.
+//     If the batch system took the job's cores, the job starts again, without counting a death.
+//     After a clean stop, the job gets the requested outcome. If nobody requested the stop, the job
+//       starts again.
+//     Any other error, or a missing record, counts as a death. The job starts again later, but is
+//       failed after the fifth death without a commit in between.
 //
 // After a stop request, a job that would start again gets the outcome that the request named. A
 // cancelled job becomes cancelled unless its request is finished.
@@ -39,13 +41,13 @@ struct Verdict {
   bool is_bug = false;     ///< the place of the failed check is stored
 };
 
-/// The machine's view of the surroundings of a job.
+/// Facts outside a job on which the verdict depends.
 struct Surroundings {
   bool is_disk_low = false;
   bool has_other_results = false;  ///< the run has another results version than the programs
 };
 
-/// REQUIRES: an attempt of the job is open; job.counts are those of the end.
+/// REQUIRES: an attempt of the job is open; `job.counts` are the counts at the end.
 Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
               const Options& options);
 Verdict judge(const Job& job, const Died& died, const Options& options);

@@ -13,19 +13,19 @@
 //              │ keeping.h  which finished jobs are deleted, and when the deletion is announced.
 //
 // The machine relies only on these properties of a job's folder (the keeper's invariants):
-//   K1. At most one keeper is in a folder.
+//   K1. A folder has at most one keeper.
 //   K2. A keeper of attempt n does nothing if the folder's record is of n or a newer attempt.
 //   K3. The record is durable before the program starts. The record's end is durable after all of
 //       the program's processes ended.
 // So launching an attempt again is safe (K1, K2). "Never began" doesn't prove that the attempt
-// won't begin, because a killed daemon's Launch may still be in progress. To end such an attempt,
-// the machine launches the attempt again, waits until it is seen, and stops it.
+// won't begin, because a killed daemon's Launch may still be in progress. To end an attempt in
+// doubt, the machine launches the attempt again, waits until it is seen, and stops it.
 //
 // Invariants
 //   1. A job's state changes only in a Save, with a Change; the Save is its step's first effect. So
 //      the job store contains everything that was reported or started, and a machine restored from
 //      the store continues there.
-//   2. A job becomes over at most once, unless its user extends or resumes it.
+//   2. A job becomes done, failed or cancelled at most once, unless its user extends or resumes it.
 //   3. At most one attempt of a job is open, and only sights of that attempt count. The machine
 //      stops the keeper of any other attempt that it sees.
 //   4. When an attempt is launched, open attempts exceed neither the cores and memory of the newest
@@ -40,12 +40,12 @@
 // Nobody starves. A user that waits with nothing running is next after patience_s at the latest.
 // The user's job gets room once the running jobs' slices are over and those jobs have stopped. A
 // slice is bounded by slice_per_cost times a job's restart cost, or by twice the duration of its
-// longest scan; a stop is bounded by stop_now_after_s. So a user waits at most patience_s, plus one
+// longest scan. A stop is bounded by stop_now_after_s. So a user waits at most patience_s, plus one
 // slice and one stop for each user that is next for the same reason. A job waits for its user's
 // jobs that precede it, but once per patience_s the user's longest-waiting job is next.
 //
-// A step is logarithmic in the number of jobs and linear in waiting users and running jobs. Only a
-// Room that changes the cores or the memory visits all jobs.
+// A step is logarithmic in the number of jobs and linear in waiting users and running jobs. A step
+// visits all jobs only if a Room changes the cores or the memory.
 //
 // Not thread-safe.
 #pragma once
@@ -69,7 +69,7 @@
 
 namespace sleight::jobs {
 
-/// Contents of the job store. The default values are those of a new store.
+/// Contents of the job store. The default values describe a new store.
 struct Restored {
   double clock_s = 0;
   std::uint64_t next_id = 1;
@@ -116,8 +116,8 @@ struct Standing {
 
 class Jobs {
  public:
-  /// REQUIRES: the records are the result of one store's Saves. The first inputs are a Tick, then
-  /// Began. The machine then looks at all jobs that had an open attempt.
+  /// REQUIRES: the restored records result from the Saves of one store. The first inputs are a
+  /// Tick, then Began. The machine then looks at all jobs that had an open attempt.
   explicit Jobs(const Options& options, Restored restored = {});
   Jobs(const Jobs&) = delete;
   Jobs& operator=(const Jobs&) = delete;
@@ -125,8 +125,8 @@ class Jobs {
   std::vector<Effect> step(const Input& input);
 
   /// Returns why a submit would be refused now, after `before_it` other new jobs of the same user.
-  /// None if it would be accepted, or if its key names an existing job. Used to submit either all
-  /// of several jobs or none.
+  /// None if the submit would be accepted, or if its key names an existing job. Callers use this
+  /// function to submit either all of several jobs or none.
   std::optional<Refusal> refusal_of(const Submit& input, std::uint64_t before_it = 0) const;
 
   const Job* find(JobId id) const;

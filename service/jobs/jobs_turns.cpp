@@ -37,8 +37,8 @@ std::uint32_t Jobs::cores_kept(UserId user) const {
   return account == nullptr ? 0 : account->cores - account->cores_stopping;
 }
 
-/// Returns the maximum cores for the job on this machine, within the part of its user's limit that
-/// the user's other jobs don't use.
+/// Returns the maximum cores for the job on this machine. The user's other jobs count towards the
+/// user's limit.
 std::uint32_t Jobs::cores_max(const Job& job) const {
   std::uint32_t cores = room_->cores;
   if (job.wishes.ranks > 0) {
@@ -180,7 +180,7 @@ std::vector<RunningJob> Jobs::running_jobs() const {
 }
 
 /// Asks running jobs to stop if the next job comes before them. Returns whether the next job should
-/// wait for the stops. If not, the next job starts on the cores that are free, or can't start.
+/// wait for the stops. Otherwise, the next job starts on the free cores, or can't start.
 bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares) {
   std::uint32_t cores = cores_free();
   std::uint64_t memory = memory_free();
@@ -213,7 +213,7 @@ bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares
     cores += job.cores;
     memory += job.memory_bytes;
   };
-  // Free the next job's share, from users above their share.
+  // Take the next job's share from users above their share.
   std::map<UserId, std::uint32_t> kept;
   for (const auto& [standing, job] : after) {
     if (is_enough(need.cores)) break;
@@ -259,8 +259,8 @@ void Jobs::use_idle_cores() {
   }
 }
 
-/// Stops a job of a user below its share, to restart it with more cores, and a job of a user who is
-/// above its share and has used more.
+/// Stops two jobs: one of a user below its share, to restart it with more cores, and one of a user
+/// who is above its share and has used more.
 void Jobs::even_out(const std::vector<RunningJob>& running, const Shares& shares) {
   const auto had = [&](const RunningJob& job) { return accounts_.had_core_s(job.user, clock_s_); };
   const RunningJob* below = nullptr;

@@ -1,6 +1,6 @@
-// How long finished jobs are stored. An unpinned job is deleted keep_s after it was over. If
-// finished jobs use more than keep_bytes, the oldest are deleted earlier. A deletion is announced
-// announce_s in advance. Pinning, extending or resuming a job withdraws the announcement.
+// How long finished jobs are stored. An unpinned job is deleted keep_s after its end. If finished
+// jobs use more than keep_bytes, the oldest are deleted earlier. A deletion is announced announce_s
+// in advance. Pinning, extending or resuming a job withdraws the announcement.
 //
 // All times are service times, so jobs don't age while no daemon is up, or when the wall clock
 // jumps.

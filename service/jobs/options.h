@@ -62,7 +62,7 @@ struct Options {
 
 /// Maximum number of times that a back-off or a slice is doubled.
 inline constexpr std::uint32_t k_doublings_max = 20;
-/// Places in the queue are counted only up to this one, because counting costs time.
+/// Places in the queue are counted only up to this number, because counting costs time.
 inline constexpr std::uint64_t k_place_max = 100;
 
 }  // namespace sleight::jobs

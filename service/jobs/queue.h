@@ -27,7 +27,6 @@ class Queue {
   bool has(JobId job) const { return entries_.contains(job); }
   bool empty() const { return entries_.empty(); }
   std::size_t size() const { return entries_.size(); }
-  /// Users with jobs in the queue.
   const std::map<UserId, OfUser>& users() const { return users_; }
   /// Returns the job's position among its user's jobs, from 1 to k_place_max. REQUIRES: the job is
   /// in the queue.

@@ -35,8 +35,8 @@ double slice_s(const Job& job, const Options& options) {
   const double worth_s =
       std::max(options.slice_s_min, options.slice_per_cost * restart_cost_s(job, options));
   if (job.counts.scans > job.scans_at_attempt) return worth_s;
-  // A scan may be longer than any slice, and a stop discards the scan. So the slice doubles each
-  // time.
+  // A scan may be longer than any slice, and a stop discards the scan. So the slice doubles after
+  // each turn without a commit.
   const auto doublings = static_cast<int>(std::min(job.fruitless, k_doublings_max));
   return std::max(worth_s, std::ldexp(options.slice_uncommitted_s, doublings));
 }

@@ -5,27 +5,27 @@
 // whole cores, jobs take turns in slices.
 //
 // The next job. A user that has waited patience_s with nothing running is next. If there are
-// several such users, the one that has waited longest is next. If there is none, the user with the
-// fewest decayed core-seconds is next, including those that its running jobs will use soon. Between
-// equal users, their jobs' priority decides, then age. The user's first job is the one with the
-// highest priority, then the oldest. Once per patience_s, it is the user's longest-waiting job, if
-// that job has waited for patience_s.
+// several such users, the one that has waited longest is next. If there is no such user, the user
+// with the fewest decayed core-seconds is next, including core-seconds that its running jobs will
+// use soon. Between equal users, their jobs' priority decides, then age. The user's first job is
+// the one with the highest priority, then the oldest. Once per patience_s, the user's
+// longest-waiting job is first instead, if it has waited for patience_s.
 //
-//   Pseudocode of hand_out:
-//     while there is a next job:
-//       need = its user's share, or what the job must and can have
-//       if fewer cores are free than need: stop running jobs that come after the next job and have
-//         had their slice; first jobs of users above their share, then any without which the next
-//         job couldn't start
-//       if need will be free when these have stopped: wait
-//       else if the job can start: it gets the free cores, less the shares of other waiting users
-//       else: wait, and nothing overtakes the job.
+// While there is a next job, hand_out() does this:
+//   1. The job needs its user's share of cores, within the limits of what it must and can have.
+//   2. If fewer cores are free, stop running jobs that come after the next job and have had their
+//      slice. Stop first jobs of users above their share, then any without which the next job
+//      couldn't start.
+//   3. If the need will be free when these jobs have stopped, wait.
+//   4. Otherwise, if the job can start, give it the free cores, less the shares of other waiting
+//      users.
+//   5. Otherwise, wait, and let nothing overtake the job.
 //
 // If nobody waits for free cores, a running job with fewer cores than it wishes gets them. For
 // this, the job is stopped and restarted with more cores if the time saved is at least
 // slice_per_cost times the restart's cost. The estimate assumes that the remaining work equals the
-// work so far. If that job's user is below its share, and another user is above its share and has
-// used more, a job of each is stopped so that the first user gets its share.
+// work so far. If the job's user is below its share, and a user above its share has used more, a
+// job of each is stopped, so that the first user gets its share.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -74,12 +74,12 @@ struct Need {
   std::uint64_t memory_bytes = 0;
 };
 
-/// Returns the resources that a job needs and can use. `had`: cores that its user has and won't
-/// give up.
+/// Returns the resources that a job needs and can use. `had`: cores that the job's user has and
+/// won't give up.
 Need need_of(const Job& job, const Shares& shares, std::uint32_t had, std::uint32_t cores_max);
 
-/// Returns how many free cores a job gets. `others_claim`: sum of waiting users' shares. REQUIRES:
-/// need.cores_min <= free.
+/// Returns how many free cores a job gets. `others_claim`: sum of the shares of other waiting
+/// users. REQUIRES: need.cores_min <= free.
 std::uint32_t cores_given(const Need& need, std::uint32_t free, std::uint64_t others_claim);
 
 /// Returns how long a job has its cores before it can be stopped for other jobs.
