@@ -95,7 +95,7 @@ inline constexpr const char* k_record_name = "attempt.json";
 /// Returns a JSON object of at most k_record_bytes_max bytes, ended by a newline.
 std::string to_text(const AttemptRecord& record);
 
-/// Returns none unless to_text wrote the text.
+/// Returns none unless to_text() wrote the text.
 std::optional<AttemptRecord> record_of(std::string_view text);
 
 /// Reads the record's text atomically. Empty: no record. Throws base::Error if that fails.
@@ -114,8 +114,8 @@ class RecordFile {
   /// Durable on return, with room for the end. After a base::Error, the record may exist.
   void begin(const AttemptRecord& record);
 
-  /// Durable on return. REQUIRES: `record` has an end; begin has returned; called once. After a
-  /// base::Error, the record of the beginning may remain.
+  /// Durable on return. REQUIRES: `record` has an end, and begin() has returned. Call end() only
+  /// once. After a base::Error, the record of the beginning may remain.
   void end(const AttemptRecord& record);
 
  private:

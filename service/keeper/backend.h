@@ -8,8 +8,8 @@
 //   `backend.look(folder, attempt)`: call at any time, from any daemon. The answers are:
 //     `never_began`: launch the same attempt again. If two keepers start, only one of them starts
 //       the program.
-//       While the keeper that launch returned is alive, this answer means "not yet".
-//     `running`: adopt(folder, attempt), wait for its descriptor, then look again. If adopt
+//       While the keeper that launch() returned is alive, `never_began` means "not yet".
+//     `running`: adopt(folder, attempt), wait for its descriptor, then look again. If adopt()
 //       returns none, the keeper has just started or exited: look again some milliseconds later.
 //     `ended`: the record has its end.
 //     `died`: keeper and program were killed. Start a new attempt.
@@ -22,7 +22,7 @@
 //   3. Signals reach only the attempt's own keeper, never a process with a reused process id.
 //   4. A launched keeper has no descriptor of the daemon, nor its terminal or process group, and
 //      leaves no zombie.
-//   5. No function waits for a program. launch waits for one exec.
+//   5. No function waits for a program. launch() waits for one exec.
 //
 // The lock uses fcntl's open file descriptions (F_OFD_SETLK) instead of flock. Both kinds of locks
 // are released when the keeper ends. But only an F_OFD_SETLK lock can be tested without being
@@ -52,7 +52,7 @@ class RunningKeeper {
   /// Descriptor for poll, readable once the keeper has exited.
   int descriptor() const { return descriptor_.get(); }
   bool has_gone() const;
-  /// False: the keeper has exited. Can be called again, including with `now` after `in_order`.
+  /// False: the keeper has exited. Repeated calls are allowed, including `now` after `in_order`.
   bool stop(Stop how) const;
 
  private:
@@ -73,11 +73,11 @@ class LocalBackend {
  public:
   explicit LocalBackend(Programs programs);
 
-  /// Starts a keeper. When launch returns, the program doesn't run yet, and it may never run.
+  /// Starts a keeper. When launch() returns, the program doesn't run yet, and it may never run.
   /// look() reports which is the case. Throws base::Error if no keeper can be started, or if this
   /// machine can't run the spec (more ranks than cores, no mpirun).
   RunningKeeper launch(const AttemptSpec& spec) const;
-  /// Like launch, with a complete keeper command (keeper_command_of).
+  /// Works like launch(), but accepts a complete keeper command (keeper_command_of).
   RunningKeeper launch_command(const std::string& folder, std::vector<std::string> command) const;
 
   /// Throws base::Error if the record is unreadable, or if it belongs to a later attempt, which

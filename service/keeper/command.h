@@ -61,8 +61,8 @@ std::vector<std::string> command_of(const AttemptSpec& spec, const Programs& pro
 std::vector<std::string> keeper_command_of(const AttemptSpec& spec, const Programs& programs);
 
 /// The environment for programs. Removes variables that would change Open MPI or the dynamic linker
-/// (OMPI_*, PMIX_*, LD_* and similar), and a batch job's variables, which would make mpirun search
-/// for that job's nodes. Doesn't remove the pair of variables that allows root to use mpirun.
+/// (OMPI_*, PMIX_*, LD_* and similar). Also removes a batch job's variables, which would make
+/// mpirun search for that job's nodes. Keeps the pair of variables that allows root to use mpirun.
 std::vector<std::string> cleaned_environment(const std::vector<std::string>& environment);
 
 /// This process's environment, unchanged.

@@ -1,7 +1,7 @@
 // The keeper: one process per attempt that starts the job's program and records how it ends.
 //
 //   1. Takes the folder's lock. Exits if the lock is taken, or if the folder's record is of this
-//      attempt or a later one. So an attempt that is launched twice runs once.
+//      attempt or a later attempt. So an attempt that is launched twice runs once.
 //   2. Removes the remains of a killed attempt, creates the pipe on which the program reports its
 //      session's end (common/events/run_end.h), and writes the attempt's record.
 //   3. Starts the program (program.h) and waits. Meanwhile the keeper writes the program's output
@@ -19,7 +19,7 @@
 // In a batch system's job (KeeperOptions::in_batch) five things differ:
 //
 //   1. The system sends SIGTERM to all processes some time before killing them. The keeper forwards
-//      it as SIGUSR1. The program itself blocks SIGTERM, so it doesn't receive two signals.
+//      SIGTERM as SIGUSR1. The program itself blocks SIGTERM, so it doesn't receive two signals.
 //   2. The program gets the whole environment, from which mpirun finds the job's machines.
 //   3. On a network disk, whose locks outlive a lost machine, the file `begun.N` replaces the lock.
 //      So an attempt that the system starts twice runs once.

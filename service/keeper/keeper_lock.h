@@ -6,7 +6,7 @@
 //
 // A process forked from the holder also holds the lock until it calls exec.
 //
-// Thread safety: a KeeperLock belongs to one thread; is_held may be called from any thread.
+// Thread safety: a KeeperLock belongs to one thread; is_held() may be called from any thread.
 #pragma once
 
 #include <cstdint>
@@ -26,14 +26,15 @@ class KeeperLock {
   KeeperLock(const KeeperLock&) = delete;
   KeeperLock& operator=(const KeeperLock&) = delete;
 
-  /// Marks the attempt as begun for all machines (`begun.N`), and removes older marks. Used on
+  /// Marks the attempt as begun for all machines (`begun.N`), and removes older marks. Needed on
   /// disks without locks, and on disks whose locks outlive a lost machine. False: already marked.
   /// Throws base::Error.
   static bool mark_begun(const std::string& folder, std::uint32_t attempt);
-  /// Returns whether mark_begun has marked the attempt.
+  /// Returns whether mark_begun() has marked the attempt.
   static bool has_begun(const std::string& folder, std::uint32_t attempt);
 
-  /// Returns whether a keeper holds the lock. False: no keeper does, or the folder doesn't exist.
+  /// Returns whether a keeper holds the lock. False: no keeper holds it, or the folder doesn't
+  /// exist.
   static bool is_held(const std::string& folder);
 
  private:

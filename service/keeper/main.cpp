@@ -1,5 +1,4 @@
-// The main function of `sleight-keeper`, which dies at none of the moments for tests
-// (main_keeper.h).
+// The main function of `sleight-keeper`, without the moments at which tests kill a keeper.
 #include "service/keeper/main_keeper.h"
 
 int main(int argc, char** argv) {

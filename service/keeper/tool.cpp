@@ -22,7 +22,7 @@
 namespace sleight::keeper {
 namespace {
 
-/// Interval at which run_tool checks whether a program whose output has ended has exited.
+/// Interval at which run_tool() checks whether a program has exited after its output ended.
 constexpr int k_wait_ms = 2;
 /// Interval of checks of ToolOptions::stop.
 constexpr int k_look_at_stop_ms = 100;

@@ -1,8 +1,8 @@
 // Runs a short program to its end, such as a batch system's command or one that writes an archive.
 // Arguments are an array (no shell); input is a text; time and output are limited.
 //
-// The program has its own session. At the deadline the whole session is killed, so its descendants
-// aren't awaited. The program dies with the calling thread (program.h).
+// The program has its own session. At the deadline the whole session is killed, so the program's
+// descendants aren't awaited. The program dies with the calling thread (program.h).
 //
 // Thread safety: any thread.
 #pragma once
@@ -39,8 +39,8 @@ struct ToolEnd {
 /// Throws base::Error if the program can't be started. A name without a slash is searched on PATH.
 ToolEnd run_tool(const std::vector<std::string>& command, const ToolOptions& options);
 
-/// Returns this process's environment without variables that begin with one of `beginnings`, unless
-/// they begin with one of `kept`.
+/// Returns this process's environment without variables whose names begin with one of `beginnings`,
+/// unless they begin with one of `kept`.
 std::vector<std::string> environment_without(const std::vector<std::string>& beginnings,
                                              const std::vector<std::string>& kept = {});
 
