@@ -71,10 +71,8 @@ std::string why(const rpc::JobView& job) {
     case rpc::JobState::failed:
     case rpc::JobState::cancelled:
     case rpc::JobState::unknown:
-      return reason_of(job);
     case rpc::JobState::starting:
-      // Omit a reason that only repeats the number of cores.
-      return job.reason.starts_with("With ") ? "" : reason_of(job);
+      return reason_of(job);
     case rpc::JobState::running:
     case rpc::JobState::done:
       return "";
