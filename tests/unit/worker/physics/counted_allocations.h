@@ -1,5 +1,5 @@
-// Counts a test program's allocations by replacing operator new and delete. Include it in exactly
-// one source file, because the operators belong to the whole program.
+// Counts a test program's allocations by replacing operator new and delete. Include this header in
+// exactly one source file, because the operators belong to the whole program.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ inline void* counted_or_throw(std::size_t bytes, std::size_t alignment) {
 
 }  // namespace sleight::physics::counting
 
-// No inlining: the compiler would see new without its delete and warn.
+// Not inlined, because the compiler would see `new` without its `delete` and warn.
 [[gnu::noinline]] void* operator new(std::size_t bytes) {
   return sleight::physics::counting::counted_or_throw(bytes, alignof(std::max_align_t));
 }

@@ -78,8 +78,8 @@ class Session {
     return "move all";
   }
 
-  /// The reference is overlap() of box.h without periods, and of periodic.h (tested separately)
-  /// with periods.
+  /// The reference is box.h's overlap() without periods, and periodic.h's overlap() (tested
+  /// separately) with periods.
   bool overlap_by_definition(const Box& a, const Box& b) const {
     if (scene_.period_m == std::array<double, 3>{}) return overlap(a, b);
     return overlap(a, b, periods_);
@@ -144,7 +144,7 @@ TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInFewBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInManyBodies) {
-  // Goal: queries are also right if they use cells. Method: run the same scripts with 200 bodies.
+  // Goal: overlaps are right when the grid searches cells. Method: run the scripts with 200 bodies.
   for (std::size_t i = 0; i < scenes().size(); ++i) {
     Session<TypeParam> session(scenes()[i], 200, 100 + i);
     EXPECT_EQ(session.run(static_cast<int>(property::of_tier(200, 800))), std::nullopt)

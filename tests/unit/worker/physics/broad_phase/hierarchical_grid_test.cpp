@@ -56,15 +56,15 @@ Box somewhere(Dice& dice, double room_m, double edge) {
 }
 
 TEST(HierarchicalGrid, HoldsTenThousandInOneCell) {
-  // Goal: a cell with far more bodies than a block stays correct. Method: put 10,000 boxes of the
-  // typical level within a hundredth of a cell of one corner, with few overlaps. Move some of these
-  // boxes within the cell, out of it and back. Both structures compare up to 10,000 squared, or
-  // 1e8, pairs per pass.
+  // Goal: a cell with far more bodies than fit in a block stays correct. Method: put the low
+  // corners of 10,000 boxes of one level within a hundredth of a cell, with few overlaps. Move some
+  // of these boxes within the cell, out of it and back. Both structures compare up to 10,000
+  // squared, or 1e8, pairs per pass.
   constexpr std::uint32_t k_bodies = 10000;
   Twins twins({.bodies = k_bodies, .size_m = 100});
   Dice dice(11);
-  // Plates are long enough for the typical level (edges from 63 m) and thin enough to miss each
-  // other.
+  // The plates are 80 m long, enough for the typical level (edges from 63 m), and 3 mm thin, so
+  // that few of them overlap.
   const auto plate = [&](double x) {
     const auto y = static_cast<float>(dice.between(0, 1));
     const auto z = static_cast<float>(dice.between(0, 1));
@@ -100,9 +100,9 @@ TEST(HierarchicalGrid, FindsEachBodyOnceWhereCellsShareNumbers) {
 }
 
 TEST(HierarchicalGrid, ReachGrowsAndShrinks) {
-  // Goal: when a box grows, within its level or beyond, distant boxes find it at once. After boxes
-  // shrink, no overlap is missed. Method: compare 300 boxes with the reference, in alternate rounds
-  // of long and short boxes, with and without periods.
+  // Goal: after a box grows, within its level or beyond, queries of distant boxes find it at once.
+  // After boxes shrink, no overlap is missed. Method: compare 300 boxes with the reference, in
+  // alternate rounds of long and short boxes, with and without periods.
   for (const double period_m : {0.0, 24.0}) {
     Twins twins({.bodies = 300, .period_m = {period_m, period_m, 0}, .size_m = 1});
     Dice dice(13);

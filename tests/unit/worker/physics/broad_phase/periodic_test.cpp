@@ -29,7 +29,7 @@ long double gap_of_images(const Box& a, const Box& b, std::size_t axis, long dou
   return least;
 }
 
-/// Returns a float with few leading bits, so that sums with periods are exact in the oracle.
+/// Returns a multiple of 2^-20, so that sums with periods are exact in the oracle.
 float coordinate(Dice& dice, double most) {
   return static_cast<float>(std::round(dice.between(-most, most) * 0x1p20) * 0x1p-20);
 }
@@ -77,8 +77,8 @@ TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
 }
 
 TEST(Periodic, EqualsFloatsOnOtherAxes) {
-  // Goal: without periods, coded boxes overlap exactly if the boxes overlap. Method: compare pairs
-  // of boxes whose corners are special floats and their neighbours.
+  // Goal: without periods, the codes of two boxes overlap exactly if the boxes overlap. Method:
+  // compare pairs of boxes whose corners are special floats and their neighbours.
   constexpr float k_infinite = std::numeric_limits<float>::infinity();
   std::vector<float> specials;
   for (const float x : {0.0F, 1e-45F, 1e-38F, 0.5F, 1.0F, 1e6F, 3.4028235e38F, k_infinite}) {

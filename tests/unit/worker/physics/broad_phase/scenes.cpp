@@ -53,8 +53,8 @@ Box gas(Dice& dice) {
   return cube(in_cube(dice, 2), dice.between(0.7, 1.3));
 }
 
-/// A box that is long in its direction of motion. Sizes are on both sides of the borders between
-/// levels.
+/// A box that is stretched along one axis. Box sizes are on both sides of the grid's borders
+/// between levels.
 Box stretched(Dice& dice) {
   const double edge = dice.between(0.7, 1.1);
   Point half = {edge / 2, edge / 2, edge / 2};

@@ -1,4 +1,4 @@
-// Many sorts of boxes. Tests move them by random scripts and compare their overlaps with the
+// Many sorts of boxes. Tests move the boxes by random scripts and compare the overlaps with the
 // definition.
 #pragma once
 
@@ -24,7 +24,7 @@ class Dice {
   random::Stream stream_;
 };
 
-/// A sort of boxes. `fresh` draws a box anywhere; `moved` draws the successor of a body's `box`.
+/// A sort of boxes. `fresh` draws a box anywhere; `moved` draws the next box of a body.
 struct Scene {
   std::string name;
   std::array<double, 3> period_m{};

@@ -78,7 +78,7 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
       return distance_m(feature, centre.position_m + s * centre.velocity_mps);
     };
     EXPECT_NEAR(gap.rate_mps, (after(k_step_s) - after(-k_step_s)) / (2 * k_step_s), 1e-7);
-    // The state that a search starts from has the same gap and rate, bit for bit.
+    // gap_state(), from which a search starts, returns the same gap and rate, bit for bit.
     const GapState state = gap_state(feature, centre, radius_m);
     EXPECT_EQ(state.now.gap_m, gap.gap_m);
     EXPECT_EQ(state.now.rate_mps, gap.rate_mps);
@@ -86,10 +86,10 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
 }
 
 TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
-  // Goal: searches reach the rule's verdict for spheres on features and for pairs of spheres.
-  // Searches derive the verdict from the time for which each condition fails. Method: compare
-  // verdicts on random features with a region, for spheres slightly inside, outside or exactly at
-  // each limit.
+  // Goal: searches reach the rule's verdict for spheres on features and for pairs of spheres. A
+  // search computes for how long each condition of the rule will fail, and finds a collision if all
+  // these times are 0. Method: compare verdicts on random features with a region, for spheres
+  // slightly inside, outside or exactly at each limit.
   std::array<std::uint64_t, 2> verdicts{};
   for (const std::uint64_t n : property::cases(100'000)) {
     random::Stream stream({.seed = 31, .purpose = random::Purpose::scene}, n);
@@ -137,7 +137,7 @@ Tick first_by_rule(const Vec3& between_m, const Vec3& relative_mps, double radii
 
 TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
   // Goal: the closed form for two free spheres finds the rule's first collision tick, or none.
-  // Method: compare with the search on random flights. In some of them, spheres only graze each
+  // Method: compare with the search on random flights. On some flights, spheres only graze each
   // other, hardly approach, or touch at the start. Rounding may shift the tick by one. Rounding may
   // change the verdict if a grazing flight touches for at most two ticks or is within rounding of
   // the limit.

@@ -219,8 +219,8 @@ class Rocking {
     return stays_ ? testing::standing(below_.at(begin, below_view_)) : below_.at(tick, below_view_);
   }
   MovingPiece above_at(Tick tick) const { return above_.at(tick, above_view_); }
-  /// The features that the normal turns with: a face of one body, or an edge of each. Invariant 3
-  /// of convex_search.h covers no other normals.
+  /// The features with which the normal turns: a face of one body, or an edge of each body.
+  /// Invariant 3 of convex_search.h covers no other normals.
   struct Normal {
     std::optional<Feature> below;
     std::optional<Feature> above;
@@ -311,9 +311,8 @@ TEST(ConvexSearch, SkipsNoCollision) {
 TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
   // Goal: invariant 3 holds for touching pieces when rounding and small accelerations decide which
   // vertex is lowest. Method: rock and slide random bodies that are nearly flat on each other, and
-  // compute contacts from scratch at the last skipped ticks and at some others. The invariant
-  // promises nothing once the normal turns with another face, but even then hardly any collision is
-  // missed.
+  // compute contacts from scratch at the last skipped ticks and at some others. The invariant ends
+  // when the normal begins to turn with another face, but even then hardly any collision is missed.
   std::uint64_t looks = 0;
   std::uint64_t collisions = 0;
   std::uint64_t missed = 0;

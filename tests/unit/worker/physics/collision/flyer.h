@@ -41,7 +41,7 @@ inline MovingPiece standing(const MovingPiece& piece) {
   return still;
 }
 
-/// Returns a ball with the piece's centre and motion. `centre` is a view of a point at the origin.
+/// Returns a ball with the piece's centre and motion. `centre` must have one vertex, the origin.
 inline MovingPiece ball_of(const MovingPiece& piece, double radius_m, const ConvexView& centre) {
   MovingPiece ball = piece;
   ball.view = &centre;

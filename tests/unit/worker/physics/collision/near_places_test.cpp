@@ -14,7 +14,7 @@ Vec3 random_direction(random::Stream& stream) {
 }
 
 constexpr double k_reach_m = 0.02;
-/// A hundredth of the reach, as in near_places.h.
+/// The room of a place: a hundredth of the reach, as in near_places.h.
 constexpr double k_room_m = 0.01 * k_reach_m;
 
 NearPlaces::Motion motion_of(const FreeFlight& flight, const Inertia& inertia) {
@@ -25,7 +25,7 @@ NearPlaces::Motion motion_of(const FreeFlight& flight, const Inertia& inertia) {
           .acceleration_mps2 = math::norm(flight.acceleration_mps2)};
 }
 
-/// Distance that the body's points furthest from its centre have moved.
+/// Greatest distance moved by six points of the body at k_reach_m from its centre.
 double moved_m(const Pose& then, const Pose& now) {
   double most_m = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -41,10 +41,9 @@ double moved_m(const Pose& then, const Pose& now) {
 }
 
 TEST(NearPlaces, HoldWhatTheySay) {
-  // Goal: while a body keeps a numbered place, each of its points stays within the room of its
-  // position when the place got its number. Method: let bodies with all kinds of inertia change
-  // between slow motions at random ticks. Test corners at random ticks of each motion; some get
-  // close to the bound.
+  // Goal: while a body keeps its place, no point moves further than the place's room
+  // (near_places.h, invariant 1). Method: let bodies with all kinds of inertia change between slow
+  // motions at random ticks. At random ticks of each motion, test six points.
   double nearest_to_bound = 0;
   std::uint64_t kept = 0;
   for (const std::uint64_t seed : property::cases(300)) {
@@ -98,8 +97,8 @@ TEST(NearPlaces, HoldWhatTheySay) {
 }
 
 TEST(NearPlaces, AFastBodyHasNone) {
-  // Goal: no body has a place for less than the least time, and a lost place is never used again.
-  // Method: move a body slowly, then fast, then slowly.
+  // Goal: no body gets a place that would last for less than the least time, and no place's number
+  // is used twice. Method: move a body slowly, then fast, then slowly.
   NearPlaces places;
   places.reset(2, ticks_after(1e-3));
   places.began({0}, k_reach_m, {.stays = true});

@@ -17,7 +17,7 @@ namespace sleight::physics::sphere_search_test {
 
 using testing::vector_between;
 
-/// Number of meshes: ordinary run, or long run (SLEIGHT_SOAK=1).
+/// Number of random meshes, larger if SLEIGHT_SOAK=1.
 std::uint64_t mesh_count() {
   return property::long_run() ? 50'000 : 500;
 }

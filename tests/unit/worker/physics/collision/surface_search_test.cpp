@@ -114,7 +114,7 @@ void expect_none_between(Meeting& meeting, Tick from, Tick next, Dice& dice, Tal
 }
 
 /// Searches like a simulation. Returns the tick of the collision, or nothing if the box doesn't
-/// collide before `end`. With a null `near`, each look starts from scratch.
+/// collide before `end`. If `near` is null, each look starts from scratch.
 std::optional<Tick> walk(Meeting& meeting, Tick end, NearPoints* near, Dice& dice, Tally& tally) {
   Tick tick = meeting.flyer().flight.begin;
   if (near != nullptr) near->forget_motion();

@@ -22,7 +22,7 @@
 
 namespace sleight::physics::testing {
 
-/// Control points from a function, with exceptions for changed points.
+/// Control points given by a function, except for changed points.
 class TableControls final : public SurfaceControls {
  public:
   using Function = std::function<SurfaceControl(GridIndex)>;

@@ -53,7 +53,7 @@ struct Structure {
 };
 
 TEST(ForceBalance, ABlockOnASlopeHoldsUpToTheAngleOfFriction) {
-  // Goal: a block stays if tan(angle) <= mu, to 0.3 degrees, in any direction along the plane,
+  // Goal: a block stays if tan(angle) <= mu, within 0.3 degrees, in any direction along the plane,
   // because friction cones are round. Method: test both sides of the limit in twelve directions.
   for (const double friction : {0.2, 0.7}) {
     for (int i = 0; i < 12; ++i) {
@@ -84,9 +84,10 @@ Structure overhanging(int count, double step) {
 }
 
 TEST(ForceBalance, FourBlocksStandAtAFifthAndFallAtThreeTenths) {
-  // Goal: a stack can fall though each block stands on the next. The centre of n blocks is (n + 1)
-  // / 2 steps beyond the block below, so the limit for four blocks is a quarter. Method: test both
-  // sides of that limit, far from it and close to it, and the limit of a stack of twenty.
+  // Goal: a stack can fall though each block stands on the next. The centre of the upper n blocks
+  // is (n + 1) / 2 steps beyond the centre of the block below, so the limit for four blocks is a
+  // quarter. Method: test both sides of this limit, far and close, and the limit of a stack of
+  // twenty.
   EXPECT_TRUE(overhanging(4, 0.2).holds());
   EXPECT_FALSE(overhanging(4, 0.3).holds());
   EXPECT_TRUE(overhanging(4, 0.245).holds());
@@ -211,8 +212,8 @@ double left_by_descent(const Structure& structure) {
 
 TEST(ForceBalance, AgreesWithASlowSearch) {
   // Goal: the verdict is right for any contacts of up to three bodies. Method: compare random
-  // contacts with a plain descent. The descent's verdict counts only if the remaining imbalance is
-  // almost zero or large.
+  // contacts with a plain gradient descent. The descent's verdict counts only if the remaining
+  // imbalance is almost zero or large.
   int held = 0;
   int fell = 0;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 2'000 : 40)) {

@@ -1,8 +1,8 @@
-// Goal: gap, normal, points and features of separated convex pieces are right to rounding, for any
-// placement. Method: test random and degenerate placements of many kinds of pieces, with gaps from
-// 1e-9 of the size. Each result must prove itself (points inside, separation along the normal) and
-// equal a brute-force gap in long double. Constructed configurations have known features. The
-// checks must reject a broken distance.
+// Goal: gap, normal, points and features of separated convex pieces are right up to rounding, for
+// any placement. Method: test random and degenerate placements of many kinds of pieces, with gaps
+// from 1e-9 of the size. Each result must prove itself (points inside, separation along the normal)
+// and equal a brute-force gap in long double. Constructed configurations have known features. The
+// checks must reject a faulty distance function.
 #include "worker/physics/distance/closest_points.h"
 
 #include <gtest/gtest.h>
@@ -20,11 +20,11 @@ namespace {
 
 using math::norm;
 
-// The header's bound of 2^-50 of the coordinates, times the roundings of a few operations.
+// Error relative to the coordinates: the header's bound of 2^-50, times a few more roundings.
 constexpr double k_accuracy = 1e-14;
 
 // The normal between two points has an error of rounding / gap. The separation along this normal
-// has the same error. A face's normal is exact to rounding.
+// has the same error. A face's normal is exact up to rounding.
 double certificate_tolerance(const Closest& result, double coordinates) {
   const bool face =
       result.feature_a.kind == FeatureKind::face || result.feature_b.kind == FeatureKind::face;
@@ -59,7 +59,7 @@ TEST(ClosestCold, proves_itself_for_pieces_of_all_kinds) {
   for (const auto& [search, count] : searches)
     std::printf("search %d: %d\n", static_cast<int>(search), count);
   std::printf("worst defect: %.3g of the tolerance\n", worst);
-  // Few pairs need the exhaustive search.
+  // Fewer than one pair in 20 needs the exhaustive search.
   EXPECT_LT(searches[Search::exhaustive], pairs * 250 / 20);
   EXPECT_EQ(searches[Search::overlap], 0);
 }

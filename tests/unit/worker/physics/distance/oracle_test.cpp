@@ -4,8 +4,8 @@
 // sizes of about 1. This test therefore uses pieces of size 1 and a tolerance of ten thresholds.
 // FCL may report a touch for gaps below 1e-6, so this test skips them; the long double reference
 // covers them. FCL is wrong for some pairs in 10,000, because its GJK stops early on nearly
-// degenerate simplices. If the two differ, the reference must agree with us, and such pairs must
-// not be more frequent.
+// degenerate simplices. If FCL and our distance differ, the reference must agree with us, and such
+// pairs must not be more frequent.
 #include <fcl/geometry/shape/convex.h>
 #include <fcl/narrowphase/distance.h>
 #include <gtest/gtest.h>

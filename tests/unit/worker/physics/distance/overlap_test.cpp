@@ -1,7 +1,7 @@
-// Goal: overlapping pieces have the right depth. If the overlap comes only from rounding or from
-// one time step, the contact normal is useful. Method: push pieces into each other by 1e-9 to 1e-6
-// of their size from a known contact, and test deep overlaps. A shift by the depth along the normal
-// must separate the pieces, and no sampled direction needs a shorter shift.
+// Goal: overlapping pieces have the right depth. If the overlap is as small as rounding or one time
+// step, the normal usually stays as before the overlap. Method: push pieces into each other by 1e-9
+// to 1e-6 of their size from a known contact, and test deep overlaps. A shift by the depth along
+// the normal must separate the pieces, and no sampled direction needs a shorter shift.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -86,7 +86,7 @@ TEST(Overlap, no_direction_needs_a_shorter_way_out) {
   }
 }
 
-// A cube touches another cube exactly, with all kinds of features. The gap is 0 to rounding, and
+// A cube touches another cube exactly, with all kinds of features. The gap is 0 up to rounding, and
 // the normal separates the cubes.
 TEST(Overlap, touching_pieces_have_a_usable_normal) {
   const ConvexPolyhedron solid = cube(1).value();

@@ -94,8 +94,8 @@ Placed random_places(Dice& dice, const ConvexView& a, const ConvexView& b, doubl
 TEST(RoundDistance, IsTheGreatestSeparation) {
   // Goal: gaps are right to k_round_gap_error, as are normals and the points on both surfaces.
   // Method: compare random pairs of round pieces, and of round pieces and polyhedra, with a slow
-  // search over all axes. Gaps range from 0.1 m to a nanometre, overlaps reach some micrometres.
-  // The search must not find a wider separation.
+  // search over all axes. Gaps range from 0.1 m to a nanometre, and overlaps reach some
+  // micrometres. The search must not find a wider separation.
   const std::uint64_t count = property::long_run() ? 1'000'000 : property::of_tier(40, 500);
   double worst_m = 0;
   for (const std::uint64_t n : property::cases(count)) {

@@ -34,7 +34,7 @@ inline double plain_reach_m(const ConvexView& piece, const PlacedPose& pose, con
   return most_m;
 }
 
-/// Greatest separation along any axis. Tries some thousand axes, then improves the best with
+/// Greatest separation along any axis. Tries some thousand axes, then improves the best axis with
 /// shrinking steps. `start` is an extra axis to try.
 inline double oracle_gap_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                            const PlacedPose& pose_b, const Vec3& start) {

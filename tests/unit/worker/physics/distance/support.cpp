@@ -275,7 +275,7 @@ double outside_m(const ConvexView& piece, const PlacedPose& pose, const Vec3& po
   for (std::size_t f = 0; f < piece.face_count; ++f) {
     const Face& face = piece.faces[f];
     worst = std::max(worst, math::dot(face.normal, p) - face.offset_m);
-    // The planes of a triangle's two faces don't bound it.
+    // The planes of a triangle's two faces don't bound it, so test its sides too.
     if (piece.face_count > 2) continue;
     for (int k = 0; k < face.side_count; ++k) {
       const Side& side = piece.sides[face.first_side + k];

@@ -52,8 +52,8 @@ Placement random_placement(random::Stream& stream, const ConvexView& a, const Co
 PlacedPose at_gap(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                   const PlacedPose& pose_b, double gap_m);
 
-/// Magnitude of the coordinates seen from A. A pair's rounding errors are proportional to this
-/// magnitude.
+/// Magnitude of both pieces' coordinates relative to A's centre. Rounding errors are proportional
+/// to this magnitude.
 double coordinates_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 
@@ -62,8 +62,8 @@ double coordinates_m(const ConvexView& a, const PlacedPose& pose_a, const Convex
 long double reference_gap(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b);
 
-/// Distance in metres by which a result fails its proof; 0 is perfect. Each point must be in its
-/// piece, and points and pieces must be gap_m apart along the normal.
+/// Greatest violation, in metres, of the following conditions on a result. Each point must be in
+/// its piece, and points and pieces must be gap_m apart along the normal.
 double certificate_defect(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b, const Closest& result);
 

@@ -152,7 +152,7 @@ Vec3 towards_feature(random::Stream& stream, const ConvexView& piece) {
   return face_normal(stream.bits() % piece.face_count);
 }
 
-// The rotation that maps x to y, orthonormal to rounding.
+// The rotation that maps x to y, orthonormal up to rounding.
 Mat3 turn_onto(const Vec3& x, const Vec3& y) {
   const Vec3 axis = math::cross(x, y);
   const double sine = norm(axis);
@@ -189,7 +189,7 @@ Placement near_placement(random::Stream& stream, const ConvexView& a, const Conv
   return at;
 }
 
-// Goal: closest_cold returns the same bits for any hint, though `only_one` lets it skip the search.
+// Goal: closest_cold returns the same bits for any hint, even if only_one() saves the search.
 // Method: place pieces 3e-10 to 1e-5 m apart, some with nearly parallel faces and edges. Try hints
 // from closest_warm, from closest_cold, and wrong hints. SLEIGHT_SOAK runs 15 times as many cases.
 TEST(ClosestCold, gives_the_same_bits_with_any_hint) {

@@ -74,7 +74,7 @@ TYPED_TEST(EventQueues, hold_nothing_at_first_and_after_a_reset) {
 }
 
 TYPED_TEST(EventQueues, equal_keys_go_by_slot_and_equal_ticks_by_key) {
-  // Goal: the order of events leaves no ties. Method: set the same contents in different orders.
+  // Goal: the order of events has no ties. Method: set the same contents in different orders.
   TypeParam queue;
   for (const bool backwards : {false, true}) {
     queue.reset(20);

@@ -24,7 +24,7 @@ inline std::string printed(const EventKey& key) {
                      key.higher, key.feature);
 }
 
-/// A queue and the reference, side by side. `difference` is the first one found.
+/// A queue and the reference, side by side. `difference` is the first difference found.
 template <EventQueue Queue>
 class Pair {
  public:

@@ -1,4 +1,4 @@
-// The slowest and plainest queue, which looks at every slot. Tests compare all others with it.
+// The slowest and plainest queue looks at every slot. SlowQueue is the reference for all queues.
 #pragma once
 
 #include <cstdint>

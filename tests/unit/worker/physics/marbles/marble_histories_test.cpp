@@ -203,14 +203,13 @@ void run_all_scenes(Moves moves, std::uint64_t count) {
 TEST(MarbleHistories, ReplayingMakesNoDifference) {
   // Goal: replay changes no bit (invariant 4), both in heaps that rest and wake and in sparse
   // falls. Method: in random scenes, change some balls' starts a dozen times. Simulate each scene
-  // from scratch and with the previous scene's histories, with looks in between.
+  // from scratch and, in up to three portions, with the previous scene's histories.
   run_all_scenes(Moves::balls, scene_count());
 }
 
 TEST(MarbleHistories, MovedGeometryMakesNoDifference) {
   // Goal: replay also changes no bit if static geometry changes. Method: change balls' starts, and
-  // move vertices of the mesh by 0.1 or 2 mm. Each time vertices move, those moved before return to
-  // their places.
+  // move vertices of the mesh by 0.1 or 2 mm. Each move starts from the vertex's initial position.
   run_all_scenes(Moves::balls_and_vertices, scene_count() / 2);
 }
 
@@ -263,10 +262,10 @@ TEST(MarbleHistories, AWrongHistoryMakesADifference) {
 }
 
 TEST(MarbleHistories, ABallIsLeftAloneNowIfItWouldBeNow) {
-  // Goal: if the confinement changes, a history is valid only until the tick at which the ball was
-  // left alone. If the confinement is the same, the whole history is valid. Method: leave a ball
-  // alone in a box once it is slow. Replay it with the same box, with a wider box, and without a
-  // box.
+  // Goal: if the confinement changes, a ball's history is valid only until the tick at which the
+  // ball was suspended. If the confinement is the same, the whole history is valid. Method: suspend
+  // a ball in a box once it is slow. Replay the ball with the same box, with a wider box, and
+  // without a box.
   Scene scene = two_balls(1);
   scene.bodies.resize(1);
   const StaticGeometry statics(scene);
@@ -326,8 +325,8 @@ Scene weightless(std::uint32_t balls) {
 }
 
 TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
-  // Goal: a ball left alone after a collision is simulated if the thing that it hit has moved.
-  // Method: a ball hits a wall and becomes slow. Then the wall is moved away.
+  // Goal: a ball that a collision made slow enough to be suspended is simulated again if the object
+  // that it hit has moved. Method: let a ball hit a wall and become slow, then move the wall away.
   Scene scene = weightless(1);
   scene.bodies[0].start.twist.velocity_mps = {1, 0, 0};
   auto mesh = std::make_shared<TriangleMesh>(*scene.meshes[0].mesh);
@@ -376,8 +375,8 @@ TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
 
 TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
   // Goal: a ball drops its predicted meeting with a replayed partner if another ball makes that
-  // partner live. Method: start a ball between two balls that almost touch it and that were
-  // elsewhere before.
+  // partner live. Method: start a ball between two balls that almost touch it and that started
+  // elsewhere in the earlier run.
   Scene before = weightless(3);
   before.bodies[2].start_tick = Tick{} + ticks_after(0.1);
   Scene after = before;
@@ -406,7 +405,7 @@ TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
 }
 
 TEST(MarbleHistories, ACheckpointDoesntSayWhatFollowedAtItsTick) {
-  // Goal: a meeting at a checkpoint's tick that the checkpoint doesn't include counts as a gap.
+  // Goal: checkpoint_before() reports a gap if the checkpoint lacks a meeting at its own tick.
   // Method: build a history with two meetings at one tick and a checkpoint after the first meeting.
   MarbleHistory history;
   history.meetings = {{.tick = Tick{5}, .partner = 1}, {.tick = Tick{5}, .partner = 2}};

@@ -59,7 +59,7 @@ TEST(Marbles, EqualASimulation) {
 }
 
 TEST(Marbles, ComparerFindsADifference) {
-  // Goal: the comparison above can fail. Method: start one ball a nanometre higher.
+  // Goal: alike_at() notices a difference. Method: start one ball a nanometre higher in one engine.
   scenes::Setting setting = equal_marbles(5, 3);
   auto simulation = Simulation::start(setting.scene, places_only()).value();
   setting.scene.bodies[2].start.pose.position_m.z() += 1e-9;
@@ -94,8 +94,8 @@ TEST(Marbles, OverlapsAreErrors) {
 
 TEST(Marbles, StartsInTouchAreErrors) {
   // Goal: Marbles refuses a ball that starts in touch with a face, an edge or a vertex, as the
-  // simulator does, and accepts one slightly further away. Method: place a ball at random features
-  // of random scenes, with gaps below and above the touch distance.
+  // simulator does, and accepts a ball slightly further away. Method: place a ball at random
+  // features of random scenes, with gaps below and above the touch distance.
   std::uint64_t refused = 0;
   std::uint64_t started_well = 0;
   for (const std::uint64_t seed : property::cases(20)) {
@@ -132,7 +132,7 @@ TEST(Marbles, StartsInTouchAreErrors) {
 }
 
 TEST(Marbles, AreRecognised) {
-  // Goal: scenes that the engine doesn't support are refused. Method: make one change at a time.
+  // Goal: scenes that the engine doesn't support are refused. Method: change one thing at a time.
   const Scene scene = equal_marbles(3, 1).scene;
   EXPECT_TRUE(are_marbles(scene));
   Scene other = scene;

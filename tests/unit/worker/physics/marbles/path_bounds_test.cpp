@@ -48,8 +48,8 @@ Tick first_collision(const StaticGeometry& statics, const SphereFeature& feature
 
 TEST(PathBounds, ComeBeforeEveryCollision) {
   // Goal: no bound is later than the collision, and the surroundings contain every feature that a
-  // ball hits. Method: start flights close to a feature of a random mesh. The flights fall back on
-  // the feature or pass it. Compare with a search that judges single ticks.
+  // ball hits. Method: start flights close to a feature of a random mesh. Each flight falls back on
+  // the feature or passes it. Compare with a search that tests single ticks.
   random::Stream stream({.seed = 11, .purpose = random::Purpose::scene}, 0);
   int met = 0;
   for (std::uint64_t n = 0; n < 40; ++n) {
@@ -101,8 +101,8 @@ TEST(PathBounds, ComeBeforeEveryCollision) {
 }
 
 TEST(PathBounds, ATimeThatAPlaceStaysIsSafe) {
-  // Goal: the place stays between the walls for the time stays_s, and crosses a wall slightly
-  // later. Method: test random parabolas.
+  // Goal: a moving place stays between the walls for the time stays_s(), and crosses a wall
+  // slightly later. Method: test random parabolas.
   random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
   for (int i = 0; i < 20'000; ++i) {
     const Four low = Four::of(std::array<double, 4>{-1, -1, -1, -1});

@@ -11,8 +11,8 @@
 
 namespace sleight::physics::testing {
 
-/// Number of balls whose place, twist or mode differs in any bit. Skips balls that are left alone.
-/// REQUIRES: both are at the same tick.
+/// Number of balls whose place, twist or mode differs in any bit. Skips suspended balls. REQUIRES:
+/// both engines are at the same tick.
 inline int different_balls(const Simulation& simulation, const Marbles& marbles) {
   int different = 0;
   for (std::uint32_t i = 0; i < marbles.size(); ++i) {
@@ -31,8 +31,8 @@ inline int different_balls(const Simulation& simulation, const Marbles& marbles)
   return different;
 }
 
-/// Runs both engines to a tick and compares their balls. Sets `goes_on` to whether neither engine
-/// failed.
+/// Runs both engines to a tick and compares their balls. Sets `goes_on` to false if an engine
+/// failed, else to true.
 inline ::testing::AssertionResult alike_at(Simulation& simulation, Marbles& marbles, Tick tick,
                                            bool& goes_on) {
   const auto expected = simulation.run_until(tick);

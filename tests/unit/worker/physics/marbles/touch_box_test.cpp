@@ -30,7 +30,7 @@ float across(float part) {
   return std::sqrt(std::max(0.0F, 1 - part * part));
 }
 
-/// Least and greatest offset from the feature to a centre, along one axis.
+/// Least and greatest offset along axis i, from feature to sphere centre, relative to the reach.
 std::pair<float, float> plain_spread(const SphereFeature& feature,
                                      std::span<const RegionSide> sides, std::size_t i) {
   const Axes along = axes_of(feature.direction);
@@ -104,7 +104,7 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
     for (FeatureId f{geometry.plane_count()}; f < geometry.feature_count(); ++f) {
       const SphereFeature& feature = geometry.feature(f);
       std::vector<RegionSide> sides(geometry.sides(feature).begin(), geometry.sides(feature).end());
-      // An edge between two faces may have sides only towards its ends, or none.
+      // Only an edge with four sides has sides towards both faces. Sometimes make these equal.
       if (feature.kind == FeatureKind::edge && sides.size() == 4 && stream.bits() % 8 == 0)
         sides.back().space.normal = sides[sides.size() - 2].space.normal;
       const Box& own = geometry.feature_box(f);

@@ -15,7 +15,7 @@ namespace {
 
 using Vec3l = Eigen::Matrix<long double, 3, 1>;
 
-// v turned about `rate` by |rate| s (Rodrigues' formula).
+// Vector `v`, turned about the axis `rate` by the angle |rate| s (Rodrigues' formula).
 Vec3 turned_about(const Vec3& rate, double s, const Vec3& v) {
   const Vec3l w = rate.cast<long double>();
   const Vec3l x = v.cast<long double>();

@@ -83,8 +83,8 @@ TEST(GeneralRotation, a_single_step_is_exact_to_rounding) {
 }
 
 TEST(GeneralRotation, is_told_from_equations_with_a_missing_or_wrong_term) {
-  // Broken variants differ from the steps by far more than the tolerances above. Energy or momentum
-  // reveals them without any reference.
+  // Equations with a missing or wrong term differ from the steps by far more than the tolerances
+  // above. Energy or momentum reveals such a fault without any reference.
   const auto [inertia, flight] = random_case(23, 1);
   const Tick t = flight.begin + ticks_before(0.75);
   const Quat q = orientation_at(flight, inertia, t);
@@ -122,7 +122,7 @@ struct JacobiSolution {
     const long double i3 = inertia.principal_kgm2.z();
     const long double w1 = start.x();
     const long double w3 = start.z();
-    // 2 E I3 - L^2 and L^2 - 2 E I1, which are single products because w2 = 0.
+    // The terms 2 E I3 - L^2 and L^2 - 2 E I1 are single products because w2 = 0.
     const long double a = i1 * (i3 - i1) * w1 * w1;
     const long double b = i3 * (i3 - i1) * w3 * w3;
     rate = std::sqrt((i3 - i2) * b / (i1 * i2 * i3));

@@ -68,7 +68,7 @@ FreeFlight flight_of_any_size(random::Stream& stream) {
   return flight;
 }
 
-// Ends, middle, random ticks, and ticks around the apex of each axis.
+// Ticks to test: both ends, the middle, random ticks, and ticks around the apex of each axis.
 std::vector<Tick> ticks_to_look_at(random::Stream& stream, const FreeFlight& flight, Tick from,
                                    Tick to) {
   std::vector<Tick> ticks = {from, to, from + (to - from) / 2};
@@ -119,7 +119,7 @@ TEST(PathBox, holds_every_evaluated_position) {
   EXPECT_GT(apex_needed, 3'000);
 }
 
-// A flight up from far below with its apex near height 0. There, floats are far finer than the
+// A flight up from far below with its apex near height 0, where floats are far finer than the
 // rounding errors of evaluated heights.
 FreeFlight flight_to_zero(random::Stream& stream) {
   FreeFlight flight;
@@ -137,9 +137,9 @@ Tick apex_of(const FreeFlight& flight) {
 }
 
 TEST(PathBox, holds_the_rounding_of_heights_that_cancel) {
-  // Evaluated heights near the apex have rounding noise of the start's size, so some of them are
-  // outside the narrow box of two floats that path_box() returns for a flight that starts at the
-  // apex.
+  // Evaluated heights near the apex have rounding errors in proportion to the start's height. Some
+  // heights are therefore outside the narrow box of two floats that path_box() returns for a flight
+  // that starts at the apex.
   int noise_needed = 0;
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream = stream_of(57, i);
@@ -170,7 +170,7 @@ TEST(ExitTick, a_lid_that_is_grazed_to_the_last_bit_is_not_passed_by) {
   for (const std::uint64_t i : property::cases(2'000)) {
     random::Stream stream = stream_of(58, i);
     FreeFlight flight = flight_to_zero(stream);
-    // The margin is proportional to the box's width: lower the apex by up to 2^-43 of that width.
+    // Lower the apex by up to 2^-43 of the box's width. The margin is proportional to this width.
     flight.position_m.z() -= between(stream, 0, 2) * 0x1p-44 * 3e6;
     const Tick apex = apex_of(flight);
     const Tick exit = exit_tick(box, flight, 0, flight.begin);

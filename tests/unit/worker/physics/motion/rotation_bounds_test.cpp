@@ -64,7 +64,7 @@ Vec3 place_at(const FreeFlight& flight, RotationTrack& track, const Vec3& point,
 }
 
 TEST(RotationBounds, evaluated_points_move_no_faster_than_bounded_from_one_tick_to_another) {
-  // Test spans from single ticks to long ones, and that the rounding term is necessary.
+  // Test spans from a single tick to many ticks. Also test that the rounding term is necessary.
   int moved_by_rounding = 0;
   for (const InertiaSymmetry symmetry : k_symmetries) {
     for (const std::uint64_t i : property::cases(300)) {

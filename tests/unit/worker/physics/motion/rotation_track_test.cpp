@@ -1,5 +1,5 @@
-// Goal: an answer never depends on earlier questions. Method: ask the same questions in order, in
-// random order and with a fresh track, and compare bits. Test limits.
+// Goal: a track's answers never depend on earlier queries. Method: query the same ticks in order,
+// in random order and without a track, and compare bits. Test limits.
 #include "worker/physics/motion/rotation_track.h"
 
 #include <gtest/gtest.h>
@@ -96,7 +96,7 @@ TEST(RotationHorizon, lies_past_any_sensible_flight_and_is_known_beforehand) {
   flight.angular_velocity_radps = Vec3(1e9, 0, 0);
   EXPECT_EQ(rotation_horizon(flight, inertia), flight.begin);
   EXPECT_EQ(bits_of(orientation_at(flight, inertia, flight.begin)), bits_of(flight.orientation));
-  // Closed forms have no such limit.
+  // The closed form of a cube's rotation is valid at any speed.
   Inertia cube = random_inertia(stream, InertiaSymmetry::spherical);
   EXPECT_EQ(rotation_horizon(flight, cube), k_tick_max);
 }

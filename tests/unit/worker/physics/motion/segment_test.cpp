@@ -85,7 +85,7 @@ Long4 long_of(const Quat& q) {
   return unit({q.w(), q.x(), q.y(), q.z()});
 }
 
-/// Turns about the middle axis of each small step.
+/// Turns the orientation in small steps, each about the rotation axis at the middle of the step.
 Long4 in_steps(const Segment& segment, long double s, int steps) {
   const long double h = s / steps;
   Long4 q = long_of(segment.flight.orientation);
@@ -98,7 +98,7 @@ Long4 in_steps(const Segment& segment, long double s, int steps) {
   return unit(q);
 }
 
-/// The error of in_steps is even in the step, so two step counts give fourth order.
+/// in_steps() errs by even powers of the step, so two step counts together give fourth order.
 Long4 reference(const Segment& segment, long double s, int steps) {
   const Long4 coarse = in_steps(segment, s, steps);
   Long4 fine = in_steps(segment, s, 2 * steps);
@@ -177,7 +177,7 @@ TEST(Segment, IsExactAboutAStandingAxis) {
 
 TEST(Segment, BeginsWithTheSameBits) {
   // Goal: at its first tick, a segment returns its stored values bit for bit, in every mode.
-  // Method: test random segments with orientations of norm 1 only to rounding.
+  // Method: test random segments with orientations of norm 1 only up to rounding.
   const Inertia inertia{
       .mass_kg = 1, .principal_kgm2 = Vec3::Constant(0.4), .symmetry = InertiaSymmetry::spherical};
   for (const std::uint64_t i : property::cases(4000)) {

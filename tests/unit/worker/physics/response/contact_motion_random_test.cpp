@@ -60,8 +60,8 @@ double speed_of(const RoundBody& body, const Twist& twist) {
   return norm(twist.velocity_mps) + body.radius_m * norm(twist.angular_velocity_radps);
 }
 
-/// Friction that rolling needs beyond the contacts' limit, divided by gravity. Uses Newton's and
-/// Euler's equations for one face or two.
+/// Excess of the friction that rolling needs over the contacts' limit, divided by gravity. Uses
+/// Newton's and Euler's equations for one face or two.
 double friction_missing(const Trial& trial, const ContactMotion& motion) {
   const RoundBody& body = trial.body;
   const Vec3 force = motion.acceleration_mps2 - trial.gravity_mps2;
@@ -81,7 +81,7 @@ double friction_missing(const Trial& trial, const ContactMotion& motion) {
     EXPECT_LT(norm(force - load_a * a - load_b * b - along * line), 1e-9 * k_g);
     const Vec3 moment = body.gyration * body.radius_m * motion.angular_acceleration_radps2 +
                         0.5 * along * cross(a + b, line);
-    // The remaining moment is resistance against the spin.
+    // The remaining moment is rolling resistance, which opposes the spin.
     const Vec3& w = motion.start.angular_velocity_radps;
     const double most = (1 + body.gyration) * (trial.contacts[0].rolling_friction * load_a +
                                                trial.contacts[1].rolling_friction * load_b);
@@ -216,7 +216,7 @@ TEST(ContactMotionAtRandom, RollsOnlyOnFrictionThatItHas) {
 
 TEST(ContactMotionAtRandom, BecomesSteady) {
   // Goal: within a bounded number of segments, every motion rolls, rests, slides straight, leaves a
-  // face, or lasts for an hour. No segment has zero duration. Method: count in the same trials.
+  // face or lasts an hour. Method: count segments in the same trials. No segment has zero duration.
   const Findings& found = findings();
   expect_at_most("segments without duration", found.instant, 0);
   for (std::size_t kind = 0; kind < 3; ++kind) {

@@ -35,7 +35,7 @@ inline Trial turned(const Quat& by, Trial trial) {
   return trial;
 }
 
-/// Gravity in the frame of a plane z = 0 that descends along x.
+/// Gravity on a slope that descends along x, in a frame in which the slope is the plane z = 0.
 inline Vec3 gravity_on_slope(double slope_rad) {
   return {k_g * std::sin(slope_rad), 0, -k_g * std::cos(slope_rad)};
 }

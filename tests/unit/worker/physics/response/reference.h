@@ -1,7 +1,7 @@
 // Random cases, mechanics in extended precision, and slow laws, shared by the tests of impacts.
 //
-// The mechanics uses long double, textbook formulas and full matrices. It shares no code with the
-// tested functions. Thread safety: pure functions, except Dice.
+// The mechanics uses long double, textbook formulas and full matrices. The mechanics shares no code
+// with the tested functions. Thread safety: pure functions, except Dice.
 #pragma once
 
 #include <gtest/gtest.h>

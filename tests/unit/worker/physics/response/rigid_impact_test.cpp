@@ -63,7 +63,7 @@ void expect_invariants(const Case& made) {
   EXPECT_LE(norm(p - normal_impulse * n),
             made.law.friction * normal_impulse * (1 + 1e-12L) + 8 * k_epsilon * norm(p));
 
-  // Momentum and angular momentum. A static partner can take any impulse.
+  // Two bodies conserve both momenta. With a static partner, the other body gains the impulse.
   const bool two = made.a.inertia.mass_kg > 0 && made.b.inertia.mass_kg > 0;
   const Real3 gained = made.a.inertia.mass_kg > 0 ? Real{-1} * p : p;
   const Real3 expected = two ? Real3{} : gained;
@@ -96,9 +96,9 @@ void expect_invariants(const Case& made) {
 }
 
 TEST(RigidImpact, KeepsItsInvariants) {
-  // Goal: energy, separation, cone and momenta are right. Method: judge random bodies in extended
-  // precision, with moments up to 1 : 1e4 and contacts up to ten radii of gyration away. A third
-  // hits static geometry. Cases include grazing approach, e of 0 and 1, mu of 0 and 10.
+  // Goal: energy, separation, friction cone and momenta are right. Method: judge random bodies in
+  // extended precision, with moments up to 1 : 1e4 and contacts up to ten radii of gyration away. A
+  // third hits static geometry. Cases include grazing approach, e of 0 and 1, mu of 0 and 10.
   Dice dice(1);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(20'000, 100'000))) {
@@ -153,7 +153,7 @@ TEST(RigidImpact, AgreesWithTheLawsDefinition) {
 }
 
 TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
-  // Goal: bad conditioning causes no wrong branch. Method: use ratios of 1e4 in random cases.
+  // Goal: bad conditioning causes no wrong branch. Method: use moments up to 1 : 1e4.
   Dice dice(5);
   Real worst = 0;
   for (int i = 0; i < 10'000; ++i) {

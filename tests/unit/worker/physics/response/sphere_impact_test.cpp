@@ -33,7 +33,7 @@ Spheres random_spheres(Dice& dice) {
     if (alone && is_a == static_a) continue;
     const double radius_m = dice.spread(1e-3, 10);
     const double mass_kg = dice.spread(1e-6, 1e6);
-    // Moments range from that of a heavy core to that of a hollow shell.
+    // Moments range from a heavy core's moment to a hollow shell's moment.
     const double moment = dice.spread(1e-3, 2.0 / 3) * mass_kg * radius_m * radius_m;
     body->inertia = {.mass_kg = mass_kg, .principal_kgm2 = Vec3::Constant(moment)};
     body->pose.position_m = (is_a ? -radius_m : radius_m) * made.normal;
@@ -54,8 +54,8 @@ Spheres random_spheres(Dice& dice) {
 }
 
 TEST(SphereImpact, KeepsItsInvariants) {
-  // Goal: energy, separation, cone, momenta and the stick decision are right. Method: judge random
-  // spheres in extended precision, with masses of 1e-6 to 1e6 kg and all possible moments.
+  // Goal: energy, separation, friction cone, momenta and the stick decision are right. Method:
+  // judge random spheres of 1e-6 to 1e6 kg with all possible moments in extended precision.
   Dice dice(11);
   int sticking = 0;
   constexpr int k_cases = 100'000;

@@ -38,7 +38,7 @@ SteppedBall::SteppedBall(const RoundBody& body, std::span<const LastingContact> 
 }
 
 double SteppedBall::sweep_loads() {
-  // Solve for all loads at once, since the ball may leave no plane.
+  // Solve for all loads at once, because the ball stays on all planes.
   Vec3 rates = Vec3::Zero();
   for (std::size_t i = 0; i < count_; ++i)
     rates[static_cast<int>(i)] = dot(twist_.velocity_mps, contacts_[i].plane.normal);

@@ -1,12 +1,12 @@
 // Slow reference for contact_motion.h: simulates a ball on fixed planes in small time steps.
 //
 // Idea. Each step adds gravity's impulse and then finds impulses of load, friction and resistance
-// that obey their laws at the step's end (implicit Euler, as in Moreau, "Unilateral contact and dry
-// friction in finite freedom dynamics", 1988). The velocity along each normal is zero. Friction of
-// at most mu times the load stops the slip or opposes it. Moments of resistance act on the spin in
-// the same way. Projected Gauss-Seidel finds the impulses: it sets each impulse in turn to the
-// value that its law requires, given the others. This code has no notion of sliding, rolling,
-// valleys or turning directions. The error is of first order in the step.
+// that obey their laws at the step's end. This is implicit Euler, as in Moreau, "Unilateral contact
+// and dry friction in finite freedom dynamics", 1988. The velocity along each normal is zero.
+// Friction of at most mu times the load stops the slip or opposes it. Moments of resistance act on
+// the spin in the same way. Projected Gauss-Seidel finds the impulses: it sets each impulse in turn
+// to the value that its law requires, given the other impulses. This code has no notion of sliding,
+// rolling, valleys or turning directions. The error is of first order in the step.
 //
 // Rolling resistance is a moment of at most (1 + k) c r times the load at a contact, against the
 // spin, while the ball rolls. Rolling resistance acts from the step after the first step that ends
@@ -24,7 +24,7 @@ namespace sleight::physics::response_reference {
 
 class SteppedBall {
  public:
-  /// REQUIRES: the twist leads into no plane, and the ball stays on all planes.
+  /// REQUIRES: the twist moves the ball into no plane, and the ball stays on all planes.
   SteppedBall(const RoundBody& body, std::span<const LastingContact> planes, const Twist& twist,
               const Vec3& gravity_mps2, double step_s);
 

@@ -1,5 +1,6 @@
 // Goal: a query finds every overlapping box once, and no other box. Method: compare random boxes
-// (points, slabs, clusters, equal boxes) with a loop. Equal trees must visit in the same order.
+// (points, slabs, clusters, equal boxes) with a loop. Equal trees must visit boxes in the same
+// order.
 #include "worker/physics/scene/box_tree.h"
 
 #include <gtest/gtest.h>
@@ -76,7 +77,7 @@ TEST(BoxTree, FindsWhatOverlaps) {
 }
 
 TEST(BoxTree, TakesClustersAndEqualBoxes) {
-  // All boxes but a distant one are in one cell of the curve. Then all boxes are equal.
+  // All boxes but a distant one are in one cell of Morton's curve. Then all boxes are equal.
   random::Stream stream = stream_of(1000);
   std::vector<Box> boxes;
   for (int i = 0; i < 300; ++i)

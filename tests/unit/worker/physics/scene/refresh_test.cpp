@@ -20,7 +20,7 @@ using testing::vector_between;
 
 constexpr double k_radius_m = 0.05;
 
-/// Number of meshes: ordinary run, or long run (SLEIGHT_SOAK=1).
+/// Number of random meshes, larger if SLEIGHT_SOAK=1.
 std::uint64_t mesh_count() {
   return property::long_run() ? 8000 : 80;
 }
@@ -353,7 +353,7 @@ double surface_m(const TriangleMesh& mesh, const Vec3& middle_m, const Vec3& way
     const double u = math::dot(way, math::cross(b, c)) / volume;
     const double v = math::dot(way, math::cross(c, a)) / volume;
     const double w = math::dot(way, math::cross(a, b)) / volume;
-    // way = u a + v b + w c; on the triangle's plane these add up to 1.
+    // On the triangle's plane, u + v + w = 1 for a point u a + v b + w c.
     if (u >= 0 && v >= 0 && w >= 0) furthest_m = std::max(furthest_m, 1 / (u + v + w));
   }
   return furthest_m;

@@ -144,7 +144,7 @@ TEST(StaticGeometry, AClosedMeshIsMetWhereItIsClosestFromOutside) {
     for (int i = 0; i < 400; ++i) {
       const Vec3 p = vector_between(stream, -1.3, 1.3);
       if (geometry.solid_at(p) != nullptr) {
-        // Radii are at least 0.6, so this is a star and its solid part is within 1.
+        // Radii are at least 0.6, so the mesh is a star and its solid part is within 1.
         EXPECT_LT(math::norm(p), 1);
         continue;
       }
@@ -246,7 +246,7 @@ TEST(StaticGeometry, PiecesAreTheTrianglesAndStayWhenMoved) {
 }
 
 TEST(StaticGeometry, AssignedIsAsNew) {
-  // Reuse one object for scenes of all sorts. The object must answer like a new one.
+  // Reuse one StaticGeometry for scenes of all sorts. The reused object must equal a new one.
   StaticGeometry used(scenes::tray(4, 1).scene);
   random::Stream stream = stream_of(450);
   for (std::uint64_t seed = 1; seed < 6; ++seed) {
@@ -304,7 +304,7 @@ TEST(StaticGeometry, ErrorsNameTheMesh) {
 
 TEST(StaticGeometry, AThinPlateIsMetOnItsOwnSides) {
   // One ball falls on a thin plate, and another is thrown up from below. Neither ball may collide
-  // with the far side.
+  // with the plate's far side.
   const auto hull = [](double low_m, double high_m) {
     std::vector<Vec3> points_m;
     for (const double x : {-0.1, 0.1}) {

@@ -56,7 +56,7 @@ double volume(const ConvexPolyhedron& p) {
   return sum;
 }
 
-// Expects all that the header promises about the arrays.
+// Expects that the arrays have all properties that the header promises.
 void expect_sound(const ConvexPolyhedron& p, std::span<const Vec3> points) {
   const double size = p.r_outer_m();
   ASSERT_EQ(p.vertices_m().size() + p.faces().size(), p.edges().size() + 2);
@@ -169,7 +169,7 @@ TEST(ConvexHull, of_random_points_holds_them_and_needs_its_vertices) {
 }
 
 // Grids of points on a box: many coplanar, collinear, interior and double points. A rotation and a
-// shift make them coplanar only to rounding.
+// shift make the points coplanar only up to rounding.
 TEST(ConvexHull, merges_coplanar_faces_and_drops_what_is_no_corner) {
   for (const std::uint64_t i : property::cases(200)) {
     random::Stream stream = numbers(3, i);

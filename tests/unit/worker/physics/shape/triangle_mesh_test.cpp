@@ -137,7 +137,7 @@ TEST(TriangleMesh, moved_equals_built_bit_for_bit) {
   }
   EXPECT_GT(count(mesh, EdgeKind::convex), 10U);
   EXPECT_GT(count(mesh, EdgeKind::concave), 10U);
-  // Moving the vertices back restores everything. The comparison can fail.
+  // Moving the vertices back restores the whole mesh. The comparison can fail.
   EXPECT_FALSE(std::equal(mesh.faces().begin(), mesh.faces().end(), at_first.faces().begin()));
   std::vector<VertexMove> home;
   for (std::uint32_t v = 0; v < raw.vertices.size(); ++v)
@@ -146,7 +146,7 @@ TEST(TriangleMesh, moved_equals_built_bit_for_bit) {
   expect_equal(mesh, at_first);
 }
 
-// A face by definition, one number at a time.
+// Computes a face by definition, one number at a time.
 MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
   MeshFace face;
   face.normal = math::normalized(cross(b - a, c - a));
@@ -160,9 +160,9 @@ MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
-  // Goal: vector registers change no number, for any number of triangles. Method: compare sheets
-  // and balls with random corners, some far from the origin, with the plain computation: faces and
-  // edges, when built and after moves.
+  // Goal: computing in vector registers changes no number, for any number of triangles. Method:
+  // compare sheets and balls with random corners, some far from the origin, with the plain
+  // computation: faces and edges, when built and after moves.
   random::Stream stream({.seed = 23, .purpose = random::Purpose::prior}, 0);
   const auto random_place = [&](double size) -> Vec3 {
     const double x = stream.uniform();
@@ -230,10 +230,10 @@ TEST(TriangleMesh, a_face_that_is_too_thin_is_found_in_either_half) {
 }
 
 TEST(TriangleMesh, a_move_lists_what_it_concerns) {
-  // Goal: moved_triangles, moved_edges and moved_vertices are the triangles around moved vertices,
-  // their edges, and the ends of these, each once. changed_edges are the edges whose kind changed.
-  // A refused move has none. Method: compare random moves, some of a vertex twice, with a search
-  // through all triangles, for a sheet and a closed mesh.
+  // Goal: moved_triangles are the triangles around moved vertices, moved_edges are their edges, and
+  // moved_vertices are the ends of these edges, each once. changed_edges are the edges whose kind
+  // changed. A refused move has none. Method: compare random moves, some of a vertex twice, with a
+  // search through all triangles, for a sheet and a closed mesh.
   random::Stream stream({.seed = 22, .purpose = random::Purpose::prior}, 0);
   const auto sorted = [](std::span<const std::uint32_t> items) {
     std::vector<std::uint32_t> list(items.begin(), items.end());

@@ -117,10 +117,10 @@ BodyDescription turned_cube_at(const std::string& name, const Vec3& centre_m, do
 }
 
 TEST(AtRest, TwentyCubesStandForAMinute) {
-  // Goal: a stack of askew cubes with crossing edges starts at rest and stays. Dropped from
-  // slightly above, it comes to rest and stays. Method: count events and test rest up to the end.
-  // In one stack, all cubes have the same yaw and touch at a corner of each and two edge crossings.
-  // In the other stack, yaws differ.
+  // Goal: a stack of askew cubes with crossing edges starts at rest and stays. A stack dropped from
+  // slightly above comes to rest and stays. Method: count events and test rest up to the end. In
+  // one stack, all cubes have the same yaw and touch at a corner of each and two edge crossings. In
+  // the other stack, yaws differ.
   for (const bool alike : {true, false}) {
     Scene stack = floor_scene(0.1, 0.5);
     random::Stream stream = scenes::stream_of_scene(1, alike ? 0 : 1);
@@ -242,8 +242,8 @@ TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
 
 TEST(AtRest, ReplaysAreTheSame) {
   // Goal: histories work for scenes that start at rest. Method: compare runs with and without a
-  // history, for another ball into the same pins, for pins of which one is elsewhere, and for
-  // another ball into a wall.
+  // history, for another ball into the same pins, for pins with one pin elsewhere, and for another
+  // ball into a wall.
   const auto differ_in_the_ball = [](const Scene& one, const Vec3& aside_m) {
     Scene other = one;
     other.bodies.back().start.pose.position_m += aside_m;

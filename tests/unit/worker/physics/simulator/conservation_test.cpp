@@ -76,7 +76,7 @@ TEST(Conservation, APeriodicGasKeepsItsMomentum) {
   EXPECT_LT(math::norm(momentum() - before), 1e-9 * 256);
 }
 
-/// Energy changes of the bodies that begin a segment at each event.
+/// Energy changes at events, summed over the bodies that begin a segment at the event.
 struct EnergyChanges {
   double largest_gain = 0;  ///< relative to the energy of these bodies
   double total_loss_j = 0;
@@ -144,7 +144,7 @@ TEST(Conservation, EventsGainNoEnergy) {
 }
 
 TEST(Conservation, AGainIsSeen) {
-  // Goal: the comparison above can fail. Method: use a control that pushes a body, which adds
+  // Goal: energy_changes_of() finds a gain. Method: use a control that pushes a body, which adds
   // energy.
   Scene scene = scenes::rain(5, 3).scene;
   scene.controls.assign(

@@ -61,9 +61,9 @@ Scene thrown(const Slider& slider, double yaw, double speed_mps, const SurfaceLa
 }
 
 TEST(CoulombStop, WhatIsThrownFlatSlidesAsFarAsCoulombSays) {
-  // Goal: bodies slide v^2 / (2 mu g) to 2%, almost straight, for any shape, yaw, friction and
-  // speed. Method: throw bodies until they rest, and compare with the closed form. If every impulse
-  // were along Q of response/restitution.h, they would slide up to 17% too far.
+  // Goal: bodies slide by v^2 / (2 mu g), within 2%, and almost straight, for any shape, yaw,
+  // friction and speed. Method: throw bodies until they rest, and compare with the closed form. If
+  // every impulse were along Q of response/restitution.h, bodies would slide up to 17% too far.
   for (const Slider& slider : sliders()) {
     for (const double yaw : {0.0, 0.3, std::numbers::pi / 4}) {
       for (const double friction : {0.2, 0.3}) {

@@ -146,7 +146,7 @@ TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {
 }
 
 TEST(Equality, AnotherSeedIsAnotherRecording) {
-  // Goal: the comparison can fail. Method: compare other seeds, and a run that ends a tick earlier.
+  // Goal: different runs have different digests. Method: use other seeds, and end a tick earlier.
   const SimulationOptions options;
   TestScene scene{"rain", scenes::rain(20, 1)};
   const Outcome first = outcome_of(scene, options);

@@ -1,4 +1,4 @@
-// The example of docs/SIMULATOR.md, line by line.
+// The example of docs/SIMULATOR.md, line by line. Goal: it works. Method: run the same lines.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -36,7 +36,6 @@ int bounce() {
 }
 
 TEST(Example, ABallBouncesAndRests) {
-  // Goal: the example in the documentation works. Method: run the same lines.
   EXPECT_EQ(bounce(), 0);
 }
 

@@ -56,7 +56,7 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
     const auto ticks = static_cast<long double>(hits[n].cause.tick.value);
     const auto late = static_cast<double>(ticks - time_s * 0x1p30L);
     worst_ticks = std::max(worst_ticks, std::fabs(late));
-    // Height above the place of touch, from the velocity after the bounce.
+    // The bounce's height above the place of touch, from the velocity after the bounce.
     const double v = hits[n].segment.flight.velocity_mps.z();
     const double height_m =
         v * v / (2 * k_g_mps2) + hits[n].segment.flight.position_m.z() - k_radius_m - k_touch_m;
@@ -72,8 +72,8 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
 }
 
 TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
-  // Goal: if one, two or three of five balls in a row strike the others, which almost touch, as
-  // many leave at the other end and the rest stand still. Method: use gaps of 2 k_touch_m.
+  // Goal: if one, two or three of five balls in a row strike the others, which almost touch, the
+  // same number leaves at the other end and the rest stand still. Method: use gaps of 2 k_touch_m.
   for (const std::size_t strikers : {1U, 2U, 3U}) {
     Scene scene;
     for (std::size_t i = 0; i < 5; ++i) {
@@ -162,8 +162,8 @@ TEST(KnownPhysics, HardSpheresHaveTheirPressure) {
   // of collisions with Carnahan and Starling, "Equation of state for nonattracting rigid spheres",
   // Journal of Chemical Physics 51 (1969): Z = (1 + phi + phi^2 - phi^3)/(1 - phi)^3. The tolerance
   // is four standard errors of block means plus 3e-3 Z. The term 3e-3 Z covers two systematic
-  // deviations: that of the formula (up to 2e-3 at packing 0.4, according to simulations), and that
-  // of 500 spheres from infinitely many, which is of the order Z/N = 2e-3.
+  // deviations. The formula deviates by up to 2e-3 at packing 0.4, according to simulations. A gas
+  // of 500 spheres deviates from an infinite gas by about Z/N = 2e-3.
   for (const double phi : {0.1, 0.3, 0.4}) {
     const double known =
         (1 + phi + phi * phi - phi * phi * phi) / ((1 - phi) * (1 - phi) * (1 - phi));

@@ -28,7 +28,7 @@ Scene lane(const Ball& ball, const Twist& twist, const std::vector<FrictionRecta
   scene.gravity_mps2 = {0, 0, -k_g_mps2};
   scene.contacts = ContactTable(1, {.restitution = 0, .friction = friction_elsewhere});
   scene.slow = slow_contacts_of(2 * ball.radius_m, k_g_mps2);
-  // Slip ends at a tenth of this speed, which must be below the tolerance.
+  // This speed is low, because slip ends at a tenth of it, which must be below the tolerance.
   scene.slow.separation_speed_mps = 1e-5;
   scene.planes.push_back({.name = "lane",
                           .outside = {.normal = {0, 0, 1}, .offset_m = 0},
@@ -70,7 +70,7 @@ class SteppedBall {
       double step_s = std::min(k_longest_s, span_s - done_s);
       const double friction = friction_at(state);
       State next = stepped(state, friction, step_s);
-      // Halve the step to find the change within it.
+      // Halve the step until friction and slip don't change within it.
       while (step_s > 1e-13 && (friction_at(next) != friction || ends(state, friction, step_s))) {
         step_s *= 0.5;
         next = stepped(state, friction, step_s);
@@ -90,7 +90,7 @@ class SteppedBall {
     return {s.vx - ball_.radius_m * s.wy, s.vy + ball_.radius_m * s.wx};
   }
   static bool slides(const Slip& slip) { return std::hypot(slip.x, slip.y) > 1e-11; }
-  /// Returns whether friction can end the slip within such a step.
+  /// Returns whether friction can end the slip within a step of `step_s`.
   bool ends(const State& s, double friction, double step_s) const {
     const Slip slip = slip_of(s);
     return slides(slip) &&
@@ -182,7 +182,7 @@ TEST(Lane, BallsRunAsAnIntegrationSays) {
       EXPECT_NEAR(place_m.y(), state.y, 1e-6) << n << " after " << second << " s";
       EXPECT_NEAR(place_m.z(), ball.radius_m, 2e-7);
     }
-    // The final speed, if the ball leaves the slippery area.
+    // If the ball rolls at the end, its final velocity has a closed form.
     const Segment& last = segments.back().segment;
     if (last.mode != MotionMode::rolling) continue;
     const double r = ball.radius_m;

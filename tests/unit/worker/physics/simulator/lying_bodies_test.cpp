@@ -159,8 +159,8 @@ TEST(LyingBodies, APinRollsInItsCircle) {
   EXPECT_NEAR(math::norm(late.velocity_mps) / speed_mps, 1, 1e-6);
   const Vec3 axis = math::rotated(late.orientation, Vec3::UnitZ());
   EXPECT_NEAR(std::asin(std::fabs(axis.z())) * 180 / pi, 7.3, 0.1);
-  // The axis meets the plane at the circle's middle. The circle's radius is the distance from there
-  // to the point below the body's centre.
+  // The axis meets the plane at the circle's middle. The circle's radius is the distance from this
+  // middle to the point below the body's centre.
   const double rise = std::asin(std::fabs(axis.z()));
   const double radius_m = late.position_m.z() / std::tan(rise);
   const double angle = speed_mps / radius_m * seconds(late.begin - early.begin);

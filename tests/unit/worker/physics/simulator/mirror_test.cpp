@@ -12,7 +12,7 @@ using testing::RecordedRun;
 
 /// Reflection in the plane through the origin with a unit normal. Shapes are mirrored along their
 /// own x axis, which keeps principal axes. The image of orientation q is q_n q', where q' is q
-/// mirrored along x and q_n maps the reflection along x to the one along the normal.
+/// mirrored along x and q_n maps the reflection along x to the reflection along the normal.
 class Mirror {
  public:
   explicit Mirror(const Vec3& normal) : normal_(normal) {
@@ -179,7 +179,7 @@ TEST(Mirror, ScenesAgreeUntilTheFifthCollision) {
 }
 
 TEST(Mirror, WrongImagesAreSeen) {
-  // Goal: the comparison can fail. Method: use a mirror that treats spins as ordinary vectors.
+  // Goal: the comparison detects wrong images. Method: mirror spins like ordinary vectors.
   const Mirror along_x(Vec3(1, 0, 0));
   Scene scene = scenes::rain(10, 1).scene;
   const RecordedRun run = testing::recorded(scene, 0.5);

@@ -144,8 +144,8 @@ std::shared_ptr<const ConvexPolyhedron> block(const Vec3& low_m, const Vec3& hig
 
 TEST(Modes, AMarbleRollsOffATable) {
   // Goal: at 0.5 m/s, above sqrt(g r) = 0.31 m/s, a marble leaves the edge level and flies on a
-  // parabola. At 0.1 m/s it rolls around the edge and converts height to speed. Method: test the
-  // flight's first velocity and the energy, both in few segments.
+  // parabola. At 0.1 m/s, the marble rolls around the edge and converts height to speed. Method:
+  // test the flight's first velocity and the energy, both in few segments.
   for (const double speed_mps : {0.5, 0.1}) {
     Scene scene = scene_with({.restitution = 0.3, .friction = 0.6});
     scene.convexes.push_back(
@@ -253,10 +253,11 @@ TEST(Modes, AMarbleThatLeansOnARestingCubeTakesFewEvents) {
 
 TEST(Modes, MarblesGainNoEnergyAndNeverSink) {
   // Goal: marbles gain no energy and never sink. No event leaves a marble with more energy than at
-  // its segment's begin, unless another marble collides with it. On a plane, it gains no energy
-  // during a segment either; over an edge, at most the energy of the load's lift (edge_motion.h).
-  // Places are continuous, and no marble sinks into a plane. Method: test each body's energy in all
-  // segments of scene marbles, with slopes, valleys, corners, a ridge and a pedestal.
+  // its segment's begin, unless another marble collides with it. On a plane, a marble gains no
+  // energy during a segment. Over an edge, a marble gains at most the energy of the load's lift
+  // (edge_motion.h). Places are continuous, and no marble sinks into a plane. Method: test each
+  // body's energy in all segments of scene marbles (slopes, valleys, corners, a ridge and a
+  // pedestal).
   std::uint64_t staying = 0;
   double worst_gain = 0;
   double worst_lift = 0;

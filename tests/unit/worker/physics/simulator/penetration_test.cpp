@@ -273,8 +273,8 @@ TEST(Penetration, RestingBodiesDoNotSink) {
 }
 
 TEST(Penetration, IsSeenWhereBodiesWereShifted) {
-  // Goal: the tests above can fail. Method: shift a body by a micrometre along each axis, both
-  // ways. One of these shifts has more than half of its length towards the touched body.
+  // Goal: the tests above detect an overlap. Method: shift a body by a micrometre along each axis,
+  // both ways. One of these shifts has more than half of its length towards the touched body.
   constexpr double k_shift_m = 1e-6;
   for (const std::uint64_t n : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U, 9U}) {
     const testing::TestScene scene = testing::test_scene(n);
@@ -301,8 +301,8 @@ TEST(Penetration, IsSeenWhereBodiesWereShifted) {
 }
 
 TEST(Penetration, PlainGeometryKnowsOverlaps) {
-  // Goal: the reference is right for known answers. Method: test two unit cubes face to face,
-  // corner to face and edge to edge, and points in and around a cube.
+  // Goal: the reference is right for known cases. Method: test two unit cubes face to face, corner
+  // to face and edge to edge, and points in and around a cube.
   const ConvexPolyhedron cube = physics::cube(1).value();
   const PlainSolid fixed = testing::solid_at(cube, {});
   const auto at = [&](const Vec3& place_m, const Quat& turn) {

@@ -83,8 +83,8 @@ inline void change_statics(Scene& scene, const Subject& subject, Dice& dice) {
     auto hull = convex_hull(points_m);
     if (hull) convex.polyhedron = std::make_shared<const ConvexPolyhedron>(std::move(hull).value());
   } else if (!scene.planes.empty()) {
-    // Mostly moves the plane away from the bodies. A plane moved towards them would overlap some at
-    // the start.
+    // Mostly moves the plane away from the bodies. A plane moved towards the bodies would overlap
+    // some of them at the start.
     StaticPlane& plane = scene.planes[dice.below(scene.planes.size())];
     if (dice.one_in(2)) {
       random::Stream stream({.seed = dice.below(1000), .purpose = random::Purpose::prior}, 0);
@@ -186,7 +186,7 @@ inline Subject subject_of(std::uint64_t n) {
       return {"rain " + std::to_string(bodies), scenes::rain(bodies, seed).scene, 1.5, 0.1, 1};
     }
     default: {
-      // No body rests, and images share places.
+      // No body rests, and the space is periodic.
       const auto bodies = from_to(24, 60);
       return {"gas " + std::to_string(bodies), scenes::hard_sphere_gas(bodies, 0.1, seed).scene,
               0.5, 0.5, 1};

@@ -246,7 +246,7 @@ TEST(Resting, WhatLiesOnABodyThatStaysInItsPlaceSleepsOn) {
 TEST(Resting, NothingHangsInTheAir) {
   // Goal: a sleeping body comes down with a support that wakes and leaves. Method: knock the lowest
   // grains of heaps about. When all grains rest, start them from their places in a scene where
-  // nothing can rest. In 30 ms, a floating grain falls by 4 mm, a supported one bounces by
+  // nothing can rest. In 30 ms, a floating grain falls by 4 mm, and a supported grain bounces by
   // micrometres.
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Scene scene = scenes::grain_heap(20, seed).scene;
@@ -311,7 +311,7 @@ TEST(Resting, AHardBlowWakesAndASoftOneDoesNot) {
   rule.reset({}, scene.slow, ticks_after(1));
   scene.bodies.push_back(cube_at({0, 0, 0.0101}));
   scene.bodies.push_back(ball_at({-0.05, 0, 0.012}));
-  // Ball and cube weigh 20 g. At a fixed cube, the ball's velocity changes by (1 + e) v.
+  // Ball and cube weigh 20 g. A fixed cube changes the ball's velocity by (1 + e) v.
   ASSERT_NEAR(scene.bodies[0].inertia.mass_kg, 0.02, 1e-12);
   for (const double share : {0.5, 2.0}) {
     Scene blow = scene;
@@ -415,7 +415,7 @@ TEST(CanCarry, Wedges) {
 
 TEST(CanCarry, WhatFallsOverIsNotLookedAtLonger) {
   // Goal: the search also finds no support for bodies that fall over. Method: test random contacts
-  // of a ball and other bodies; every other set is almost in balance.
+  // of a ball and other bodies; every second set is almost in balance.
   random::Stream stream({.seed = 11, .purpose = random::Purpose::scene}, 0);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * stream.uniform();

@@ -38,7 +38,7 @@ struct Tally {
   std::uint64_t all = 0;        ///< events of simulations from scratch
 };
 
-/// Makes proposals, each from the last accepted one.
+/// Makes proposals, each from the last accepted proposal.
 void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
   Scene accepted = subject.scene;
   std::shared_ptr<const History> history;
@@ -223,7 +223,7 @@ TEST(Reuse, MemoryIsBounded) {
   EXPECT_EQ(forgets.recording().segment_count(), 0U);
 }
 
-/// Tick of an event, of a pair of events within a microsecond, of a kick, or slightly later.
+/// Tick to cut at: an event, a pair of events within a microsecond, a kick, or slightly later.
 Tick cut_in(const History& history, Dice& dice) {
   Tick tick{};
   if (dice.one_in(3) && !history.scene.controls.empty()) {

@@ -215,7 +215,7 @@ TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
                                 .velocity_change_mps = {0, 0.02, 0.05}});
       EXPECT_EQ(run(twice, 4, woken.history).digest, run(twice, 4).digest);
     }
-    // The history kicks a replayed body on which a live body rests.
+    // In the history, a kick hits a replayed body on which a live body rests.
     Scene otherwise = kicked;
     otherwise.bodies[8].start.twist.velocity_mps.x() = 0.05;
     EXPECT_EQ(run(otherwise, 4, woken.history).digest, run(otherwise, 4).digest);

@@ -45,9 +45,9 @@ Vec3 place_after(const RecordedRun& run, double span_s) {
 }
 
 TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
-  // Goal: a tilted pin falls back on its foot if its tilt is less than the one at which the centre
-  // of mass is above the rim's circle, to 0.1 degree. At a greater tilt, the pin falls over.
-  // Method: test tilts on both sides.
+  // Goal: a tilted pin falls back on its foot up to the tilt at which the centre of mass is above
+  // the rim's circle, within 0.1 degree. At a greater tilt, the pin falls over. Method: test tilts
+  // on both sides.
   const RoundSolid pin = bowling_pin(1.55).value();
   // The rim is the ring with the lowest centre.
   double circle_m = 0;
@@ -77,7 +77,7 @@ TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
 
 TEST(RoundBodies, FlatOnesStayAndComeToRest) {
   // Goal: a cylinder on its end, a coin on its face and a rounded box come to rest where they
-  // stand. Method: drop them by a tenth of a millimetre.
+  // stand. Method: drop the bodies by a tenth of a millimetre.
   const RoundSolid solids[] = {
       cylinder(0.03, 0.08, 0.001, 1000).value(), coin(0.012, 0.002, 8000).value(),
       rounded_box({0.05, 0.04, 0.03}, 0.003, 1000).value(), bowling_pin(1.55).value()};

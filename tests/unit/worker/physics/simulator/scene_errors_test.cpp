@@ -191,7 +191,7 @@ TEST(SceneErrors, StartsThatTouchAreRefused) {
 }
 
 TEST(SceneErrors, ABodyInsideAStaticOneIsRefused) {
-  // Goal: bodies can overlap even if their surfaces don't touch. Method: put small bodies into a
+  // Goal: an overlap is an error even if the surfaces don't touch. Method: put small bodies into a
   // block.
   for (const bool sphere : {true, false}) {
     Scene scene = good_scene();
@@ -227,7 +227,7 @@ Scene late_start(bool moving, Tick tick) {
 }
 
 TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
-  // Goal: late starts are checked against the bodies' places at that time. Method: use a resting
+  // Goal: a late start is checked against the bodies' places at that time. Method: use a resting
   // and a moving obstacle. The same start is valid before the obstacle arrives and after it leaves.
   const Tick tick = Tick{} + ticks_after(0.5);
   for (const bool moving : {false, true}) {

@@ -36,7 +36,7 @@ bool rests(const RecordedRun& run, std::uint32_t body) {
 
 TEST(Structures, APlankTipsUnderAGentleLoad) {
   // Goal: a resting plank over an edge tips under a heavy load on its free end and holds a light
-  // one, even if no blow wakes it. Method: put weights of 0.1 and 0.4 planks, from micrometres
+  // load, even if no blow wakes it. Method: put weights of 0.1 and 0.4 planks, from micrometres
   // above, on a plank that extends over the edge by 0.4 of its length.
   for (const double load : {0.1, 0.4}) {
     Scene scene = floor_scene(0.05, {.restitution = 0.2, .friction = 0.6});
@@ -72,9 +72,9 @@ TEST(Structures, APlankTipsUnderAGentleLoad) {
 }
 
 TEST(Structures, AWallTakesTheMomentumOfABall) {
-  // Goal: a wall of resting bricks doesn't stop a heavy ball by many small blows that a single
-  // brick could resist. Except for friction, flying bricks carry the ball's momentum. Method:
-  // compare the total momentum just after the hit and a twentieth of a second later.
+  // Goal: a heavy ball's momentum passes to a wall of resting bricks, although a single brick could
+  // resist each small blow. Friction takes little of the momentum. Method: test the total momentum
+  // just after the hit and a twentieth of a second later.
   Scene scene = floor_scene(0.1, {.restitution = 0.2, .friction = 0.5});
   const ConvexPolyhedron polyhedron = box({0.2, 0.1, 0.1}).value();
   const BodyShape brick = in_body_frame({&polyhedron, 1}, 1500, InertiaSymmetry::general).value();

@@ -200,9 +200,9 @@ bool is_balanced(const RecordedRun& run, SplineSurface& surface, std::span<const
 }
 
 TEST(SurfaceSimulation, DiceLoseEnergyAndComeToRestBalanced) {
-  // Goal: no collision gains energy, for any fields at its place. All dice come to rest on the
-  // table, and a single die rests in balance. Method: compare the bodies' energies before and after
-  // each event and test their last poses, with restitution and friction from 0 to 1.
+  // Goal: no collision gains energy. All dice come to rest on the table, and a single die rests in
+  // balance. Method: compare the bodies' energies before and after each event and test their last
+  // poses, with restitution and friction from 0 to 1.
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double gain = 0;
   double highest_m = 0;
@@ -276,8 +276,8 @@ void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dic
 
 TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
   // Goal: after any change of control points and starts, a simulation with the previous history
-  // equals one without, bit for bit, and simulates less. Method: run chains of proposals and accept
-  // some. Simulate with random options and in portions.
+  // equals a simulation from scratch, bit for bit, and simulates less. Method: run chains of
+  // proposals and accept some. Simulate with random options and in portions.
   constexpr int k_steps = 20;
   std::uint64_t replayed = 0;
   std::uint64_t simulated = 0;

@@ -1,7 +1,7 @@
 // A spline surface by definition, as a reference: the sum of control points times basis functions,
 // all in long double. The recursion of Cox and de Boor computes the basis functions. The reference
-// presupposes neither powers of a place in a cell nor the support of a basis function: it sums
-// eight times eight points, and most of their basis functions are zero.
+// uses neither powers of a place in a cell nor the support of a basis function. The reference sums
+// eight times eight points, although most of their basis functions are zero.
 //
 // Formulas: Piegl and Tiller, "The NURBS Book" (2nd edition, 1997), equations 2.5 and 2.7, with a
 // knot at every integer. In the book's notation, the basis function that is greatest at the knot i
@@ -144,7 +144,7 @@ inline ReferencePlace reference_at(const StaticSurface& surface, Long x_m, Long 
 }
 
 /// Bound on the error of a height, for heights within +-height_m. Includes the rounding of the sums
-/// and that of the place in the grid. The latter grows with the index and is multiplied by the
+/// and of the place in the grid. The place's rounding grows with the index and is multiplied by the
 /// slope, which is up to 2 height_m per cell and axis.
 inline double height_error_m(const StaticSurface& surface, double height_m, double x_m,
                              double y_m) {

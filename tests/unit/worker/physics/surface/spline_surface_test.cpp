@@ -149,9 +149,9 @@ TEST(SplineSurface, TakesPlacesThatRoundIntoTheNextCell) {
 }
 
 TEST(SplineSurface, OfEqualPointsIsConstant) {
-  // Goal: the sum of the basis functions is 1 everywhere. Method: use equal control points. To
-  // rounding, the surface must have their values and slopes of 0. Extreme values stay exactly in
-  // range.
+  // Goal: the sum of the basis functions is 1 everywhere. Method: use equal control points. Up to
+  // rounding, the surface must have the points' values, and slopes of 0. Extreme values stay
+  // exactly in range.
   Dice dice(8, 0);
   for (const SurfaceControl all : {SurfaceControl{0.3, 1, 0}, SurfaceControl{-17, 0, 0.7},
                                    SurfaceControl{1.0 / 3, 0.1, 1e-3}, SurfaceControl{}}) {
@@ -203,7 +203,7 @@ void expect_same(const Answer& a, const Answer& b) {
 
 TEST(SplineSurface, AnswersDoNotDependOnWhatWasAskedBefore) {
   // Goal: invariant 1 holds with so many patches that their table grows several times. Method:
-  // compare bits of answers to the same questions in two orders and on new surfaces. Indices are
+  // compare the bits of answers to the same queries in two orders and on new surfaces. Indices are
   // near, far, and multiples of powers of two, which are common in grids and bad for hashes.
   constexpr double k_spacing_m = 0.01;
   const StaticSurface surface = surface_of(random_controls(9, k_height_m), k_spacing_m);
@@ -263,7 +263,7 @@ TEST(SplineSurface, MakesOnlyThePatchesAskedFor) {
   };
   std::ranges::for_each(asked, hang_on);
   EXPECT_EQ(table->calls(), points.size());
-  // A rectangle builds the patches that it touches, lines included. Asking again builds nothing.
+  // bounds_in() builds the patches that a rectangle or line touches. A second call builds nothing.
   spline.bounds_in(10, 10 + 3.5 * k_spacing_m, 10, 10);
   spline.bounds_in(10, 10 + 3.5 * k_spacing_m, 10, 10);
   spline.at(10 + 2.2 * k_spacing_m, 10);

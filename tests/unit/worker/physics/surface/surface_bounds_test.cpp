@@ -113,8 +113,8 @@ TEST(SurfaceBounds, HoldInEveryRectangle) {
             << ' ' << bounds.bump_per_m;
         if (rough) continue;
         // Bounds include control points up to two cells away from a place. Slopes reach 0.6
-        // amplitudes per cell, and curvatures reach 0.24. Both change by about a third over two
-        // cells.
+        // amplitudes per cell, and curvatures reach 0.24. Slopes and curvatures change by about a
+        // third over two cells.
         EXPECT_LT(bounds.top_m - found.top_m, 1.1 * height_m);
         EXPECT_LT(bounds.slope - found.slope, 0.3 * height_m / spacing_m);
         EXPECT_LT(bounds.hollow_per_m - found.hollow_per_m,
@@ -126,8 +126,8 @@ TEST(SurfaceBounds, HoldInEveryRectangle) {
 }
 
 TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
-  // Goal: each of the four bounds fails the test above if it is too low. Method: use bounds that
-  // are too low by half, and another rectangle's bounds.
+  // Goal: each of the four bounds fails the test above if the bound is too low. Method: use bounds
+  // that are too low by half, and another rectangle's bounds.
   const StaticSurface surface = surface_of(waves(0.001), 0.01);
   SplineSurface spline(surface);
   Dice dice(22, 0);
@@ -192,9 +192,9 @@ TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
 
 TEST(SurfaceBounds, HoldWithHeightsThatDrownDifferences) {
   // Goal: bounds include rounding where nothing else matters. Method: use heights near 1 that
-  // differ by their last bits, on flat, tilted and rough ground. There, computed slopes are
-  // rounding errors and heights equal their points. Also use much lower points in the row and
-  // column that have the least weight at a patch's far corner.
+  // differ by their last bits, on flat, tilted and rough ground. Computed slopes are then rounding
+  // errors, and heights equal their points. Also use much lower points in the row and column that
+  // have the least weight at a patch's far corner.
   Dice dice(26, 0);
   for (int n = 0; n < 20'000; ++n) {
     const std::uint64_t seed = dice.below(1U << 30U);
