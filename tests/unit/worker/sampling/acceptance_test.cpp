@@ -51,7 +51,7 @@ TEST(LogAcceptanceRatio, NeverEntersZeroDensity) {
 
 TEST(LogAcceptanceRatio, LeavesZeroDensityByThePrior) {
   // Goal: from a start that breaks a hard constraint, only the prior decides. Method: check that
-  // the ratio is that of the priors for candidates with and without constraint density.
+  // the ratio equals the priors' ratio for candidates with and without constraint density.
   for (const double candidate_constraint : {-k_infinity, -3.0, 0.0}) {
     EXPECT_EQ(log_acceptance_ratio(-1, -k_infinity, -4, candidate_constraint, 1, 0.5), -2.5);
     EXPECT_TRUE(always(log_acceptance_ratio(-4, -k_infinity, -1, candidate_constraint, 1, 0)));
@@ -62,7 +62,7 @@ TEST(LogAcceptanceRatio, LeavesZeroDensityByThePrior) {
 
 TEST(ChainStreams, DifferByEveryField) {
   // Goal: seeds, chains, replicas, purposes and iterations never share random numbers. Method:
-  // compare the first words of neighbours.
+  // change one field at a time, and compare first words.
   const ChainStreams base{.seed = 1, .chain = base::ChainId{2}, .replica = base::ReplicaId{3}};
   const auto word = [](const ChainStreams& streams, random::Purpose purpose, std::uint64_t at) {
     return streams.at(purpose, at).bits();

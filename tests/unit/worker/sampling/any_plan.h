@@ -32,8 +32,8 @@ class Dice {
   random::Stream stream_;
 };
 
-/// HashedWorker, scan by scan, so that cuts of units change nothing. Accepts a third of all
-/// excursions. Results also depend on the excursions' temperatures.
+/// Runs HashedWorker scan by scan, so that results don't depend on how units are cut. Accepts a
+/// third of all excursions. Results also depend on the excursions' temperatures.
 class ScanByScan final : public plan::UnitWorker {
  public:
   explicit ScanByScan(const HashedWorker::Options& options) : hashed_(options) {}
@@ -98,7 +98,7 @@ class AnySession {
   /// Runs blocks of random sizes on two workers, with states given or held. Consumes the members'
   /// results separately, in random order.
   void run_in_blocks(Dice& dice, BlockShapes& shapes, std::uint64_t steps = UINT64_MAX);
-  /// Function that runs blocks instead of the runner's, to test faulty runners.
+  /// A function that runs blocks in place of BlockRunner::run, to test faulty runners.
   using RunBlock = std::function<std::vector<plan::UnitResult>(
       const BlockRunner&, const plan::Block&, std::span<const plan::GivenState>)>;
   void run_blocks_by(RunBlock run) { run_block_ = std::move(run); }
@@ -136,8 +136,8 @@ class AnySession {
 std::uint64_t scans_at_stop(const StopRule& stop, std::uint64_t round_scans, std::uint64_t before,
                             const ScanRuns& runs);
 
-/// Expects that a plan, asked in steps of `step` scans, reports exactly the solutions counted by
-/// its parts of draws, with log_p = log_p_of(chain, scan). A part's solutions appear at its end.
+/// Expects that a plan, queried every `step` scans, reports exactly the solutions counted by its
+/// parts of draws, with log_p = log_p_of(chain, scan). A part's solutions appear at the part's end.
 void expect_told_as_counted(
     const plan::Plan& plan, std::uint64_t step,
     const std::function<double(std::uint32_t chain, std::uint64_t scan)>& log_p_of);

@@ -64,8 +64,8 @@ std::uint64_t end_of_round(const Case& given, std::uint32_t round) {
   return ladder.anneal_scans + scans_through_round(ladder.round_scans, round);
 }
 
-/// End of the first round whose last scan has no state that descends from a search's find. Nothing
-/// if no such round ends within `scans`.
+/// End of the first round whose last scan has no state that descends from a search's find. Returns
+/// nothing if no such round ends within `scans`.
 std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<SlowLadder>& all,
                                          std::uint64_t scans) {
   if (!given.options.ladder.starts_by_search) return given.options.ladder.anneal_scans;
@@ -144,7 +144,7 @@ Expected expected_of(const Case& given) {
   return run;
 }
 
-/// Expects that the reported rounds are those after the burn-in.
+/// Expects that the reported rounds are the rounds after the burn-in.
 void expect_rounds_after(const plan::Report& report, const std::vector<SlowLadder>& expected,
                          std::uint64_t burnt_in) {
   std::size_t rounds = 0;
@@ -210,7 +210,7 @@ TEST(BlockRunner, EqualsTheLockstepReference) {
   // Goal: units, records, states, rounds, solutions and the stop equal the reference's, by units
   // and in blocks. Cuts, workers and the order of members' results don't matter. Method: run random
   // cases with ladders that grow and shrink, with and without searches, in several random sessions
-  // each. Count what blocks and ladders contained.
+  // each. Count which shapes of blocks and ladders occurred.
   BlockShapes shapes;
   LadderShapes ladders;
   for (const std::uint64_t index : property::cases(cases())) {
@@ -256,7 +256,7 @@ ParallelTemperingOptions small_ladder(std::uint32_t levels) {
   return options;
 }
 
-/// The block of a whole ladder after its first scan, and the states before.
+/// The block that a whole ladder runs after its first scan, and the states before that block.
 struct SecondScan {
   plan::Block block;
   std::vector<plan::GivenState> states;
@@ -299,7 +299,7 @@ class SlowWorker final : public plan::UnitWorker {
 
 TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
   // Goal: each member runs at least one scan, and all members together run as many scans as the
-  // limit allows, unless something else ends the block. Time is divided among scans, and
+  // limit allows, unless something else ends the block. The cost is shared equally among scans, and
   // simulations are counted. Method: run a ladder of six with every limit up to 70, and compare
   // smaller ladders with results by hand.
   constexpr std::uint32_t k_levels = 6;

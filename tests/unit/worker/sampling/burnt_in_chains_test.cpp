@@ -223,7 +223,7 @@ TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
 TEST(EveryMethod, GoesOnFromAnyStoredResults) {
   // Goal: a fresh plan that consumes stored results replica by replica equals the stopped plan, and
   // reaches the same end. Method: stop at a random moment, with results in flight lost or stored.
-  // Replay in the store's order or another, then run by units or by blocks.
+  // Replay results in the store's order or in another order, then run by units or by blocks.
   BlockShapes shapes;
   for (const std::uint64_t index : property::cases(2 * cases())) {
     Dice dice(k_seed, k_cases + index);
@@ -335,7 +335,7 @@ TEST(EveryMethod, CutAtAnyScanIsTheRunOfThatManyScans) {
 }
 
 TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
-  // Goal: a plan that reports its total reports it at the start, including annealing, and the total
+  // Goal: if a plan reports its total, it does so at the start, including annealing. The total
   // stays constant and equals the consumed scans at the end. Method: query the total at every step,
   // for chains and for ladders of four fixed levels.
   for (const Method method : {Method::plain, Method::parallel}) {

@@ -17,7 +17,7 @@ namespace sleight::sampling::free_islands_test {
 
 constexpr std::uint64_t k_cases = 200;
 
-/// Results of a run's islands by number: lognormal with this spread, or nothing.
+/// Results of a run's islands by number: lognormal with spread `log_sd`, or zero for a dead island.
 struct World {
   std::uint64_t seed = 0;
   double log_sd = 1;
@@ -129,9 +129,9 @@ void expect_end(const FreeIslands& plan, const World& world, const Reference& ex
 }
 
 TEST(FreeIslands, EndsWhereTheIslandsSay) {
-  // Goal: the set of islands, and of islands that yield the odds, is a function of their results,
-  // independent of order, cuts of units and stored results beyond the end. Method: compare random
-  // islands, errors and sessions with a second implementation of the rule.
+  // Goal: which islands run, and which of them yield the odds, depends only on their results, not
+  // on order, cuts of units or stored results beyond the end. Method: compare random islands,
+  // errors and sessions with a second implementation of the rule.
   std::uint64_t extended = 0;
   std::uint64_t long_pilots = 0;
   for (const std::uint64_t index : property::cases(k_cases)) {
@@ -167,9 +167,9 @@ TEST(FreeIslands, EndsWhereTheIslandsSay) {
 }
 
 TEST(FreeIslands, ACutEndsThereAndTellsTheOddsOnlyWhole) {
-  // Goal: the request in an archive repeats its run: a run limited to another run's final or
-  // intermediate number of islands reports the same. Method: limit runs to the final number of
-  // islands, and to a random number up to that.
+  // Goal: the request in an archive repeats its run. A limited run ends at its limit, and yields
+  // the odds only if the limit is the unlimited run's final number of islands. Method: limit runs
+  // to the final number, and to a random number up to that number.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(13, index);
     const World world = random_world(index, dice);

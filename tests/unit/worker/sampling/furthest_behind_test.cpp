@@ -84,8 +84,8 @@ TEST(FurthestBehind, IsWhoASearchFinds) {
 }
 
 TEST(FurthestBehind, AsksNobodyTwiceInVain) {
-  // Goal: a chain that had nothing to give is asked again only when it moves or the question
-  // changes. Method: count the calls for chains that never give.
+  // Goal: after a chain had no unit to give, first() calls it again only if the chain moves or the
+  // query changes. Method: count the calls for chains that never give.
   constexpr std::size_t k_chains = 1000;
   FurthestBehind order(k_chains);
   std::size_t asked = 0;

@@ -44,8 +44,8 @@ TEST(ScansThroughRound, IsTheSumOfDoublingRounds) {
 }
 
 TEST(IndependentChains, ManyChainsStayFast) {
-  // Goal: 65,536 chains cost little each. Method: run two units of each, with one outstanding unit
-  // per chain. A cost quadratic in the chains would exceed the test's time limit.
+  // Goal: a plan of 65,536 chains costs little per chain. Method: run two units of each chain, with
+  // one outstanding unit per chain. A quadratic cost would exceed the test's time limit.
   constexpr std::uint32_t k_chains = 65'536;
   IndependentChains chains({.chains = k_chains, .round_scans = 1, .stop = stop_at({}, 2, 1)});
   for (int round = 0; round < 2; ++round) {

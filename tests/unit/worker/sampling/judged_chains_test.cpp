@@ -68,8 +68,8 @@ End end_of(const JudgedChains& plan) {
 }
 
 /// Hands units to `workers` workers, whose results arrive in any order, until the plan is done or
-/// `results_max` results have arrived. A unit starts exactly if its first scan is the first scan of
-/// its tour.
+/// `results_max` results have arrived. A unit's `starts` is set exactly if its first scan is the
+/// first scan of its tour.
 void work(JudgedChains& plan, const World& world, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -128,7 +128,7 @@ TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
     work(together, world, 1 + random::UniformInteger{.count = 6}.draw(stream), stream);
     EXPECT_EQ(end_of(together), end_of(alone));
 
-    // A run ended by scans, even in the middle of a tour, keeps what was judged before.
+    // A run ended by scans, even within a tour, keeps the results that were judged before.
     const std::uint64_t cut =
         1 + random::UniformInteger{.count = alone.scans_common()}.draw(stream);
     JudgedChains shorter(options(cut, {}));
@@ -186,8 +186,8 @@ TEST(JudgedChains, CountASatisfyingScanOfEachChainOfEachTour) {
 }
 
 TEST(JudgedChains, ChainsThatNeverLeaveTheirStartNeverBurnIn) {
-  // Goal: a kernel that never produces a helped ball fails the judge, even if all chains agree.
-  // Method: run such chains for many rounds. The same chains pass if starts_at_one_end is false.
+  // Goal: chains that never leave their start fail the judge, even if all agree. Method: run such
+  // chains for many rounds. The same chains pass if starts_at_one_end is false.
   const World stuck{.forgets = 0};
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
   JudgedChains plan(options(4000, {}));

@@ -23,8 +23,8 @@ LadderOptions options_of(bool levels_chosen) {
           .anneal_scans = 7};
 }
 
-/// A whole round in which all swaps are accepted, or none. For the first two kinds, the three
-/// levels accept none, all and 30 of 100 proposals. For the third kind, none of 49 is accepted.
+/// A whole round in which all swaps are accepted, or none. The first two kinds accept none, all and
+/// 30 of 100 proposals at the three levels. The third kind accepts none of 49 proposals.
 RoundReport round_of(const LadderOptions& options, bool swaps) {
   RoundReport round = first_round(options);
   for (std::uint64_t scan = 0; scan < options.round_scans; ++scan) {
@@ -43,9 +43,9 @@ RoundReport round_of(const LadderOptions& options, bool swaps) {
 }
 
 TEST(LadderRound, LearnsSizesLevelByLevel) {
-  // Goal: a size is multiplied by exp(3 (acceptance - 0.3)). The hottest level uses its neighbour's
-  // factor. Kinds without a size or with few proposals are unchanged. A round begins empty at the
-  // previous round's end and is twice as long. Method: compare with numbers computed by hand.
+  // Goal: a proposal size is multiplied by exp(3 (acceptance - 0.3)). The hottest level uses its
+  // neighbour's factor. Kinds without a size or with few proposals are unchanged. A round begins
+  // empty at the previous round's end and is twice as long. Method: compare with numbers by hand.
   const RoundReport round = round_of(options_of(false), true);
   EXPECT_EQ(round.first_scan, 7U);
   const RoundReport next = next_round(options_of(false), round);

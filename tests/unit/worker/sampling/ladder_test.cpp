@@ -102,8 +102,8 @@ TEST(LocalBarrier, IsTheSlope) {
 }
 
 TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
-  // Goal: the barrier grows equally between new levels. Method: use curves with a closed form, one
-  // with an infinite slope at 0, on fine ladders, to fewer and to more levels. A monotone cubic
+  // Goal: the barrier grows equally between new levels. Method: respace fine ladders with known
+  // curves to fewer and to more levels. One curve has an infinite slope at 0. A monotone cubic
   // through 200 points is accurate enough.
   const std::vector<double> ladder = uneven(200);
   for (const auto& barrier : {square_root, logarithm, bend}) {
@@ -118,8 +118,8 @@ TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
 }
 
 TEST(Respaced, IsAtRestWhenAllRejectionsAreEqual) {
-  // Goal: a ladder that is already the best doesn't change, to rounding. Method: use equal rates on
-  // uneven levels.
+  // Goal: a ladder that is already the best doesn't change, up to rounding. Method: use equal rates
+  // on uneven levels.
   for (const double rate : {0.0, 1e-6, 0.3, 0.5, 1.0}) {
     const std::vector<double> ladder{0, 1e-9, 0.01, 0.5, 0.501, 1};
     const std::vector<double> same = respaced(ladder, std::vector<double>(5, rate), 6);
@@ -154,8 +154,9 @@ TEST(Respaced, IsALadderWhateverTheRates) {
 }
 
 TEST(PredictedRoundTripRate, IsTheFormula) {
-  // Goal: the rate is 1 / (2 + 2 sum r / (1 - r)) (Syed et al. 2022, corollary 2). Method: compare
-  // by hand. Without rejections a trip takes two scans; with a rate of 1 there are no trips.
+  // Goal: the round-trip rate is 1 / (2 + 2 sum r / (1 - r)) (Syed et al. 2022, corollary 2).
+  // Method: compare by hand. Without rejections, a trip takes two scans. A rejection rate of 1
+  // prevents trips.
   EXPECT_EQ(predicted_round_trip_rate(std::vector{0.0, 0.0, 0.0}), 0.5);
   EXPECT_EQ(predicted_round_trip_rate(std::vector{0.5, 0.75}), 1 / (2 + 2 * (1.0 + 3.0)));
   EXPECT_EQ(predicted_round_trip_rate(std::vector{0.5, 1.0}), 0);

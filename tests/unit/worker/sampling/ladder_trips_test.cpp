@@ -105,7 +105,7 @@ TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
 
 TEST(LadderTrips, GoOnOverTheEndsOfRounds) {
   // Goal: a trip counts in the round in which it ends, and parity and replicas continue across
-  // rounds. Method: use the two levels above in rounds of 2, 4 and 8 scans.
+  // rounds. Method: use the same two levels in rounds of 2, 4 and 8 scans.
   Played played(fixed({0, 1}, 2), 14, always_swaps);
   const std::vector<RoundReport>& rounds = played.run().rounds();
   ASSERT_EQ(rounds.size(), 4U);

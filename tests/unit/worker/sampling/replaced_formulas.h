@@ -1,11 +1,10 @@
 // Temporarily replaces formulas of tempering (worker/sampling/swap.h, temperature_steps.h) by wrong
-// ones, which tests must detect.
+// formulas, which tests must detect.
 //
 // A test program that compiles replaced_formulas.cpp defines these functions itself, so the linker
-// omits the library's objects with the same functions. Unless replaced, they call the library's
-// sources, compiled into the program as right_... If those sources gain a formula that is missing
-// here, the linker reports a duplicate definition.
-// Not thread-safe.
+// omits the library's objects with the same functions. Unless replaced, these functions call the
+// library's sources, which the program compiles under names that begin with right_. If the library
+// gains a formula that is missing here, the linker reports a duplicate definition. Not thread-safe.
 #pragma once
 
 #include "worker/sampling/swap.h"

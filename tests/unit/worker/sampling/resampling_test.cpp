@@ -20,8 +20,9 @@ const std::vector<std::vector<double>> k_shares{
     {0.5, 0.3, 0.2}, {0.1, 0.9}, {0.25, 0, 0.4, 0.35}, {1, 0, 0}, {1}, {0.02, 0.38, 0.2, 0.2, 0.2}};
 
 TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
-  // Goal: each next particle descends from m with probability W_m, and m has count W_m descendants,
-  // rounded down or up. Method: compare shares of 20,000 draws, within 5 standard errors.
+  // Goal: each next particle descends from particle m with probability W_m. Particle m has W_m *
+  // count descendants, rounded down or up. Method: compare shares of 20,000 draws, within 5
+  // standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
     const std::size_t count = shares.size();
@@ -49,7 +50,7 @@ TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
 
 TEST(Resampling, ConditionalDrawsAreThoseWithTheFirstFromTheFirst) {
   // Goal: resampled_with_first has the distribution of resampled, given that place 0 descends from
-  // particle 0. Method: make 20,000 draws of each and drop those whose place 0 descends from
+  // particle 0. Method: make 20,000 draws of each and drop draws whose place 0 descends from
   // another particle. Shares of each outcome agree within 5 standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
@@ -76,7 +77,7 @@ TEST(Resampling, ConditionalDrawsAreThoseWithTheFirstFromTheFirst) {
 }
 
 TEST(Resampling, SizesOfWeights) {
-  // Goal: the effective size of equal weights is their number, and that of a single weight is one.
+  // Goal: the effective size of equal weights is their number; a single weight has size one.
   EXPECT_DOUBLE_EQ(effective_size(std::vector<double>{0.25, 0.25, 0.25, 0.25}), 4);
   EXPECT_DOUBLE_EQ(effective_size(std::vector<double>{0, 1, 0}), 1);
   EXPECT_DOUBLE_EQ(effective_size(std::vector<double>{0.5, 0.5, 0}), 2);

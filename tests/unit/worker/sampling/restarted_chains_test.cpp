@@ -89,7 +89,7 @@ class Work {
       states.push_back(World::after(unit.replica.chain.value, unit.first_scan.value + nth,
                                     unit.starts && nth == 0, before));
       plan::ScanRecord& record = records.emplace_back();
-      // Two of three scans satisfy, in either state.
+      // Two of three scans are satisfied, in either state.
       random::Stream satisfies(
           {.seed = 6, .chain = unit.replica.chain, .purpose = random::Purpose::counted},
           unit.first_scan.value + nth);
@@ -114,8 +114,8 @@ RestartedChainsOptions options(std::optional<std::uint64_t> scans,
 }
 
 TEST(RestartedChains, CountsTheLastScanOfATour) {
-  // Goal: solutions have the distribution of a chain at the tour's age, far from that of states
-  // that begin a lineage. Method: compare 20,000 solutions with the exact law.
+  // Goal: solutions have the distribution of a chain at the tour's age, far from the distribution
+  // of states that begin a lineage. Method: compare 20,000 solutions with the exact law.
   RestartedChains plan(options({}, 20000));
   Work work(1);
   work.carry_out(plan, 4);

@@ -111,8 +111,8 @@ TEST(RoundStatistics, EqualsDirectComputation) {
 }
 
 TEST(RoundStatistics, SaysWhereItCannotSay) {
-  // Goal: a round of one part has no error. A round without solutions has log P = -infinity and no
-  // error. Broken starts at the coolest level are no solutions.
+  // Goal: a round of one part has no error estimate. A round without solutions has log P =
+  // -infinity and no error estimate. Broken starts at the coolest level are no solutions.
   const std::vector<LevelScan> scan(4, {.log_constraint = -1, .satisfied = false});
   std::vector<LevelScan> broken = scan;
   broken.back() = {.log_constraint = -k_infinity, .satisfied = true};
@@ -131,8 +131,8 @@ TEST(RoundStatistics, ErrorsAreRightForIndependentDraws) {
   // scans with exact independent draws at each level of a Gaussian prior N(0, 1) and constraint
   // exp(-x^2 / 2 (1 / 0.5^2)), satisfied when |x| < 0.4. Compute z-scores of log Z and log P. With
   // 20 parts z has Student's distribution with 19 degrees of freedom: variance 19/17 and kurtosis
-  // 3.4. So over 2000 rounds the mean is within 5 x 1.06 / sqrt(2000) = 0.12 of 0 (which includes a
-  // bias of half a variance), and the variance within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
+  // 3.4. So over 2000 rounds the mean is within 5 x 1.06 / sqrt(2000) = 0.12 of 0, which includes a
+  // bias of half a variance. The variance is within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
   constexpr double k_precision = 4;
   const double log_z = -0.5 * std::log(1 + k_precision);
   const double log_satisfied = std::log(std::erf(0.4 / std::sqrt(2.0)));

@@ -202,8 +202,8 @@ class ThreeScans final : public plan::Plan {
 };
 
 TEST(SearchFirst, SearchesAndThenGoesOn) {
-  // Goal: the search runs first and the plan after it is unchanged; each receives its own results.
-  // Method: run a chain of three scans after a search for two finds.
+  // Goal: the search runs first, then the plan runs unchanged. Search and plan receive their own
+  // results. Method: run a chain of three scans after a search for two finds.
   SearchFirst plan(SearchLanes(1, 2), std::make_unique<ThreeScans>());
   std::vector<bool> searched;
   while (const auto unit = plan.next_unit(1)) {
@@ -225,7 +225,7 @@ TEST(SearchFirst, SearchesAndThenGoesOn) {
 }
 
 TEST(SearchFirst, MayBeAll) {
-  // Goal: a search without a plan after it is a whole run. Method: let one find end it.
+  // Goal: a search can be a whole run, without a plan after it. Method: let one find end it.
   SearchFirst plan(SearchLanes(1, 1), nullptr);
   EXPECT_TRUE(plan.finds().is_all);
   EXPECT_FALSE(plan.finished());

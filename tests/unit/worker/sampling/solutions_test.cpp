@@ -37,7 +37,7 @@ TEST(Solutions, CountEachLineageOnce) {
 
 TEST(Solutions, OfChainsAreInOneOrder) {
   // Goal: decisions of several chains are ordered by scan, chain and lineage, in any order of
-  // arrival. Method: report by hand; one chain has no decision yet.
+  // arrival. Method: report decisions by hand, while one chain has no decision yet.
   Solutions early;
   Solutions late;
   plan::ScanRecord dense = record_of(3, 1, true);

@@ -153,8 +153,8 @@ TEST(SparedSimulations, ATargetThatKnowsNothingSimulatesAll) {
 }
 
 TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
-  // Goal: with operator== the chain is the same, and equal candidates cost no simulation but are
-  // still judged by their ratio. Method: run chains beside the reference, also from zero density.
+  // Goal: operator== doesn't change the chain. Equal candidates cost no simulation but are still
+  // judged by their ratio. Method: run chains beside the reference, also from zero density.
   std::uint64_t out_of_zero = 0;
   for (const double beta : k_betas) {
     for (std::uint32_t chain = 0; chain < 6; ++chain) {
@@ -174,10 +174,10 @@ TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
 }
 
 TEST(SparedSimulations, ACandidateThatTheBoundRejectsIsNotSimulated) {
-  // Goal: with a bound the chain is the same. A simulation runs exactly if the candidate would be
-  // accepted with the bound as its constraint density. At beta 0, and from zero density, exactly
-  // the accepted candidates are simulated. Method: run chains beside the reference, with the ratio
-  // in probabilities.
+  // Goal: a bound on the constraint doesn't change the chain. A simulation runs exactly if the
+  // candidate would be accepted with the bound as its constraint density. At beta 0, and from zero
+  // density, exactly the accepted candidates are simulated. Method: run chains beside the
+  // reference, with the ratio in probabilities.
   for (const double beta : k_betas) {
     std::uint64_t simulated = 0;
     std::uint64_t accepted = 0;

@@ -14,7 +14,7 @@ std::uint64_t none(std::uint64_t /*scan*/) {
 }
 
 TEST(StopJudge, CountsRoundsFromAfterTheScansBefore) {
-  // Goal: the scan limit counts all scans; rounds and solutions count only those after `before`.
+  // Goal: the scan limit counts all scans; rounds and solutions skip the first `before` scans.
   const StopRule scans{.scans = 100, .rounds = {}, .independent_solutions = {}};
   EXPECT_EQ(StopJudge(scans, 10, 35).end(), 100U);
   EXPECT_EQ(StopJudge(scans, 10, 200).end(), 100U);
@@ -39,7 +39,7 @@ TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
   EXPECT_EQ(judge.horizon(), 17U);
   judge.judge(17, [](std::uint64_t scan) -> std::uint64_t { return scan == 17 ? 2 : 99; });
   EXPECT_EQ(judge.horizon(), 37U);
-  // Judge two ends at once, as after a replay.
+  // Judge the ends of two rounds at once, as after a replay.
   judge.judge(80, [](std::uint64_t scan) -> std::uint64_t { return scan == 77 ? 3 : 2; });
   EXPECT_EQ(judge.end(), 77U);
   EXPECT_EQ(judge.horizon(), 77U);
@@ -58,7 +58,7 @@ TEST(StopJudge, SomeScansAreMadeInAnyCase) {
 }
 
 TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {
-  // Goal: no endless loop. Method: reach the largest count without a solution.
+  // Goal: judge() returns even if it reaches the largest count without a solution.
   const StopRule rule{.scans = {}, .rounds = {}, .independent_solutions = 1};
   StopJudge judge(rule, std::uint64_t{1} << 60U, 7);
   judge.judge(StopJudge::k_no_end, none);
@@ -66,7 +66,7 @@ TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {
 }
 
 TEST(StopJudgeDeathTest, WantsARuleAndARound) {
-  // Goal: misuse is a bug. Method: use no rule, and rounds without scans.
+  // Goal: a judge without a rule, or with rounds without scans, stops the process.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(StopJudge({.scans = {}, .rounds = {}, .independent_solutions = {}}, 10),
                "check failed");

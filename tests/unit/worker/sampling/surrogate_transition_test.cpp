@@ -1,4 +1,4 @@
-// Compares surrogate transitions on six states, with a bad surrogate, with the exact distribution.
+// Compares transitions by a bad surrogate on six states with the exact distribution.
 #include "worker/sampling/surrogate_transition.h"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ constexpr Row k_prior{0.1, 0.25, 0.2, 0.15, 0.2, 0.1};
 /// State 3 breaks the constraint.
 constexpr Row k_log_constraint{-0.2, -1.5, 0, -k_infinity, -0.7, -1};
 constexpr Row k_guess{-1.2, 0, -0.9, -0.5, -0.1, -2};
-/// Two parts of each state, one bit each. Only the simulation determines them; the surrogate
+/// Two parts of each state, one bit each. The simulation determines the parts; the surrogate
 /// doesn't.
 constexpr std::array<std::uint32_t, k_states> k_parts{0b01, 0b00, 0b11, 0b10, 0b11, 0b01};
 
@@ -170,7 +170,7 @@ TEST(SurrogateTransition, KeepsTheDistribution) {
 }
 
 TEST(SurrogateTransition, NeedsTheAnchorsProbabilities) {
-  // Goal: the test above can fail. Method: use the faulty ring.
+  // Goal: the test above fails for the faulty ring.
   if (!property::all_cases()) GTEST_SKIP() << "asks all cases together";
   for (const double keep : {0.5, 1.0})
     EXPECT_LT(p_of_transition(ForgetfulRing{}, 1, keep, 4), 1e-9) << keep;
@@ -210,7 +210,7 @@ TEST(Iteration, KeepsTheDistribution) {
 
 TEST(SurrogateTransition, LeavesAStartWithoutDensity) {
   // Goal: a replica whose start breaks a hard constraint still moves, for any anchor. Method: make
-  // one step from state 3 many times. The state is left, and no simulation is wasted.
+  // one step from state 3 many times. The chain leaves the state, and no simulation is wasted.
   for (const double keep : {0.0, 0.5, 1.0}) {
     int left = 0;
     for (std::uint64_t i = 1; i <= 100; ++i) {
@@ -250,7 +250,7 @@ static_assert(BoundsConstraint<BoundedRing> && !BoundsConstraint<UnboundedRing>)
 
 TEST(SurrogateTransition, SparesSimulationsExactly) {
   // Goal: a bound only changes which simulations run, and guesses of zero density keep the
-  // distribution. Method: compare with a ring whose bound is the truth, and move exact draws.
+  // distribution. Method: use a bound equal to the constraint, and move exact draws.
   std::uint64_t spared = 0;
   std::uint64_t rejected = 0;
   for (const double keep : {0.0, 0.5, 1.0}) {

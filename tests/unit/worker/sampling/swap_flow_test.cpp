@@ -66,7 +66,7 @@ std::uint64_t below(random::Stream& stream, std::uint64_t count) {
   return random::UniformInteger{.count = count}.draw(stream);
 }
 
-/// Levels whose seat may run before the last scan.
+/// Levels that may run now and are not yet at the last scan.
 std::vector<std::uint32_t> ready(const SwapFlow& flow) {
   std::vector<std::uint32_t> levels;
   for (std::uint32_t level = 0; level < flow.size(); ++level) {
@@ -77,8 +77,8 @@ std::vector<std::uint32_t> ready(const SwapFlow& flow) {
 
 TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
   // Goal: replicas move as if all levels ran scan after scan together, whichever level runs ahead.
-  // Method: in 200 ladders of 2 to 9 levels, run a random seat at each step. Each replica must be
-  // where lockstep has it. Some orders let a replica run four scans ahead.
+  // Method: in 200 ladders of 2 to 9 levels, run a random level at each step. Each replica must be
+  // at the level that it has in lockstep. Some orders let a replica run four scans ahead.
   std::uint64_t ahead_most = 0;
   for (std::uint64_t index = 0; index < 200; ++index) {
     SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
@@ -115,7 +115,7 @@ TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
 TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
   // Goal: in a part of a ladder, replicas move as in the whole ladder, and leave exactly when their
   // partner is outside. The part therefore loses levels at its sides with each scan. Method: test
-  // all parts of a ladder of eight from several scans. Count how many continue to each scan.
+  // all parts of a ladder of eight from several scans.
   const FlowLevels ladder = ladder_of(8);
   const Seating expected = lockstep(ladder);
   for (std::uint32_t first = 0; first < 8; ++first) {

@@ -57,7 +57,7 @@ TEST(EvenOddPartner, PairsTheLevelsOfTheScansParity) {
 }
 
 TEST(SwapNumber, IsAnotherAtEachPlace) {
-  // Goal: no two swaps share a random number. Method: test neighbours of a place in each field.
+  // Goal: no two swaps share a random number. Method: change one field of a SwapPlace at a time.
   const SwapPlace place{.seed = 3, .chain = base::ChainId{1}, .level = 2, .scan = 7};
   SwapPlace seed = place;
   SwapPlace chain = place;

@@ -86,8 +86,8 @@ TEST(Complaints, name_shifted_chains) {
 }
 
 TEST(Complaints, name_chains_that_never_move) {
-  // Goal: the sentence is right for an infinite R-hat, one of about 1e15, and a finite one. Method:
-  // give each chain its own value, with exact or rounded means. Then let one of four chains differ.
+  // Goal: the sentence is right if R-hat is infinite, about 1e15, or smaller. Method: give each
+  // chain its own value, with exact or rounded means. Then let one of four chains differ.
   const auto own = [](double, std::size_t chain) { return 0.1 * static_cast<double>(chain); };
   for (const std::size_t draws : {64U, 1000U, 1024U, 2000U}) {
     const std::vector<std::string> found = complaints_of(changed(made({.draws = draws}), own));
