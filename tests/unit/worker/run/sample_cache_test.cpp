@@ -142,7 +142,7 @@ TEST(SampleCache, IsAPlainListWithinItsBytes) {
   EXPECT_GT(use.evictions, 1000U);
 }
 
-/// Has room for one byte too many.
+/// A faulty cache with room for one byte too many.
 struct LooseCache : RightCache {
   explicit LooseCache(std::size_t bytes_max) : RightCache(bytes_max + 1), right_max(bytes_max) {}
   plan::CacheUse use() const {
@@ -153,7 +153,7 @@ struct LooseCache : RightCache {
   std::size_t right_max;
 };
 
-/// Underestimates the size of samples.
+/// A faulty cache that underestimates the size of samples.
 struct LightCache : RightCache {
   using RightCache::RightCache;
   void put(const plan::ReplicaKey& replica, std::uint64_t scan, PlainCache::Sample sample,
@@ -162,7 +162,7 @@ struct LightCache : RightCache {
   }
 };
 
-/// Keeps samples that it has given away.
+/// A faulty cache that keeps a copy of a sample after take().
 struct FondCache : RightCache {
   using RightCache::RightCache;
   std::optional<PlainCache::Sample> take(const plan::ReplicaKey& replica, std::uint64_t scan) {
@@ -174,7 +174,7 @@ struct FondCache : RightCache {
 };
 
 TEST(SampleCache, PropertyFindsWrongCaches) {
-  // Goal: the test above can fail. Method: use caches with one small mistake each.
+  // Goal: first_difference() detects faulty caches. Method: use caches with one small mistake each.
   plan::CacheUse use;
   EXPECT_LT(first_difference<LooseCache>(use), k_steps);
   EXPECT_LT(first_difference<LightCache>(use), k_steps);
