@@ -108,8 +108,8 @@ TEST(Ball2d, ConstraintIsInDiameters) {
 
 TEST(Ball2d, ProposalIsAlgorithm22) {
   // Goal: each normal changes with probability 1/2, independently, by a uniform offset within 5
-  // degrees. The ratio is 1 and the kind 0. Method: test 20,000 proposals by chi-square: the 32
-  // subsets of changed normals, and offsets in 20 cells.
+  // degrees. The proposal's ratio is 1 and its kind is 0. Method: test 20,000 proposals by
+  // chi-square: the 32 subsets of changed normals, and offsets in 20 cells.
   const Ball2d ball({});
   const double half_width = Parameters{}.proposal.change_half_width_rad;
   std::vector<int> subsets(32, 0);

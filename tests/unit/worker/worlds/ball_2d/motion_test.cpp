@@ -24,7 +24,7 @@ constexpr std::uint64_t k_seed = 2024;
 TEST(Motion, OneBounceByHand) {
   // Goal: the landing after one collision is right. Method: compare with the closed form. The ball
   // falls by h, arrives at u = sqrt(2 g h) and leaves a surface of tilt t with
-  //   v_x = (1 + e) u sin t cos t        v_z = u ((1 + e) cos^2 t - 1).
+  //   v_x = (1 + e) u sin t cos t and v_z = u ((1 + e) cos^2 t - 1).
   // The ball lands at x = 4 h (1 + e) sin t cos t ((1 + e) cos^2 t - 1), or stays in place if v_z
   // <= 0.
   WorldParameters world;
@@ -48,8 +48,8 @@ TEST(Motion, OneBounceByHand) {
 }
 
 TEST(Reflected, ATableOnlyPushes) {
-  // Goal: a normal that faces away or is perpendicular doesn't change any bit of the velocity.
-  // Method: test both by hand, and a motion that meets such a normal.
+  // Goal: a surface changes no bit of the velocity of a ball that moves away from it or along it.
+  // Method: test both by hand, and a motion that meets such a surface.
   EXPECT_EQ(reflected({0.3, 2.5}, {0, 1}, 0.5), math::Vec2(0.3, 2.5));
   EXPECT_EQ(reflected({0.3, 0}, {0, 1}, 0.5), math::Vec2(0.3, 0));
   EXPECT_EQ(reflected({3, -4}, {0.8, 0.6}, 0.5), math::Vec2(3, -4));
@@ -64,8 +64,8 @@ TEST(Reflected, ATableOnlyPushes) {
 }
 
 TEST(Motion, LandingIsTheMotionsLanding) {
-  // Goal: both simulations give the same bits. Method: compare random worlds and normals and the
-  // number of hops. Hops must follow each other in time and space.
+  // Goal: simulate_landing() and simulate_motion() give the same bits. Method: compare random
+  // worlds and normals and the number of hops. Hops must follow each other in time and space.
   for (const std::uint64_t index : property::cases(1000)) {
     random::Stream stream = stream_of(k_seed, index);
     const WorldParameters world = random_world(stream);

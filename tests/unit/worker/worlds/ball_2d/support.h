@@ -16,7 +16,7 @@ inline random::Stream stream_of(std::uint64_t seed, std::uint64_t index) {
   return random::Stream({.seed = seed, .purpose = random::Purpose::prior}, index);
 }
 
-/// Independent normally distributed normals with a given standard deviation.
+/// Surface normals with independent, normally distributed angles of a given standard deviation.
 inline NormalAngles random_normals(const WorldParameters& world, double sd_rad,
                                    random::Stream& stream) {
   NormalAngles normals{};

@@ -69,9 +69,9 @@ TEST(Dice, ContactsShareTheirWeights) {
 }
 
 TEST(Dice, HeightsThatTheyMetAreCounted) {
-  // Goal: each control point that affects collisions counts once by its height, and enters the sum
-  // of squares. Constant heights don't count. Method: compare prior draws, with one point far up or
-  // down, with a count by edges, and a flat table.
+  // Goal: `offsets` counts each control point that affects collisions once, by its height, and
+  // `offset_squares` sums the squares of these heights. Constant heights don't count. Method:
+  // compare prior draws, with one point far up or down, with a count by edges, and a flat table.
   Parameters parameters;
   const Dice world(parameters);
   const double sd_m = parameters.world.table.height_sd_m;

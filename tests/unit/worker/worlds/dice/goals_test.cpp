@@ -135,8 +135,8 @@ TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
 }
 
 TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
-  // Goal: goals that a throw can meet are no contradiction. Method: use random dice, and pairs of
-  // random goals whose tolerances are barely wide enough for the dice.
+  // Goal: goals that one throw can meet are not refused as a contradiction. Method: use random
+  // dice, and pairs of random goals whose tolerances are barely wide enough for the dice.
   constexpr double k_side_m = 0.016;
   for (const std::uint64_t draw : property::cases(2000)) {
     random::Stream stream = testing::stream_of(6, draw);
@@ -214,7 +214,7 @@ TEST(DiceGoals, MarginalsAreDirectSums) {
     EXPECT_NEAR(judgement.log_constraint, static_cast<double>(log_p),
                 1e-12 * (1 + std::fabs(static_cast<double>(log_p))));
     EXPECT_LE(judgement.log_constraint, 0);
-    // With fixed numbers, the sum has one term.
+    // With fixed numbers, the sum over numberings has one term.
     double fixed = 0;
     for (const Goal& goal : goals) {
       const double z = distance_of(goal, views, {}, 0) / goal.sigma;

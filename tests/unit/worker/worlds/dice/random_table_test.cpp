@@ -79,8 +79,8 @@ TEST(RandomTable, DrawsItsDistributions) {
 }
 
 TEST(RandomTable, CostsNothingWhereNobodyLooks) {
-  // Goal: a table of a hundred million points costs as little as one of ten. Method: create a large
-  // table, and read its corners and a place on its surface.
+  // Goal: a table of a hundred million points costs as little as a table of ten points. Method:
+  // create a large table, and read its corners and a place on its surface.
   TableParameters parameters = table_of();
   parameters.columns = 10'000;
   parameters.rows = 10'000;

@@ -51,7 +51,7 @@ TEST(DiceRequest, DefaultsAreOneDieWithoutGoals) {
 }
 
 TEST(DiceRequest, DiceStandSideBySide) {
-  // Goal: the dice key accepts a number of dice, or a table for each, with default places.
+  // Goal: the key `dice` accepts a number of dice, or a table for each die, with default places.
   const Parameters three = parameters_of("dice = 3");
   ASSERT_EQ(three.world.dice.size(), 3U);
   EXPECT_DOUBLE_EQ(three.world.dice[0].position_m.y(), -k_dice_apart_m);
@@ -167,7 +167,7 @@ TEST(DiceRequest, SlipsAreNamed) {
   const auto slip = read("[[constraint.face]]\nup = 2\n[[constraint.face]]\nup = 7");
   ASSERT_FALSE(slip.ok());
   EXPECT_EQ(slip.error().size(), 1U);
-  // Equal to rounding.
+  // Equal up to rounding.
   EXPECT_EQ(complaint(here + "1\nx_mm = 30\n" + here + "1\nx_mm = 34"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\n" + here + "2\nx_mm = 5"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\nat_s = 0.5\n" + here + "2\nat_s = 0.5"), "");
@@ -177,8 +177,9 @@ TEST(DiceRequest, SlipsAreNamed) {
 }
 
 TEST(DiceRequest, FreeNumberingNeedsAnyStartAndOneTime) {
-  // Goal: dice are numbered after the throw only if that is valid. Method: use fixed starts, and
-  // goals at two times. Fixed starts and such goals are valid with fixed numbering.
+  // Goal: dice are numbered after the throw only if such numbering is valid. Method: use fixed
+  // starts, and goals at two times. Fixed starts and goals at two times are valid with fixed
+  // numbering.
   const std::string fixed_start = "[[world.die]]\norientation = \"fixed\"\nup = 1\n";
   const std::string face = "[[constraint.face]]\nup = 6\n";
   const std::string other_time = "[[constraint.yaw]]\nface = 2\nat_s = 0.2\n";

@@ -93,8 +93,8 @@ TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
 }
 
 TEST(ThrowMap, OneInTenThousandThrowsIsNotPlausible) {
-  // Goal: implausible throws are rare in the prior, and throws that a walk could reach only because
-  // of its goals are implausible. Method: test 100,000 draws, and increasing speeds.
+  // Goal: few throws of the prior count as implausible. Throws that a walk could reach only because
+  // of its goals count as implausible. Method: test 100,000 draws, and increasing speeds.
   const DieStart start;
   const ThrowMap map(start, {});
   random::Stream stream = testing::stream_of(k_seed, 4);

@@ -167,8 +167,9 @@ TEST(DiceReader, DiceOfWhichTheSameIsWantedAreTwins) {
 }
 
 TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {
-  // Goal: the prior's P(satisfied) is that of numbered throws times 24 over the number of
-  // numberings that meet. Method: test no face, one face, a face and a yaw, and fixed numbers.
+  // Goal: the prior's P(satisfied) is P(satisfied) of numbered throws, times 24, over the number of
+  // numberings that meet the goals. Method: test no face, one face, a face and a yaw, and fixed
+  // numbers.
   Parameters parameters = testing::all_random(2);
   const auto log_throw = [&] { return make_state_reader(parameters)->layout().log_natural_throw; };
   EXPECT_EQ(log_throw(), 0);

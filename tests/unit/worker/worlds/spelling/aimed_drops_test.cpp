@@ -22,7 +22,7 @@ struct Case {
   Filling filling;
 };
 
-/// Six bins in a row, with any balls filling any bins.
+/// Six bins in a row and six balls, some of which fill random bins.
 Case random_case(random::Stream& stream) {
   Case made;
   for (int bin = 0; bin < 6; ++bin)
@@ -54,7 +54,7 @@ std::size_t the_changed_ball(const State& a, const State& b) {
 }
 
 TEST(AimedDrops, ChangeOneBallOfTheRightKind) {
-  // Goal: aiming moves a ball that fills no bin, and scattering moves a ball that fills one.
+  // Goal: aiming moves a ball that fills no bin, and scattering moves a ball that fills a bin.
   // Without such a ball, there is no proposal. Candidates are in the prior's region. Method: test
   // random animations.
   for (const std::uint64_t i : property::cases(2000)) {
@@ -138,8 +138,8 @@ TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
     candidate.drops_m[1] = {0.031, 0.001};
     const Filling filling{0, k_fills_none, k_fills_none, k_fills_none};
     const Filling there{0, 3, k_fills_none, k_fills_none};
-    // Forward: aim one of three loose balls at one of three bins. Back: scatter one of the two
-    // balls that fill a bin.
+    // The proposal aims one of three loose balls at one of three bins. The way back scatters one of
+    // the two balls that fill a bin.
     double density_pm2 = 0;
     for (const std::size_t bin : {1, 2, 3})
       density_pm2 += windows.density(std::span(&bin, 1), candidate.drops_m[1]) / 3;

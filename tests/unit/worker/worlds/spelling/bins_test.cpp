@@ -17,7 +17,7 @@ TEST(Bins, MeasuresAreTheThesis) {
   const Bins bins(world, 3, 2);
   EXPECT_NEAR(bins.half_m().x(), 0.032, 1e-12);
   EXPECT_NEAR(bins.half_m().y(), 0.021, 1e-12);
-  // Two inner crossings with four corners each, and ten ends with two each.
+  // Two inner crossings with four corners each, and ten ends with two corners each.
   EXPECT_EQ(bins.vertex_count(), 2U * 4 + 6U * 2);
   std::set<long> xs;
   for (const Vec3& vertex_m : bins.vertices_m()) {
@@ -28,8 +28,8 @@ TEST(Bins, MeasuresAreTheThesis) {
 }
 
 TEST(Bins, SurfacesOfAllSizesAreClosed) {
-  // Goal: the surface has no hole in any grid. Method: construction checks that. Also test the
-  // Euler number of a ball, and the volume below the floor and of the partitions.
+  // Goal: the surface has no hole in any grid. Method: the surface's construction checks for holes.
+  // Also test the Euler number, which is 2 as for a ball, and the volume.
   const WorldParameters world;
   for (const auto& [columns, rows] :
        {std::pair{1U, 1U}, {1U, 2U}, {2U, 1U}, {2U, 2U}, {7U, 5U}, {40U, 12U}}) {

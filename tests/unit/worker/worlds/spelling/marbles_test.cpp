@@ -82,7 +82,7 @@ void expect_alike(const Spelling& world, const State& state, bool to_rest) {
   }
   EXPECT_EQ(outcome.is_animation(), goes_on);
   if (!goes_on) return;
-  // The world judges at the same times, from the same places.
+  // The world's outcome uses the same places at the same times.
   std::vector<Vec3> staying_m;
   for (const Traps::Ball& ball : balls) {
     if (ball.rests || traps.of(ball.centre_m, ball.twist)) staying_m.push_back(ball.centre_m);
@@ -106,8 +106,8 @@ void expect_all_alike(const Pattern& pattern, std::uint64_t states) {
 }
 
 TEST(SpellingMarbles, EqualASimulation) {
-  // Goal: the world's engine gives the simulator's places, twists and modes bit for bit, with and
-  // without leaving trapped balls alone, and the world's outcome is a function of these. Method:
+  // Goal: the world's engine gives the simulator's places, twists and modes bit for bit, whether or
+  // not it suspends trapped balls. The world's outcome is a function of these results. Method:
   // compare random states on moved geometry with complete simulations on new geometry.
   expect_all_alike(hi(), state_count());
 }

@@ -20,7 +20,7 @@ std::string rows_of(const Pattern& pattern) {
 }
 
 TEST(Pattern, TheThesisExamples) {
-  // Goal: HI has ten bins of seven by five, ACM thirty of fifteen by seven (figures 2.7, 2.12).
+  // Goal: HI has ten bins in a 7 x 5 grid, ACM has thirty in a 15 x 7 grid (figures 2.7, 2.12).
   EXPECT_EQ(hi().columns, 7U);
   EXPECT_EQ(hi().rows, 5U);
   EXPECT_EQ(hi().count(), 10U);
@@ -91,7 +91,7 @@ TEST(Pattern, BothFontsHaveEveryLetterAndDigit) {
 }
 
 TEST(Pattern, CentredKeepsThePicture) {
-  // Goal: a picture may be in a larger grid. Method: put HI's letters into ten by six.
+  // Goal: a picture may be in a larger grid. Method: put HI's letters into a grid of ten by six.
   const Pattern pattern = centred(hi(), 10, 6);
   EXPECT_EQ(rows_of(pattern),
             "..........\n"

@@ -24,7 +24,7 @@ random::Stream stream_of(std::uint64_t number) {
 }
 
 TEST(Landings, AreCountedWithTheirMirrorImages) {
-  // Goal: each landing counts eight times, in the cells of its images, unless out of reach.
+  // Goal: each landing within reach counts eight times, in the cells of its mirror images.
   Landings landings(0.022);
   landings.add(Vec2(0.0033, -0.0011 * 0.5));
   EXPECT_EQ(landings.total(), 8U);
@@ -39,7 +39,7 @@ TEST(Landings, AreCountedWithTheirMirrorImages) {
 }
 
 TEST(Landings, OfBatchesAddUpInAnyOrder) {
-  // Goal: any number of workers learn the same map. Method: add batches in reverse order.
+  // Goal: any number of workers compute the same map. Method: add batches in reverse order.
   const Spelling world = world_of(hi());
   const Landings all = landings_of(world, k_seed, 4);
   Landings backwards(all.pitch_m());
@@ -89,13 +89,13 @@ TEST(LandingMap, IsADensityAndDrawsByIt) {
     const double error = std::sqrt(expected[ring] * (1 - expected[ring]) / k_draws);
     EXPECT_NEAR(seen[ring], expected[ring], 5 * error + 1e-9) << "ring " << ring;
   }
-  // Most balls come from above the bin or its neighbours.
+  // Most of the balls that fill a bin are dropped above the bin or its neighbours.
   EXPECT_GT(expected[0] + expected[1], 0.7);
 }
 
 TEST(PouringBuilder, FindsPouringsThatSpell) {
-  // Goal: a find spells with all balls in an independent simulation. Pourings differ, and equal
-  // streams give equal pourings. Method: build 40 pourings of HI and 5 of ACM.
+  // Goal: a find spells the word with all balls in an independent simulation. Pourings differ, and
+  // equal streams give equal pourings. Method: build 40 pourings of HI and 5 of ACM.
   for (const auto& [pattern, count] :
        {std::pair{hi(), 40}, {pattern_of_word("ACM", Font::rows_5).value(), 5}}) {
     const Spelling world = world_of(pattern);

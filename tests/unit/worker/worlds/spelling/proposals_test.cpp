@@ -115,7 +115,7 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
       random::Stream stream = stream_of(seed, static_cast<std::uint64_t>(i));
       const auto proposal = propose(prior, parameters, state, stream);
       double q = proposal.log_q_ratio;
-      // The formula of A.2.2 without the power of the area, which would leave no ball.
+      // The ratio of A.2.2, without powers of 1 - f, but with the right power of the area.
       if (printed && proposal.kind >= static_cast<std::uint32_t>(Kind::disable_balls)) {
         q = prior.log_area() * (static_cast<double>(proposal.candidate.active_count()) -
                                 static_cast<double>(state.active_count()));
@@ -144,8 +144,8 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
 }
 
 TEST(Proposals, ThesisRatiosAreThosePrinted) {
-  // Goal: Kernel::thesis has the ratio printed in A.2.2: a for each disabled ball, 1/a for each
-  // enabled one, 1 for the rest. Method: test draws of each kind.
+  // Goal: Kernel::thesis has the ratio printed in A.2.2: the area a for each disabled ball, 1/a for
+  // each enabled ball, else 1. Method: test draws of each kind.
   const Prior prior{.vertices = 5, .balls = 6, .drop_half_m = {0.07, 0.05}};
   const double log_area = std::log(4 * 0.07 * 0.05);
   for (std::uint32_t kind = 0; kind < k_thesis_kinds; ++kind) {
@@ -166,10 +166,10 @@ TEST(Proposals, ThesisRatiosAreThosePrinted) {
 
 TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
   // Goal: Kernel::thesis draws an offset's length, instead of its coordinates, from the Gaussian,
-  // and its direction uniformly. Kernel::thesis does so at the start, in change_all and in
-  // change_vertices. Method: check that the mean square length is sd^2 (the Gaussian density that
-  // scores it has 3 sd^2), with a third for each coordinate. So the mean exponent of p_w is -1/2
-  // per vertex.
+  // and its direction uniformly. Kernel::thesis draws offsets in this way at the start, in
+  // change_all and in change_vertices. Method: check that the mean square length is sd^2 (the
+  // Gaussian density that scores it has 3 sd^2), with a third for each coordinate. So the mean
+  // exponent of p_w is -1/2 per vertex.
   const Prior prior{.vertices = 100, .balls = 2, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   constexpr double k_draws = 400;
   const auto mean_square = [&](double sd, const auto& draw) {
@@ -249,8 +249,8 @@ TEST(Proposals, KindsHaveTheirShares) {
 }
 
 TEST(Proposals, DrawsBelongToTheDensity) {
-  // Goal: log p_w is the normalised density of the draws. Method: compare its mean over draws with
-  // minus the entropy by the formula. Compare the offsets' deviation and the share of active balls,
+  // Goal: log p_w is the normalised density of the draws. Method: compare log p_w's mean over draws
+  // with minus the entropy's formula. Compare the offsets' deviation and the share of active balls,
   // one half.
   const Prior prior{.vertices = 40, .balls = 10, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   double log_density = 0;

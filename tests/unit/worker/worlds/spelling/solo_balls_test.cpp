@@ -113,8 +113,7 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
       other.active[ball] = 0;
       other.drops_m[ball] = {0, 0};
       EXPECT_FALSE(surrogate.simulate(other).possible);
-      // Simulate the first state again, from the outcome that another surrogate has for the other
-      // state.
+      // Simulate `state` again, from the outcome that a surrogate without anchors has for `other`.
       expect_equal(surrogate.simulate_from(state, other, world.surrogate({}).simulate(other)),
                    outcome);
     }

@@ -61,8 +61,8 @@ TEST(Spelling, OutcomesCountDesignatedBins) {
 }
 
 TEST(Spelling, WhatStillMovesFillsNothing) {
-  // Goal: no state is satisfied before it is at rest. Method: drop a lossless ball where others
-  // stay. The ball still bounces at the time limit.
+  // Goal: no state is satisfied before it is at rest. Method: drop a lossless ball where other
+  // balls would stay. The ball still bounces at the time limit.
   Parameters parameters;
   parameters.world.restitution = 1;
   parameters.world.time_limit_s = 0.5;

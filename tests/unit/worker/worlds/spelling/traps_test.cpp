@@ -19,7 +19,7 @@ namespace sleight::worlds::spelling::traps_test {
 constexpr std::uint64_t k_seed = 20'260'511;
 constexpr double k_radius_m = 0.008;
 
-/// Number of animations: ordinary run, or long run (SLEIGHT_SOAK=1).
+/// Number of animations, larger if SLEIGHT_SOAK=1.
 std::uint64_t animation_count() {
   return property::long_run() ? 100'000 : property::of_tier(150, 300);
 }
@@ -196,7 +196,7 @@ Parameters world_of(std::uint64_t kind) {
 }
 constexpr std::uint64_t k_worlds = 5;
 
-/// A draw from the prior. In every other draw, all balls are active.
+/// A draw from the prior. In half of the draws, all balls are active.
 State random_state(const Spelling& world, std::uint64_t n) {
   random::Stream stream = stream_of(n);
   State state = world.draw_prior(stream);
@@ -262,8 +262,8 @@ std::uint64_t expect_held(const Traps& traps, const Bins& bins,
 }
 
 TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
-  // Goal: no ball leaves its trap's box. Method: until a ball hits another in recorded animations,
-  // test each segment's begin, end, highest point and a random time.
+  // Goal: no ball leaves its trap's box. Method: in recorded animations, test a ball's segments
+  // until it hits another ball, each at its begin, end, highest point and a random time.
   std::uint64_t held = 0;
   const std::uint64_t animations = animation_count() / 5;
   for (const std::uint64_t n : property::cases(animations)) {
@@ -306,8 +306,8 @@ TEST(Traps, ABallBetweenAnEdgeAndAWallIsDecided) {
 }
 
 TEST(Traps, WhatIsDecidedEarlyIsWhatARunToRestFinds) {
-  // Goal: early decisions are right (spelling.h, invariant 2). Method: simulate random states of
-  // each world both ways. One object simulates all states of its world, as in a chain.
+  // Goal: early decisions are right (spelling.h, invariant 2). Method: simulate random states to
+  // the decision and to rest. One object simulates all states of its world, as in a chain.
   std::vector<Spelling> worlds;
   for (std::uint64_t kind = 0; kind < k_worlds; ++kind)
     worlds.emplace_back(world_of(kind));
