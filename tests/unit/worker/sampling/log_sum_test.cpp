@@ -61,8 +61,8 @@ TEST(LogSum, HoldsWhatNoDoubleHolds) {
 }
 
 TEST(LogSum, AddsSums) {
-  // Goal: the sums of parts add up to the whole sum. Method: use three parts, one with only zeros
-  // and one empty.
+  // Goal: sums of parts add up to the whole sum. Method: use four parts, one with zeros and one
+  // empty.
   random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 1000);
   LogSum whole;
   LogSum parts[4];

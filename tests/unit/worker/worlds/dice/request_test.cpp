@@ -178,8 +178,7 @@ TEST(DiceRequest, SlipsAreNamed) {
 
 TEST(DiceRequest, FreeNumberingNeedsAnyStartAndOneTime) {
   // Goal: dice are numbered after the throw only if such numbering is valid. Method: use fixed
-  // starts, and goals at two times. Fixed starts and goals at two times are valid with fixed
-  // numbering.
+  // starts, and goals at two times. Both are valid with fixed numbering.
   const std::string fixed_start = "[[world.die]]\norientation = \"fixed\"\nup = 1\n";
   const std::string face = "[[constraint.face]]\nup = 6\n";
   const std::string other_time = "[[constraint.yaw]]\nface = 2\nat_s = 0.2\n";
