@@ -105,7 +105,7 @@ std::string why_it_gave_up(const plan::Finds& finds) {
                        sampling::k_starts_in_vain_max);
   if (finds.stuck_at.empty())
     return fmt::format(
-        "None of the last {} starts satisfied the constraint when all bodies moved together.",
+        "In the last {} starts, the constraint was never satisfied when all bodies moved together.",
         sampling::k_starts_in_vain_max);
   return fmt::format(
       "None of the last {} starts got past {}: every attempt at this stage violated the "

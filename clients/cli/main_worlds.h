@@ -1,4 +1,4 @@
-// The worlds of a program, as one function that tests replace.
+// The worlds of a program. Test programs link another definition of this function.
 #pragma once
 
 #include "worker/run/catalogue.h"

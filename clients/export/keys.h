@@ -1,8 +1,8 @@
 // Converts a body's motion to keys between which players interpolate: straight lines for places,
 // the shortest rotation for orientations (glTF's LINEAR).
 //
-// Between keys, the error is at most k_bow_m and k_turn_off_rad. Both bounds have closed forms, so
-// keys of a segment are equally spaced without any search:
+// Between keys, the error is at most k_bow_m and k_turn_off_rad. The keys of a segment
+// are equally spaced. Closed forms of both bounds give the spacing d without a search:
 //
 //   `place`: |a| d^2 / 8 for keys d apart, the sagitta of a parabola.
 //   `turn`: phi(t), the rotation vector since a key, has |phi''| <= |a| (1 + |w| d) while phi is

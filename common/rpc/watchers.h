@@ -31,9 +31,9 @@ class Watchers final : kj::TaskSet::ErrorHandler {
   ~Watchers();
   KJ_DISALLOW_COPY(Watchers);
 
-  /// Returns an empty list after `wait_s_max`. Dropping the promise ends the wait. A breaking
-  /// connection drops the promise in a later turn of the loop, perhaps after this object is
-  /// destroyed.
+  /// Returns an empty list after `wait_s_max`. Dropping the promise ends the wait. If the
+  /// connection breaks, the promise is dropped in a later turn of the loop, perhaps after this
+  /// object is destroyed.
   kj::Promise<Batches> wait(const Caller& caller, std::vector<WatchPoint> points);
   void news(JobId job);
   std::size_t waiting() const { return waiting_; }

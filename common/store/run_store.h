@@ -104,9 +104,9 @@ class RunStore {
   std::uint64_t close(events::RunEnd end);
   std::uint64_t committed() const;
 
-  /// Returns a database for readers in this process, in any thread. This is a separate connection,
-  /// which sees only committed rows, or on a network disk the writer's connection. REQUIRES: the
-  /// database is released before the store is destroyed.
+  /// Returns a database for readers in this process, in any thread. Usually this is a separate
+  /// connection, which sees only committed rows. On a network disk, this is the writer's
+  /// connection. REQUIRES: the database is released before the store is destroyed.
   std::shared_ptr<SharedDatabase> to_read();
 
   static std::string database_path(const std::string& folder) { return folder + "/store.sqlite"; }

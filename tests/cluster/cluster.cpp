@@ -47,7 +47,7 @@ Cluster::Cluster(const Case& of)
 }
 
 Outcome Cluster::run(double limit_s) {
-  // Workers that join later don't exist at first.
+  // Workers that join later aren't started at first.
   std::vector<bool> is_late(workers_.size());
   for (const Fault& fault : scenario_.faults) {
     if (fault.kind == Fault::Kind::workers_join)

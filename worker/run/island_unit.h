@@ -13,8 +13,8 @@
 
 namespace sleight::run {
 
-/// Returns the guide for islands from which no chain continues. The result is a value or a
-/// reference.
+/// Returns the guide for islands that only estimate the odds: no chain continues from their draws.
+/// The result is a value or a reference.
 template <StagedWorld W>
 decltype(auto) guide_for_odds(const W& world, const typename W::Guide& guide) {
   if constexpr (sampling::ListsChoices<W>) {

@@ -50,7 +50,7 @@ class RoundStatistics {
   Estimate log_z() const;
   /// log Z_{i+1} - log Z_i, whose sum is log_z.
   std::vector<double> log_z_steps() const;
-  /// -infinity, without an error, if no state satisfied.
+  /// If no state is satisfied, the value is -infinity and the error is NaN.
   Estimate log_satisfied() const;
 
  private:

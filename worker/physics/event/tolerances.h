@@ -224,8 +224,8 @@ inline constexpr int k_slide_halvings_max = 2;
 /// because a support that sticks while others slip would swing. If all supports are as slow, the
 /// body sticks.
 inline constexpr double k_full_friction_slip = 0.25;
-/// A spin is ignored if it moves no support faster than this share of the speed at which slips end.
-/// At 0, a straight-sliding body turns by the spin left over from its last bounce.
+/// A spin counts as 0 if it moves the supports at most this fast, as a share of the speed at which
+/// slips end. At 0, a straight-sliding body turns by the spin left over from its last bounce.
 inline constexpr double k_no_spin_slip = 0.01;
 
 /// A body of revolution touches along a line only if the sine between its axis and the normal is at

@@ -19,9 +19,9 @@
 // While no slip turns, loads and accelerations are constant, the centre follows a parabola and the
 // angular velocity changes linearly. A body that slides without turning, or only spins, has one
 // such piece. If slips turn, a piece lasts while they turn by a 32nd of a radian, or for 2^-11 s if
-// that is longer. The piece uses the directions and loads at half of its time. A piece of a cone's
-// circle covers a 32nd of a radian; its velocities are exact at both ends and interpolated in
-// between.
+// that is longer. The piece uses the directions and loads at its midpoint in time. A piece of a
+// cone's circle covers a 32nd of a radian; its velocities are exact at both ends and interpolated
+// in between.
 //
 // Invariants
 //   1. Nothing gains energy from piece to piece. At the start, velocity that the plane doesn't

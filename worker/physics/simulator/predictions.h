@@ -58,7 +58,7 @@ class Predictions {
   Prediction predict_free_spheres(BodyId a, BodyId b, Tick now) const;
   /// Closed form for b's image at a given shift.
   Prediction predict_free_spheres_at(BodyId a, BodyId b, const Vec3& shift_m) const;
-  /// Equals predict_free_spheres(), but predicts some edges of a body at once. `changes`: change
+  /// Does the same as predict_free_spheres(), for some edges of a body at once. `changes`: change
   /// numbers of all bodies. Returns false if some partners are not in free flight: their edges are
   /// predicted as not colliding, and the caller must predict these edges again. REQUIRES:
   /// in_free_flight(body).

@@ -10,7 +10,7 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// Maximum number of misses that the map uses; further goals add little about the place.
+/// Maximum number of misses that the map uses. More misses would tell little more about the place.
 constexpr std::size_t k_misses_max = 8;
 /// Minimum throws per number. With fewer, covariances are noise.
 constexpr std::size_t k_throws_per_number = 3;

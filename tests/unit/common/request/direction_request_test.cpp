@@ -396,8 +396,9 @@ TEST(WithSeed, IsAsIfTheFileHadIt) {
 }
 
 TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
-  // Goal: a section's tables are part of a request like its keys: in values, error places,
-  // canonical text and identity. Method: read a good request, and requests with one fault each.
+  // Goal: tables in a section work like keys: they set values, errors give their lines, and the
+  // canonical text and the identity contain them. Method: read a good request, and requests with
+  // one fault each.
   const std::array worlds{toy::binding()};
   const std::string pegs = "[[world.peg]]\ny_m = 2\n[[world.peg]]\nx_m = 3\n";
   const std::string text = "[world]\nname = 'toy'\n" + pegs + "[stop]\nscans = 1\n";

@@ -236,8 +236,9 @@ TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
 }
 
 TEST(ChainWorker, KeepsStatesFromTheFirstDrawOn) {
-  // Goal: thinning starts at the first draw, here at scan 25 of 60. Before that scan, only
-  // satisfied states at inverse temperature 1 are stored, and hot states as hot_thin selects.
+  // Goal: thinning starts at the first draw, here at scan 25 of 60. Before that scan, states
+  // at inverse temperature 1 are stored only if satisfied. Hot states are stored every hot_thin
+  // scans.
   const worlds::ball_2d::Ball2d ball({});
   const ChainWorker<worlds::ball_2d::Ball2d> worker(ball,
                                                     {.thin = 4, .first_draw = 25, .hot_thin = 6});

@@ -253,8 +253,8 @@ void change_control(Scene& scene, const Vec3& place_m, Dice& dice) {
   surface.controls = table.with(point, control);
 }
 
-/// Proposes like a sampler of throws: changes some control points, or a body's start, or both. The
-/// control points are at the first or last touches, or anywhere near or far away.
+/// Proposes like a sampler of throws: changes some control points, or a body's start, or both. Each
+/// control point is at one of the first three touches, at the last touch, or at a random place.
 void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dice) {
   const auto kind = dice.below(8);
   if (kind < 6) {
