@@ -191,7 +191,7 @@ void append_counts(std::string& text, const Diagnosis& diagnosis) {
                       percent(share_of(diagnosis.satisfied_judged, judged)),
                       percent(share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)),
                       diagnosis.weights ? ", regardless of weights" : "");
-  text += fmt::format("  solutions  {}{} independent, counted as lineages with a satisfied scan\n",
+  text += fmt::format("  solutions  {}{} independent (lineages with a satisfying scan)\n",
                       count(diagnosis.solutions), diagnosis.solutions_more ? " or more" : "");
   if (std::isnan(diagnosis.simulations)) return;
   text +=

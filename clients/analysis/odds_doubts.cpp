@@ -116,7 +116,7 @@ void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const
     doubts.push_back(
         {.kind = DoubtOf::ladders_disagree,
          .reason = fmt::format(
-             "the spread between {} is {:.1f} times as large as their own errors explain",
+             "the spread between {} is {:.1f} times the spread expected from their own errors",
              whose.many, all.between_error / all.own_error),
          .at_least = true});
   }

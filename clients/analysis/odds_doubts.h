@@ -19,8 +19,8 @@
 //     still drifts.
 //   `wide`: a single ladder's log estimate has an error above k_spread_max, so the mean of logs is
 //     too low by more than half of k_spread_max, and errors are unreliable.
-//   `ladders_disagree`: the ladders differ by more than their own errors explain, so each ladder
-//     lacks states that its round trips didn't bring.
+//   `ladders_disagree`: the ladders differ by more than expected from their own errors, so each
+//     ladder lacks states that its round trips didn't bring.
 //
 // The constants were chosen on worlds with known odds, where the resulting errors cover the truth
 // as often as they should (tests/statistical/odds_test.cpp).
@@ -68,7 +68,7 @@ inline constexpr double k_spread_max = 1;
 inline constexpr double k_drift_max = 3;
 /// Minimum particles per island. docs/MEASUREMENTS ("Intervals by islands") has the measurements.
 inline constexpr double k_particles_min = 16;
-/// Maximum ratio of the ladders' spread to the spread that their own errors explain.
+/// Maximum ratio of the ladders' spread to the spread expected from their own errors.
 inline constexpr double k_disagreement_max = 3;
 enum class DoubtOf : std::uint8_t {
   no_value,

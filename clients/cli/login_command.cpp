@@ -124,15 +124,15 @@ void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
         base::ExitCode::not_allowed,
         fmt::format(
             "{} presented the certificate {}, which does not match --fingerprint: either the "
-            "server has a new certificate, or someone intercepts the connection. To see "
+            "server has a new certificate, or someone is intercepting the connection. To see "
             "the right fingerprint, run `sleight server status` on the server's machine",
             access::text_of(service.address), seen));
   }
   const auto own_name = access::self_signed_name(pem);
   if (!own_name) {
     terminal::refuse_usage(fmt::format(
-        "the certificate of {} is signed by an authority: replace --fingerprint by --ca FILE with "
-        "the authority's certificate, or omit both options if the system trusts the authority",
+        "the certificate of {} is signed by an authority: instead of --fingerprint, use --ca FILE "
+        "with the authority's certificate; if the system trusts the authority, use neither",
         access::text_of(service.address)));
   }
   service.certificate = pem;

@@ -44,7 +44,7 @@ struct Finds {
   std::uint64_t wanted = 0;  ///< 0: no search.
   bool gave_up = false;      ///< Too many consecutive starts found nothing.
   /// After giving up: the stage at which the best starts were stuck, such as "ball 3 of 16". Empty
-  /// if starts passed all stages but the whole motion never satisfied.
+  /// if starts passed all stages, but no whole motion satisfied the constraint.
   std::string stuck_at{};
   bool is_all = false;  ///< No sampled chains follow the search.
   /// Number of takes.

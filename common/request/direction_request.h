@@ -278,11 +278,12 @@ struct Cut {
 };
 
 /// Returns normalised_text with [stop] and prior_draws set to `cut`: the request that reproduces
-/// the archive exactly. Without scans and takes the text describes a search. If there are islands,
-/// the text retains the rules `odds` and `independent_solutions` besides the scans, because results
-/// of islands decide when these rules end a run. An archive needs the rules to decide whether its
-/// islands count. A run that was ended by such a rule before the cut ends at the same scan again.
-/// REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max, found <= k_found_max.
+/// the archive exactly. If there are neither scans nor takes, the text describes a search. If there
+/// are islands, the text retains the rules `odds` and `independent_solutions` besides the scans,
+/// because results of islands decide when these rules end a run. An archive needs the rules to
+/// decide whether its islands count. A run that was ended by such a rule before the cut ends at the
+/// same scan again. REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max, found <=
+/// k_found_max.
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 
 /// Returns [world], [constraint] and [sampler] of the normalised text. Requests with equal text

@@ -216,8 +216,8 @@ struct Client::Impl final : Link {
             access::fingerprint_of(remote.certificate)) {
       return fmt::format(
           "the certificate of the server at {0} has changed since the login: the server has a new "
-          "certificate, or somebody intercepts the connection. Confirm the new certificate with "
-          "the server's operator, then run `sleight login {0}` again",
+          "certificate, or someone is intercepting the connection. Confirm the new certificate "
+          "with the server's operator, then run `sleight login {0}` again",
           name);
     }
     const std::string fault =

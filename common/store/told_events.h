@@ -4,7 +4,7 @@
 // Invariants
 //   1. Numbered events are returned in order from the requested number, without gaps, each once.
 //   2. Numbered events are in the store, so they never change.
-//   3. Each answer ends with the newest unnumbered event of each kind that is new to the reader.
+//   3. Each answer ends with unnumbered events: the newest of each kind, if new to the reader.
 //
 // Reading never delays the writer. The store is opened only if events are missing in the log; on a
 // network disk only the writer's process can do so.

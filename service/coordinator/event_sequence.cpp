@@ -8,7 +8,8 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Returns the number of a start or an island, or a scan's number in archives.
+/// If the replica makes starts or islands, returns the start's or island's number. Otherwise
+/// returns the scan's number in archives.
 std::uint64_t place_of(const plan::ReplicaKey& replica, std::uint64_t scan) {
   if (plan::is_search_lane(replica.chain)) return plan::start_number(replica.chain, scan);
   return plan::is_island_lane(replica.chain) ? plan::island_number(replica.chain, scan) : scan;

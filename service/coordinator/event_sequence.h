@@ -15,9 +15,9 @@
 //   1. The events up to a frontier are a function of the results up to that frontier. Events don't
 //      depend on how the frontier advances, nor on threads, ranks, killed processes or earlier
 //      sessions.
-//   2. Reported events are final: a frontier only advances. A longer [stop] adds events. With a
-//      shorter [stop] or fewer requested finds, there are no events until the run passes the
-//      frontier. With more requested finds, the search resumes at its frontier, so its new finds
+//   2. Reported events are final: a frontier only advances. A longer [stop] adds events. If [stop]
+//      is shorter or fewer finds are requested, there are no events until the run passes the
+//      frontier. If more finds are requested, the search resumes at its frontier, so its new finds
 //      follow the chains' events that were reported before.
 //   3. A failure is reported once per scan and kind, up to k_failures_told_max failures per run.
 //      Progress and summaries also count the failures beyond this maximum.

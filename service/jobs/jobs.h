@@ -37,12 +37,13 @@
 // A batch system may queue an attempt first. The job then stays `starting`, its cores stay
 // reserved, and nothing is charged. The batch system decides how long the attempt waits.
 //
-// Nobody starves. A user that waits with nothing running is next after patience_s at the latest.
-// The user's job gets room once the running jobs' slices are over and those jobs have stopped. A
-// slice is bounded by slice_per_cost times a job's restart cost, or by twice the duration of its
-// longest scan. A stop is bounded by stop_now_after_s. So a user waits at most patience_s, plus one
-// slice and one stop for each user that is next for the same reason. A job waits for its user's
-// jobs that precede it, but once per patience_s the user's longest-waiting job is next.
+// Nobody starves. If a user waits and none of its jobs runs, it is next after patience_s at the
+// latest. The user's job gets room once the running jobs' slices are over and those jobs have
+// stopped. A slice is bounded by slice_per_cost times a job's restart cost, or by twice the
+// duration of its longest scan. A stop is bounded by stop_now_after_s. So a user waits at most
+// patience_s, plus one slice and one stop for each user that is next for the same reason. A job
+// waits for its user's jobs that precede it, but once per patience_s the user's longest-waiting job
+// is next.
 //
 // A step is logarithmic in the number of jobs and linear in waiting users and running jobs. A step
 // visits all jobs only if a Room changes the cores or the memory.

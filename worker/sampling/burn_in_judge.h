@@ -6,9 +6,9 @@
 // excludes no chain for its values. The chains have burnt in if both conditions hold for each
 // value:
 //
-//   - Split R-hat is at most k_burnt_in_r_hat. Means of half chains then differ by at most 0.66
-//     standard deviations of a draw, as if each half held some 2.3 effective draws. Then the
-//     first half lasts 4.5 correlation times, so some 1% of the start's bias should be left.
+//   - Split R-hat is at most k_burnt_in_r_hat. The standard deviation of half chains' means is
+//     then at most 0.66 times that of a draw, as for means of 2.3 independent draws. Then the first
+//     half lasts 4.5 correlation times, so some 1% of the start's bias should be left.
 //   - If all chains start at one end of the value's range, at least one draw differs from the
 //     starts.
 //

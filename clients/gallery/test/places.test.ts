@@ -15,7 +15,7 @@ function sceneOf(kinds: readonly ("body" | "fixed" | "wanted")[]): Scene {
   return { features } as unknown as Scene;
 }
 
-test("wanted features on the ground become places, which are rectangles seen from above", () => {
+test("a wanted feature on the ground becomes a place: a rectangle seen from above", () => {
   const looks: Looks = {
     generation: 1,
     own: [],

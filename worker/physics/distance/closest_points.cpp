@@ -15,7 +15,7 @@ using math::dot;
 using math::norm;
 
 // If the gap is below this many roundings, the direction between the two points is noise. The
-// pieces then count as touching, and faces and edges determine the normal as for overlap.
+// pieces then count as touching, and the normal is chosen as for pieces that overlap.
 constexpr double k_touching_roundings = 8;
 
 Closest in_world(const PlacedPose& pose_a, const LocalClosest& local, Search search) {

@@ -103,8 +103,9 @@ inline constexpr int k_impact_reduction_rounds = 16;
 
 // ---- what stays on static geometry --------------------------------------------------------------
 
-/// A sphere faster than this many times its slowest bounces hops over an edge or a vertex. With a
-/// smaller value, slow spheres hop too. With a larger value, fast spheres are held to edges.
+/// A sphere hops over an edge or a vertex if its speed is more than this many times that of its
+/// slowest bounces. With a smaller value, slow spheres hop too. With a larger value, fast spheres
+/// are held to edges.
 inline constexpr double k_edge_speeds = 16;
 
 /// Height by which a slower sphere rises above the edge or vertex, as a share of the height of its
@@ -151,9 +152,9 @@ inline constexpr TickCount k_border_ticks = 256;  // 0.24 us
 
 // ---- slips --------------------------------------------------------------------------------------
 
-/// A slip ends when it is slower than this share of the slowest bounces. With a smaller value, a
-/// slip that is pulled sideways turns ever faster as it ends, in some thirty pieces. With a larger
-/// value, slides stop early.
+/// A slip ends when its speed is below this share of the speed of the slowest bounces. With a
+/// smaller value, a slip that is pulled sideways turns ever faster as it ends, in some thirty
+/// pieces. With a larger value, slides stop early.
 inline constexpr double k_stick_bounces = 0.1;
 /// Absolute limit below which a slip ends: slides end at a whole tick, when the slip is about 1e-8
 /// m/s beyond 0.

@@ -43,8 +43,9 @@ class GeneralRotation {
   static constexpr std::size_t k_order = 16;
   /// Maximum of h |w|max max(1, c), in radians.
   static constexpr double k_step_rad = 0.25;
-  /// Maximum steps of a flight: at least 131,000 rad, half a second of computing. A body that turns
-  /// for longer without a contact is refused (rotation_horizon in rotation_track.h).
+  /// Maximum steps of a flight. They cover at least 131,000 rad and take half a second to compute.
+  /// A body that turns for longer without a contact is refused (rotation_horizon in
+  /// rotation_track.h).
   static constexpr std::int64_t k_steps_max = std::int64_t{1} << 20;
 
   /// REQUIRES: moments > 0; orientation of norm 1; everything finite.

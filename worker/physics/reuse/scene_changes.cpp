@@ -103,8 +103,8 @@ std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene&
   return changed;
 }
 
-/// Distance from a surface within which a point that doesn't touch may carry a body that touches
-/// elsewhere.
+/// If a body touches something, its points within this distance of a surface may carry it too, even
+/// without touching.
 double near_m(const Scene& scene) {
   double reach_m = 0;
   for (const BodyDescription& body : scene.bodies) {

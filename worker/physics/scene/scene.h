@@ -100,8 +100,8 @@ struct SlowContacts {
 };
 
 /// Returns limits for bodies of size L. With v = sqrt(g L) and t = sqrt(L / g), bodies separate at
-/// 0.01 v or more, and rest after a time of 0.1 t below the speed 0.08 v. A fall by L / 2 takes the
-/// time t and reaches the speed v.
+/// 0.01 v or more. They rest after being slower than 0.08 v for a time of 0.1 t. A fall by L / 2
+/// takes the time t and reaches the speed v.
 inline SlowContacts slow_contacts_of(double size_m, double gravity_mps2) {
   const double fall_mps = std::sqrt(gravity_mps2 * size_m);
   return {.separation_speed_mps = 0.01 * fall_mps,

@@ -93,8 +93,8 @@ TEST_F(SearchRuns, GoOnAndAreCutShort) {
 
 TEST_F(SearchRuns, TakesAreTheSame) {
   // Goal: takes are stored like finds and marked as relaxed. The archive doesn't depend on threads
-  // or stops, can be cut to fewer takes, and is reproduced by the request stored in it. A run
-  // stopped before its first take has the plain finds.
+  // or stops, can be cut to fewer takes, and is reproduced by the request stored in it. If a run
+  // is stopped before its first take, its archive contains the finds, not relaxed.
   const auto takes = [](int count) {
     return words("method = \"search\"\nrelax_scans = 6\niterations_per_scan = 4\n",
                  "takes = " + std::to_string(count) + "\n");

@@ -427,7 +427,7 @@ done 3 #2
 
 TEST(Scheduler, GivesOnAllOfASilentWorkerInOrder) {
   // Goal: if a worker with several blocks leaves or its leases end, other workers get all its
-  // blocks, the oldest first, and the worker is asked once. Method: use three blocks.
+  // blocks, the oldest first. A silent worker is asked only once. Method: use three blocks.
   expect_goes("a b c", blocks_ahead(0), R"(tick 0
 join 1 threads=3
   assign 1 #0 a@0+1 starts

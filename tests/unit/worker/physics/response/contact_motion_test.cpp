@@ -98,8 +98,8 @@ TEST(ContactMotion, MomentumAboutTheContactIsGravitys) {
 }
 
 TEST(ContactMotion, RollingResistanceStopsIt) {
-  // Goal: a rolling ball stops after time v/(c g) and distance v^2/(2 c g). On a slope, the ball
-  // stays if tan <= (1 + k) c, and accelerates otherwise. Method: compare closed forms.
+  // Goal: a rolling ball stops after time v/(c g) and distance v^2/(2 c g). On slopes it stays up
+  // to tan = (1 + k) c and accelerates on steeper ones. Method: compare closed forms on both sides.
   const double c = 0.02, r = 0.025, v = 0.7;
   Trial trial{.body = {.radius_m = r},
               .contacts = {{.normal = Vec3::UnitZ(), .friction = 0.4, .rolling_friction = c}},
@@ -208,9 +208,9 @@ TEST(ContactMotion, CornerBrakesSpin) {
 
 // ---- against small steps of time ----------------------------------------------------------------
 
-/// Allowed error as a fraction of the impulse of all friction. The code keeps a slip's direction
-/// constant, at its value half way, while the slip turns by 1/32 rad. The error is about the square
-/// of that angle for a slip of constant size, and up to 1.8 times as large otherwise.
+/// Allowed error as a fraction of the impulse of all friction. While a slip turns by 1/32 rad, the
+/// code keeps its direction constant, at the value half way through the turn. The error is about
+/// the square of that angle for a slip of constant size, and up to 1.8 times as large otherwise.
 constexpr double k_held = 4.0 / 1024;
 
 struct State {
@@ -282,8 +282,8 @@ struct Agreement {
 
 /// Compares the code with the reference at a step and at a quarter of it. The tolerance covers the
 /// reference's error: the effect of quartering, and gravity during one step where slip reverses.
-/// The tolerance also covers `held` times the impulse of all friction, for slip directions held
-/// constant. The spin's tolerance is 1/k of the velocity's tolerance.
+/// The tolerance also covers the error of keeping slip directions constant: `held` times the
+/// impulse of all friction. The spin's tolerance is 1/k of the velocity's.
 void compare(const Trial& trial, int steps_per_sample, double held, Agreement& agreement) {
   const Samples coarse = stepped(trial, steps_per_sample);
   const Samples fine = stepped(trial, 4 * steps_per_sample);
@@ -340,7 +340,7 @@ TEST(ContactMotionAgainstSteps, StraightOnOneFace) {
 }
 
 TEST(ContactMotionAgainstSteps, AcrossASlope) {
-  // Goal: motion with a turning slip is right. Method: throw balls with any spin across slopes.
+  // Goal: a turning slip is right. Method: throw balls with any spin across slopes.
   const std::uint64_t seed = 42;
   Dice dice(seed);
   Agreement agreement;
