@@ -63,7 +63,7 @@ ScalarReport report_of(const Rules& rules, std::string name, const DrawRange& ra
     report.verdict.sd = sd;
     report.verdict.mcse = k_not_known;
   }
-  // Too few draws are reported once for all scalars.
+  // complain_of_few() reports too few draws, once for all scalars.
   if (range.count < rules.draws_min) report.verdict.complaints.clear();
   return report;
 }

@@ -86,11 +86,12 @@ void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
              "the round before {} can't be compared, because it is too short or has no solution",
              facts.round)});
   } else if (!(std::abs(change) <= k_drift_max * error)) {
-    doubts.push_back({.kind = DoubtOf::rounds_disagree,
-                      .reason = fmt::format("{} and the round before differ by {:.2f} +- {:.2f}, "
-                                            "so the estimate is still drifting",
-                                            facts.round, std::abs(change), error),
-                      .at_least = true});
+    doubts.push_back(
+        {.kind = DoubtOf::rounds_disagree,
+         .reason = fmt::format("{} differs from the round before it by {:.2f} +- {:.2f}, "
+                               "so the estimate is still drifting",
+                               facts.round, std::abs(change), error),
+         .at_least = true});
   }
 }
 

@@ -21,8 +21,7 @@ struct TableLook {
   std::function<std::string(std::uint32_t)> user_name{};
 };
 
-/// Returns a heading and one line per job: place in the queue and what the job waits for, estimated
-/// time left (by scans and by solutions), finds, solutions in proportion, failures by kind.
+/// Returns a table with a heading and one line per job.
 std::string job_table(std::span<const rpc::JobView> jobs, const TableLook& look);
 
 /// Reports everything about a job except its history.

@@ -100,7 +100,7 @@ void add_submit(CLI::App& app, Action& action) {
       ->type_name("N");
   command
       ->add_option("--memory", options->memory,
-                   "Simulation cache of all processes together, for example 2GB. Affects speed, "
+                   "Total simulation cache of all processes, for example 2GB. Affects speed, "
                    "not results. Default: the service's cache_mb per process")
       ->type_name("SIZE");
   command

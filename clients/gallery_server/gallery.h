@@ -89,7 +89,7 @@ class Gallery {
   void look_forever();
   void look_through_folders();
   void look_at(std::size_t archive);
-  /// What to read from an archive, and what is shown meanwhile.
+  /// The file to read, and the snapshot that is shown meanwhile.
   struct Reading {
     std::string path{};
     browse::FileState file{};

@@ -9,8 +9,8 @@
 
 namespace sleight::world_plots {
 
-/// Draws the number of filled bins along chains, with a line at all designated bins, and log p
-/// below, over iterations.
+/// Draws two plots over iterations: the number of filled bins, with a line at the number of
+/// designated bins; and below it, log p.
 class Spelling final : public pictures::WorldPlots {
  public:
   std::string world() const override;

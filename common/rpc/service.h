@@ -263,7 +263,7 @@ struct ChangeAsk {
 
 // ---------------------------------------------------------------------------------------- watching
 
-/// The events and changes of a job that a watcher already has.
+/// The last of a job's events and state changes that a watcher has received.
 struct WatchPoint {
   JobId job{};
   std::uint64_t event = 0;   ///< number of the last numbered event received

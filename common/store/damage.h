@@ -1,6 +1,6 @@
-// Texts by which callers recognise the store's errors about damaged files. A supervisor receives
-// only the message of a run's end (common/events/run_end.h), and no further attempt can succeed
-// with a damaged store.
+// Texts by which callers recognise the store's errors about damaged files. A supervisor needs them
+// because it receives only the message of a run's end (common/events/run_end.h). No further attempt
+// can succeed with a damaged store.
 //
 // Pure; thread-safe.
 #pragma once

@@ -43,9 +43,9 @@ class RunLock {
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
 
-  /// Starts a thread that renews the lease. Before this call the process may fork safely, but must
-  /// call `keep` or `renew` before the lease ends. The call has no effect on a local disk, or if
-  /// the thread runs already.
+  /// Starts a thread that renews the lease. Before this call, the process may fork safely. Call
+  /// `keep` or `renew` before the lease ends. `keep` has no effect on a local disk, or if the
+  /// thread runs already.
   void keep();
   /// Renews the lease now if a renewal is due. For long work before keep.
   void renew();

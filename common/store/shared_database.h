@@ -1,9 +1,9 @@
 // A database connection that several threads use in turns.
 //
-// On a local disk SQLite allows any number of reading connections beside a writing one. On a
-// network disk connections can't share memory, so a process has a single connection, used in turns
-// by group commits and readers. Turns are granted in the order of requests. So a commit waits for
-// at most one turn of each other thread. In one turn a reader reads a batch of rows, which it
+// On a local disk, SQLite allows any number of reading connections beside a writing one. On a
+// network disk, connections can't share memory. So a process has a single connection, which group
+// commits and readers use in turns. Turns are granted in the order of requests. So a commit waits
+// for at most one turn of each other thread. In one turn a reader reads a batch of rows, which it
 // visits after the turn.
 //
 // Invariants

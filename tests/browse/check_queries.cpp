@@ -1,4 +1,4 @@
-// Compares fast answers to random queries with slow ones, on an archive's animations.
+// Compares fast and slow answers to random queries on an archive's animations.
 //
 // Usage: `sleight-check-queries ARCHIVE.h5 QUERIES SEED`.
 //

@@ -58,7 +58,8 @@ struct CaseChoice {
   Mistake mistake = Mistake::none;
 };
 
-/// Draws a case: log-uniform workers up to the maximum, enough work for them, and faults.
+/// Draws a case: a log-uniform number of workers up to the maximum, enough work for them, and
+/// faults.
 Case case_of(std::uint64_t seed, const CaseChoice& choice = {});
 
 /// Runs the plan serially for the expected result. REQUIRES: everything but the faults is set.

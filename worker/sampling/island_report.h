@@ -15,8 +15,9 @@ namespace sleight::sampling {
 /// The free islands of one chain's scans, in order. Scan 0, the start, has no islands.
 class IslandsOfChain {
  public:
-  /// Adds the next scan's islands, or its only island.
+  /// Adds the next scan's islands.
   void add(const plan::ScanRecord& record);
+  /// Adds the next scan's only island.
   void add(const IslandEstimate& island);
   const std::vector<IslandEstimate>& estimates() const { return estimates_; }
   /// Number of islands in the first `scans` scans. REQUIRES: these scans have been added.

@@ -54,7 +54,7 @@ async function pageOf(server: Server, run = "a", source = server.asSource()) {
   return { store, keeping, show, window };
 }
 
-test("undo reverses a change in the archive where it was made, even if another archive is shown", async () => {
+test("undo applies to the archive that was changed, even if another archive is shown", async () => {
   const server = new Server();
   server.runs["b"]!["c0.1"] = { star: false, hidden: false, tags: [], note: "precious", changed: 1 };
   const { store, keeping, show } = await pageOf(server);

@@ -15,7 +15,7 @@ function sceneOf(kinds: readonly ("body" | "fixed" | "wanted")[]): Scene {
   return { features } as unknown as Scene;
 }
 
-test("a wanted feature on the ground becomes a place: a rectangle seen from above", () => {
+test("wanted features on the ground become places with ranges of x and y", () => {
   const looks: Looks = {
     generation: 1,
     own: [],

@@ -75,8 +75,8 @@ class NearPlaces {
         first.number != 0 && second.number != 0 && tick <= first.until && tick <= second.until;
     return both ? (PlacesOfPair{first.number} << 32U) | second.number : 0;
   }
-  /// Returns the last tick at which both bodies surely have these places. REQUIRES: both have a
-  /// place.
+  /// Returns the last tick until which both bodies certainly keep these places. REQUIRES: both have
+  /// a place.
   Tick until(BodyId a, BodyId b) const { return std::min(of_body_[a].until, of_body_[b].until); }
   /// Returns a distance. If a pair is ever further apart than this, it can't meet while both bodies
   /// keep their places. REQUIRES: both bodies have a place.

@@ -164,8 +164,8 @@ class Valley {
     }
     return sum;
   }
-  /// Returns the equations: the centre has no acceleration along the faces' normals, and the
-  /// surface at a sticking contact has none.
+  /// Returns the equations: the centre has no acceleration along the faces' normals, and the body's
+  /// surface has no acceleration at a sticking contact.
   LinearSystem balance(const Units& all) const {
     LinearSystem system(all.count);
     for (std::size_t column = 0; column < all.count; ++column) {

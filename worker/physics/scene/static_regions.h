@@ -84,8 +84,8 @@ inline bool is_hollow(const TriangleMesh& mesh) {
   return volume < 0;
 }
 
-/// Whether a closed mesh stays hollow, or stays solid, while each vertex coordinate moves by at
-/// most slack_m.
+/// Returns whether a closed mesh stays hollow (or solid) if each vertex coordinate moves by at most
+/// slack_m.
 inline bool keeps_side(const TriangleMesh& mesh, double slack_m) {
   // When one vertex moves, the volume changes by at most a third of the distance times the area of
   // the triangles at the vertex. No edge grows by more than the distances that its two ends move.

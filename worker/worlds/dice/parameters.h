@@ -70,7 +70,7 @@ struct ProposalParameters {
   double change_start = 0.8;
   double change_control = 0.03;
   double change_contact = 0.12;
-  // Standard deviations of the largest steps.
+  // Standard deviations of steps, before halvings.
   double position_m = 0.005;
   double velocity_mps = 0.1;
   double spin_radps = 20;

@@ -31,7 +31,7 @@ constexpr std::string_view k_sd_help = "standard deviation; 0: fixed";
 constexpr std::string_view k_sigma_help =
     "standard deviation of this goal's factor in the constraint p_c";
 constexpr std::string_view k_tolerance_help = "maximum distance at which the goal is satisfied";
-constexpr std::string_view k_step_help = "standard deviation of the largest proposed steps";
+constexpr std::string_view k_step_help = "standard deviation of proposed steps, before halvings";
 
 void length_mm(Binder& binder, std::string_view key, double& value_m, NumberOptions options) {
   double value_mm = std::round(value_m * 1e12) / 1e9;
@@ -518,11 +518,11 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
   sampler.angle_deg("turn_step_deg", p.turn_rad,
                     {.minimum = 1e-6,
                      .maximum = 360,
-                     .help = "standard deviation of the largest rotation steps"});
+                     .help = "standard deviation of rotation steps, before halvings"});
   length_mm(sampler, "height_step_mm", p.height_m,
             {.minimum = 1e-6,
              .maximum = 1000,
-             .help = "standard deviation of the largest proposed changes of a point's height"});
+             .help = "standard deviation of changes of a point's height, before halvings"});
   step("restitution_step", p.restitution, "", 1);
   step("friction_step", p.friction, "", 10);
   sampler.integer("halvings", p.halvings,

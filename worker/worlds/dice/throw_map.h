@@ -27,7 +27,7 @@
 
 namespace sleight::worlds::dice {
 
-/// A throw of a die alone that came to rest, with its misses.
+/// A throw of one die without the other dice. The die came to rest.
 struct LoneThrow {
   DieThrow thrown;
   std::vector<Miss> misses;  ///< of the same goals for every throw

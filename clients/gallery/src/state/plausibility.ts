@@ -30,7 +30,7 @@ export const plausibilityHelp =
   "An animation that is more likely than many blind throws looks as if it happened by chance.";
 
 export const scoreHelp =
-  "Score (log_constraint): how well the animation meets the goal by the run's constraint; higher is better. " +
+  "Score (log_constraint): how well the animation meets the run's constraint; higher is better. " +
   "If the constraint is a distance to the goal, 0 is a perfect match.";
 
 export const proportionHelp =

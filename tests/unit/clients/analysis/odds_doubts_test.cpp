@@ -111,7 +111,7 @@ TEST(OddsDoubts, OneBadLadderIsFarFromTheOthers) {
   facts.judged[3].value = -9;
   // The bad ladder makes the error between ladders so large that the rounds agree.
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::wide, DoubtOf::ladders_disagree));
-  // A ladder closer to the others still disagrees with them. The deviations are -0.6, 0.2, 0.2,
+  // A bad ladder closer to the others still disagrees with them. The deviations are -0.6, 0.2, 0.2,
   // 0.2, so the standard deviation is 0.4, four times the ladders' errors.
   facts.judged = {{-5.4, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}};
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::ladders_disagree));

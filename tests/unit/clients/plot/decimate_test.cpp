@@ -41,8 +41,8 @@ TEST(Decimation, KeepsTheExtremesOfEachColumn) {
 }
 
 TEST(Decimation, LeavesShortLinesAndPathsThatTurnBack) {
-  // Goal: sparse lines keep every point. Method: thin a sparse line, a path to and fro, a vertical
-  // stroke, no point and one point.
+  // Goal: sparse lines keep every point. Method: thin a sparse line, a path that turns back, a
+  // vertical stroke, no point and one point.
   const std::vector<Point> sparse = {{0, 0}, {1, 5}, {2, -5}, {3, 0}};
   EXPECT_EQ(decimated_line(sparse, 1.0), sparse);
   const std::vector<Point> back = {{0, 0}, {3, 1}, {0, 2}, {3, 3}};

@@ -206,7 +206,8 @@ TEST(QueueChecks, notice_each_mistake) {
 }
 
 TEST(QueueChecks, notice_ties_in_a_simulation) {
-  // Goal: check_simulation() can fail too. Method: use waits of few ticks, so that ties occur.
+  // Goal: check_simulation() can fail too. Method: use waits of only a few ticks, so that ties
+  // occur.
   Dice dice(0);
   EXPECT_NE(check_simulation<WrongQueue<Mistake::tick_alone>>(64, 2, 1'500, dice), "");
 }

@@ -209,8 +209,8 @@ TEST(Lane, AMapMustLieInItsPlane) {
 
 TEST(Lane, AnUphillBorderTakesABoundedNumberOfEvents) {
   // Goal: a spinning ball that climbs from rough to smooth ground returns to the border again and
-  // again, but doesn't hang there forever or gain energy. Method: use the worst of several throws,
-  // which starts at the border without velocity.
+  // again, but doesn't hang there forever or gain energy. Method: start at the border at several
+  // speeds. Speed 0 was the worst.
   const double lean = 0.1;
   for (const double speed_mps : {0.0, 1e-6, 1e-3, 0.1}) {
     const Ball ball;
