@@ -12,9 +12,9 @@
 //
 // A state with log_constraint -inf has probability 0 at inverse temperature 1, and a chain that has
 // left such states never returns. So -inf is treated as a value below all others. States with -inf
-// are also counted, and even a single such state is a reason against mixing. Entries of state
-// variables and outcomes that don't apply (NaN) are also treated as the least values, but aren't a
-// reason against mixing.
+// are also counted, and even one such state means that the chains have not mixed. Entries of state
+// variables and outcomes that don't apply (NaN) are also treated as the least values, but NaN alone
+// does not mean that the chains have not mixed.
 //
 // The caller passes the measures (Rules), because clients don't depend on sampling methods; a
 // program's main() connects both. Archives are untrusted: invalid content throws

@@ -1,7 +1,7 @@
 // The command line of `sleight` as a CLI::App, which also generates help, completion and man pages.
 //
 // One function adds each command with its options, and stores the parsed values in the command's
-// arguments. Parsing a command sets an action, which only main calls.
+// arguments. Parsing stores the command's action. Only main calls it.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -17,7 +17,7 @@ struct ManPage {
   std::string text;
 };
 
-/// Returns all pages, the program's first. `date` has mdoc's form: "November 26, 2026".
+/// Returns all pages. The program's page comes first. `date` has mdoc's form: "November 26, 2026".
 std::vector<ManPage> man_pages(const Command& program, const std::string& date);
 
 }  // namespace sleight::command_tree

@@ -48,7 +48,8 @@ plot::Figure picked_figure(const std::string& title, const std::vector<PickedPan
       source = archive::remote::open_remote(path);
       // Row numbers refer to the archive as it was browsed.
       if (archive::summary_of(*source).content_digest != panel.picked.archive->index.digest)
-        throw base::Error(fmt::format("{}: the archive was replaced meanwhile; try again", path));
+        throw base::Error(
+            fmt::format("{}: the archive changed after it was browsed; try again", path));
     }
     shown.push_back(read_picked(*source, panel.picked, panel.title));
   }

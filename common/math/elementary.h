@@ -39,7 +39,7 @@ double sin(double angle_rad);
 double cos(double angle_rad);
 double tan(double angle_rad);
 /// Sine and cosine together, cheaper than two calls. k = 1, but the bits can differ from the
-/// results of sin() and cos(). To reproduce a value, call the same function again.
+/// results of sin() and cos(). To reproduce a value exactly, use the same function.
 SinCos sincos(double angle_rad);
 
 /// e^x. Returns 0 below -745.14, and infinity above 709.78271 (2e-6 too early). Up to there k = 1.

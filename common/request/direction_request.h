@@ -269,7 +269,7 @@ base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
 std::string normalised_text(const DirectionRequest& request);
 
 /// The place in a run at which an archive's results end. If finds are relaxed, an archive contains
-/// takes, or finds before the first take.
+/// takes, or finds if there is no take yet.
 struct Cut {
   std::uint64_t scans = 0;
   std::uint64_t found = 0;

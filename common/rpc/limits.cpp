@@ -168,7 +168,7 @@ std::optional<Refusal> check(TokenAsk& ask) {
     return refuse(RefusalKind::bad_request, "A token needs at least one scope.");
   if (!(ask.valid_s >= 0) || ask.valid_s > k_token_s_max) {
     return refuse(RefusalKind::bad_request,
-                  "A token is valid for at most ten years, or without limit.");
+                  "A token must expire within ten years or never expire.");
   }
   return std::nullopt;
 }

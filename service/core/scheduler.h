@@ -64,7 +64,7 @@ struct SchedulerOptions {
   double ask_every_s = 5;
 };
 
-/// Number of waiting blocks from which the scheduler chooses by the states that a worker holds.
+/// The scheduler looks through this many waiting blocks for one whose states the worker holds.
 inline constexpr std::size_t k_lookahead = 32;
 /// Maximum number of times that a block is passed over for others.
 inline constexpr std::uint32_t k_passed_over_max = 64;

@@ -217,7 +217,7 @@ void JobRunner::remove(jobs::JobId job) {
 
 void JobRunner::submit(std::vector<Submission> submissions,
                        std::function<void(const std::vector<jobs::Answer>&)> answered) {
-  // All or none: a refusal of one job refuses all.
+  // If one job is refused, refuse all.
   for (std::size_t i = 0; i < submissions.size(); ++i) {
     auto refusal = machine_->refusal_of(submissions[i].submit, i);
     if (!refusal) continue;

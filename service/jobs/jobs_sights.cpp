@@ -1,4 +1,4 @@
-// Observations of open attempts, and the effects on them.
+// Handles observations of open attempts.
 #include <algorithm>
 #include <utility>
 

@@ -1,8 +1,8 @@
 // Systematic resampling of an island's particles: selects each new particle's ancestor.
 //
 // Particles are arcs of a circle, as long as their weights. Equally spaced points with one random
-// offset select ancestors, followed by a random rotation. So each new particle descends from
-// particle m with probability W_m.
+// offset select the ancestors. Then the list of ancestors is rotated by a random number of places.
+// So each new particle descends from particle m with probability W_m.
 //
 // Conditional sequential Monte Carlo conditions on the first new particle descending from the first
 // old particle, because the retained path keeps place 0. The first arc's expected number of points

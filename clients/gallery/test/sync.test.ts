@@ -59,7 +59,7 @@ test("a short difference is not missed", () => {
   assert.equal(whereTheyPart(of(still), of(jerk), 0.0051), null);
 });
 
-test("equal falls that are aligned by their contact never differ", () => {
+test("equal falls that are aligned at the contact never differ", () => {
   // Goal: shifts are respected, even if rounding makes them inexact. Method: start the same fall at odd
   // times.
   const a = recordingFrom(fall(0.1, 2.1));

@@ -218,8 +218,8 @@ double furthest_from(const MovingPiece& piece, const Vec3& point_m) {
   return std::sqrt(most_m2);
 }
 
-/// Bounds the effect of an axis n that turns at W about a point O. In a moving frame, the second
-/// derivative of n.x is n.(x'' - 2 W x x' + W x (W x (x - O))).
+/// Bounds how fast the gap's rate falls because the axis n turns at W about a point O. In a moving
+/// frame, the second derivative of n.x is n.(x'' - 2 W x x' + W x (W x (x - O))).
 AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& point_m,
                       const Vec3& angular_velocity_radps) {
   // The frame moves with A if A is fixed, otherwise at the mean of both velocities.

@@ -147,8 +147,8 @@ inline double size_of(const Vec3& place_m) {
   return std::max({std::fabs(place_m.x()), std::fabs(place_m.y()), std::fabs(place_m.z())});
 }
 
-/// Judges one tick for two spheres. `relative` is the second centre's motion relative to the first,
-/// and `coordinates_m` the size of the centres' coordinates. `touch_m` replaces k_touch_m.
+/// Judges one tick for two spheres. `relative` is the second centre's motion relative to the first.
+/// `coordinates_m` is the size of the centres' coordinates. `touch_m` replaces k_touch_m.
 Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
                          double touch_m, Tick tick);
 

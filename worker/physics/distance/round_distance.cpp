@@ -14,7 +14,8 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// A bound this close to the distance, as a share of the coordinates, counts as equal.
+/// The search ends when its lower bound is this close to the distance, as a share of the pieces'
+/// sizes and their distance.
 constexpr double k_reached = 0x1p-46;
 
 double margin_of(const ConvexView& piece) {

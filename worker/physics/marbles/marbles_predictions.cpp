@@ -30,8 +30,8 @@ constexpr std::uint64_t k_early_ticks = 2;
 /// Affects speed only.
 constexpr std::uint64_t k_steps_without_region = 6;
 
-/// Time for which the touch or approach test of examine() certainly fails for an edge or a vertex;
-/// 0 if both tests hold.
+/// Returns a time for which an edge or a vertex certainly fails the touch or approach test of
+/// examine(); 0 if it passes both.
 double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre, double radius_m,
                           double size_m) {
   Vec3 away_m = centre.position_m - corner.point_m;

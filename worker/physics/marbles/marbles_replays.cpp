@@ -8,9 +8,9 @@
 namespace sleight::physics {
 namespace {
 
-/// Safety factor for the work limit. The work of replayed balls was counted in another simulation,
-/// in which other balls disturbed those left alone. So if the total work times this factor exceeds
-/// the limit, the replay is void and everything is simulated.
+/// Safety factor for the work limit. The work of replayed balls was counted in another simulation
+/// and may differ here, because other balls disturb the balls that are left alone. So if the total
+/// work times this factor exceeds the limit, the replay is void and everything is simulated.
 constexpr std::uint64_t k_work_margin = 2;
 
 }  // namespace

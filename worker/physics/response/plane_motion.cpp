@@ -138,7 +138,7 @@ class Slide {
     double lasts_s = k_forever_s;
     bool straight = true;
   };
-  /// Returns the time for which the slip directions may be held at these rates of change.
+  /// Returns how long the slip directions may be treated as constant at these rates of change.
   Span span_of(const Rates& rates) const {
     Span span;
     for (std::size_t i = 0; i < body_.supports.size(); ++i) {

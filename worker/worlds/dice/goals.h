@@ -101,8 +101,8 @@ struct Judgement {
   std::vector<double> distances{};          ///< by goal, with the numberings above
 };
 
-/// Returns a reason, for display, why no throw of dice with these sides meets both goals. Empty if
-/// a contradiction isn't certain. Goals that would put dice on top of each other at the end are
+/// Returns a reason, for display, why no throw of dice with these sides meets both goals. Empty
+/// unless a contradiction is certain. Goals that would put dice on top of each other at the end are
 /// refused too, because stacks aren't supported.
 std::string contradiction_of(const Goal& a, const Goal& b, double side_m);
 

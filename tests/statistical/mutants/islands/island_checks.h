@@ -41,11 +41,11 @@ std::vector<double> draws_are_weighed(Mistake mistake, std::uint64_t seed);
 std::vector<double> conditional_keeps(Mistake mistake, std::uint64_t seed);
 /// Tests conditional steps with a guide that overrates fallen walkers.
 std::vector<double> conditional_keeps_rescued(Mistake mistake, std::uint64_t seed);
-/// Tests exact draws after conditional steps alternating with local moves.
+/// Tests exact draws after conditional steps, each preceded by a local move.
 std::vector<double> conditional_keeps_among_moves(Mistake mistake, std::uint64_t seed);
 /// Tests exact draws after independence steps.
 std::vector<double> independence_keeps(Mistake mistake, std::uint64_t seed);
-/// Tests exact draws after independence steps alternating with local moves.
+/// Tests exact draws after independence steps, each followed by three local moves.
 std::vector<double> independence_keeps_among_moves(Mistake mistake, std::uint64_t seed);
 /// Tests exact draws after visits, each a conditional step and three independence steps.
 std::vector<double> visits_keep(Mistake mistake, std::uint64_t seed);

@@ -1,5 +1,6 @@
-// Goal: inputs of the jobs' machine follow from a batch system's answers and a job's folder, and
-// silence never becomes an end. Method: use a fake backend and keepers' records.
+// Goal: a batch system's answers and a job's folder determine the inputs of the jobs' state
+// machine. An attempt never ends because the system doesn't answer. Method: use a fake backend and
+// keepers' records.
 #include "service/daemon/system_attempts.h"
 
 #include <fmt/format.h>

@@ -153,8 +153,8 @@ TEST(RestartedChains, CountsTheLastScanOfATour) {
 }
 
 TEST(RestartedChains, EndAlikeHoweverTheyAreRun) {
-  // Goal: a run's end and counts are functions of the results, even if the number of scans is
-  // given. Method: run with one and with five workers, then with the resulting number of scans.
+  // Goal: a run's end and counts depend only on the results, even if the number of scans is given.
+  // Method: run with one and with five workers, then with the resulting number of scans.
   RestartedChains alone(options({}, 7));
   Work(2).carry_out(alone, 1);
   RestartedChains many(options({}, 7));
