@@ -220,8 +220,8 @@ std::string besides_rounds(const Ladders& ladders, const RequestNumbers& request
   }
   if (allowed >= k_trips_each && allowed >= 2 * made) {
     return fmt::format(
-        "a higher iterations_per_scan also helps, because swap rates would allow {:.0f} round "
-        "trips",
+        "a higher iterations_per_scan also helps, because the swap rates of this round allow "
+        "{:.0f} round trips",
         allowed);
   }
   return "";

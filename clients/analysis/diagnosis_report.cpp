@@ -276,7 +276,7 @@ void append_walks(std::string& text, const std::vector<WalkReport>& walks) {
       row.for_people("", fmt::format("level {}", level));
       row.for_people("inverse temperature", number(walks[i].inverse_temperature[level]));
       row.for_people("scans", count(walks[i].visits[level]));
-      row.for_people("moves to next level and back",
+      row.for_people("moves to the next level and back",
                      has_next ? percent(walks[i].acceptance[level]) : "");
     }
     text += report::indented_table(levels);

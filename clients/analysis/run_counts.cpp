@@ -20,7 +20,7 @@ void check_shape(const archive::Source& source, std::string_view name, archive::
   if (spec == nullptr || spec->type != type ||
       !std::ranges::equal(spec->dims, sizes, {}, &archive::Dimension::size)) {
     throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: {}: missing, or has an unexpected shape", source.name(),
+                      fmt::format("{}: {} is missing or has an unexpected shape", source.name(),
                                   archive::path_of(archive::k_sample_stats, name)));
   }
 }

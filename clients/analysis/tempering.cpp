@@ -182,7 +182,7 @@ IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain
   const std::uint64_t moments = spec->dims[1].size;
   const std::uint64_t replicas = spec->dims[2].size;
   if (chain >= spec->dims[0].size || moments != process.scan.size())
-    refuse(source, k_name, "expected as many chains and moments as in index_scan");
+    refuse(source, k_name, "expected the same numbers of chains and moments as index_scan has");
   // Tables have room for the chain with the most moments; unused moments are NaN.
   const auto end = std::ranges::find_if(process.scan, [](double scan) { return std::isnan(scan); });
   process.scan.erase(end, process.scan.end());

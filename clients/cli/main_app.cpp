@@ -197,10 +197,10 @@ void add_diagnose(CLI::App& app, DiagnoseArguments& arguments, Action& action) {
   command->footer(
       "Checks R-hat and the effective sample size of log p, the outcomes and the state. R-hat\n"
       "must be at most 1.01, the effective sample size at least 400, and at least 100 per chain.\n"
-      "Judges the longest round of a tempered run, or the second half of plain chains. A tempered\n"
-      "ladder must also have made a round trip. If the chains have not mixed, prints the reasons\n"
-      "and exits with 7. Success is no proof that the chains have mixed: chains that all miss the\n"
-      "same mode agree with each other.\n\n"
+      "Judges the longest round of a tempered run, or the second half of each plain chain. A\n"
+      "tempered ladder must also have made a round trip. If the chains have not mixed, prints the\n"
+      "reasons and exits with 7. Success is no proof that the chains have mixed: chains that all\n"
+      "miss the same mode agree with each other.\n\n"
       "Examples:\n  sleight diagnose ball.h5\n  sleight diagnose ball.h5 --json | jq .reasons");
   command->callback([&] {
     action = [&] {

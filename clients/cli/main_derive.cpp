@@ -68,8 +68,8 @@ int derive(const DeriveArguments& given) {
   if (stored.results_version != results_version()) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("{}: the run has results version {} (sleight {}), but this program has {}; use "
-                    "the sleight version of the run",
+        fmt::format("{}: the stored results have version {} (sleight {}), but this program "
+                    "computes version {}; use the sleight version that stored the results",
                     folder, stored.results_version, stored.program_version, results_version()));
   }
   const run::Catalogue catalogue = worlds_of_program();

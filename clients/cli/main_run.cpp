@@ -101,7 +101,7 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
 /// Returns why a search gave up: what its last starts had in common.
 std::string why_it_gave_up(const plan::Finds& finds) {
   if (finds.relaxed < finds.relaxed_wanted && finds.found >= finds.wanted)
-    return fmt::format("None of the last {} finds satisfied the constraint after relaxing.",
+    return fmt::format("After relaxation, none of the last {} finds satisfied the constraint.",
                        sampling::k_starts_in_vain_max);
   if (finds.stuck_at.empty())
     return fmt::format(
@@ -263,7 +263,7 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
       ->check(CLI::Range(std::uint64_t{0}, request::k_seed_max))
       ->type_name("N");
   app.add_option("--cache", arguments.cache_mb,
-                 "Simulation cache of each process, in MB. Affects speed, not results")
+                 "Size of the simulation cache of each process, in MB. Affects speed, not results")
       ->check(CLI::Range(0, 1'000'000))
       ->type_name("MB")
       ->capture_default_str();
@@ -300,7 +300,7 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
       "--found", options.found,
       "Return solutions as a search finds them, without relaxing them by Markov chains");
   app.add_flag("--in-proportion", options.in_proportion,
-               "Draw independent solutions in the model's proportions. May take long")
+               "Draw independent solutions, each as often as the model predicts. May take long")
       ->excludes(found);
 }
 

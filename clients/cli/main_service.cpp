@@ -85,8 +85,8 @@ void add_submit(CLI::App& app, Action& action) {
   command
       ->add_option(
           "--set", options->sets,
-          "Override a key of the request, for example sampler.seed=7. A range (1..20) or list "
-          "({1,4}) submits a group of jobs. Repeatable")
+          "Override a key of the request, for example sampler.seed=7. A range (1..20) or a "
+          "list ({1,4}) submits a group of jobs. Repeatable")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   command
@@ -192,8 +192,8 @@ void add_looks(CLI::App& app, Action& action) {
       ->check(CLI::Range(std::uint64_t{1}, k_number_max).description(""))
       ->type_name("N");
   command->footer(
-      "With --json, prints one line per event. Solutions, failures, and ends of rounds and\n"
-      "sessions are numbered from 1 without gaps. A restart of the service doesn't end the\n"
+      "With --json, prints one line per event. Solutions, failures, ends of rounds and ends\n"
+      "of sessions are numbered from 1 without gaps. A restart of the service doesn't end the\n"
       "command. Ctrl-C leaves the jobs running.\n\n"
       "Exit codes: 0 all jobs are done; 10 a job failed; 11 a job was cancelled.\n\n"
       "Examples:\n  sleight watch 17\n  sleight watch 17 --json --from 12\n  sleight watch g5");
@@ -264,7 +264,7 @@ void add_priority(CLI::App& app, Action& action) {
       ->check(CLI::Range(-k_priority_max, k_priority_max))
       ->type_name("N");
   command->footer(
-      "Priorities order the jobs of one user. Between users, fair shares of the machine decide.\n"
+      "Priorities order the jobs of one user. Different users share the machine fairly.\n"
       "A job with a higher priority replaces a running job of the same user after the running job\n"
       "has used its time slice (10 s by default).\n\n"
       "Examples:\n  sleight priority 17 --to 5\n  sleight priority g5 --to -1");

@@ -54,7 +54,8 @@ constexpr SettingOption k_options[] = {
     {"keep_bytes", "--keep-bytes", "SIZE",
      "Maximum disk space of finished jobs; if they exceed it, the oldest unpinned jobs are "
      "deleted. Default: 50GB"},
-    {"cache_mb", "--cache", "MB", "Simulation cache of each process of a job, in MB. Default: 256"},
+    {"cache_mb", "--cache", "MB",
+     "Size of the simulation cache of each process, in MB. Default: 256"},
 };
 
 }  // namespace

@@ -36,31 +36,31 @@ std::string limit_text(const std::optional<std::uint64_t>& limit, const char* un
 
 daemon::ServerFacts facts_of(const config::Settings& settings) {
   const config::UserLimits& limits = settings.limits;
-  return {
-      .version = std::string(base::version()),
-      .results_version = std::string(results_version()),
-      .cache_mb = settings.cache_mb.value,
-      .keeping_rule = fmt::format(
-          "finished jobs are kept for {} days and up to {} in total; pinned jobs are not deleted",
-          settings.keep_days.value, config::bytes_text(settings.keep_bytes.value)),
-      .limits = {{.name = "jobs of a user", .value = limit_text(limits.jobs.value, "")},
-                 {.name = "cores of a user", .value = limit_text(limits.cores.value, "")},
-                 {.name = "core-hours of a user in a day",
-                  .value = limit_text(limits.core_hours.value, "")},
-                 {.name = "bytes of a user",
-                  .value = limits.bytes.value ? config::bytes_text(*limits.bytes.value)
-                                              : std::string("none")},
-                 {.name = "states of a job", .value = limit_text(limits.states.value, "")},
-                 {.name = "simulations of a job",
-                  .value = limit_text(limits.simulations.value, "")}},
-      .request_limits = {.states = limits.states.value.value_or(0),
-                         .simulations = limits.simulations.value.value_or(0)},
-      .job_cores = static_cast<std::uint32_t>(settings.job_cores.value),
-      .check_options =
-          [settings](const std::map<std::string, std::string>& given) {
-            check_options(settings, given);
-          },
-      .backend = settings.backend.value};
+  return {.version = std::string(base::version()),
+          .results_version = std::string(results_version()),
+          .cache_mb = settings.cache_mb.value,
+          .keeping_rule = fmt::format(
+              "finished jobs are deleted after {} days; if they take more than {}, the oldest are "
+              "deleted earlier; pinned jobs are never deleted",
+              settings.keep_days.value, config::bytes_text(settings.keep_bytes.value)),
+          .limits = {{.name = "jobs of a user", .value = limit_text(limits.jobs.value, "")},
+                     {.name = "cores of a user", .value = limit_text(limits.cores.value, "")},
+                     {.name = "core-hours of a user in a day",
+                      .value = limit_text(limits.core_hours.value, "")},
+                     {.name = "bytes of a user",
+                      .value = limits.bytes.value ? config::bytes_text(*limits.bytes.value)
+                                                  : std::string("none")},
+                     {.name = "states of a job", .value = limit_text(limits.states.value, "")},
+                     {.name = "simulations of a job",
+                      .value = limit_text(limits.simulations.value, "")}},
+          .request_limits = {.states = limits.states.value.value_or(0),
+                             .simulations = limits.simulations.value.value_or(0)},
+          .job_cores = static_cast<std::uint32_t>(settings.job_cores.value),
+          .check_options =
+              [settings](const std::map<std::string, std::string>& given) {
+                check_options(settings, given);
+              },
+          .backend = settings.backend.value};
 }
 
 jobs::Options job_options_of(const config::Settings& settings) {

@@ -119,8 +119,8 @@ std::string zsh_completion(const Command& program) {
   for (const Place& place : places_of(program))
     script += function_of(place);
   script += fmt::format(
-      "# Loaded from $fpath, this file is the body of the function _{0}. Loaded by `source`, this "
-      "file calls compdef.\n"
+      "# If loaded from $fpath, this file is the body of the function _{0}. If loaded by `source`, "
+      "it calls compdef.\n"
       "if [[ $funcstack[1] == _{0} ]]; then\n  _PROGRAM \"$@\"\nelse\n"
       "  compdef _PROGRAM {0}\nfi\n",
       program.name);

@@ -22,7 +22,7 @@ std::vector<double> checked_numbers(const archive::Source& source, std::string_v
                                     std::uint64_t first, std::uint64_t count) {
   if (!has_numbers(source, group, dataset, elements)) {
     throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: {}: missing, or has an unexpected shape", source.name(),
+                      fmt::format("{}: {} is missing or has an unexpected shape", source.name(),
                                   archive::path_of(group, dataset)));
   }
   return analysis::as_doubles(source.read(group, dataset, first, count));

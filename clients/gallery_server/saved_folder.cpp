@@ -103,9 +103,8 @@ std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
                   "gallery wrote; {}choose "
                   "a new folder, or move the other files away",
                   place.string(), others.front(), more,
-                  has_work
-                      ? fmt::format("{}... is from a save that is running or was killed; ", k_work)
-                      : std::string()));
+                  has_work ? fmt::format("a running or killed `--save` wrote {}...; ", k_work)
+                           : std::string()));
 }
 
 /// Returns an absolute path with links followed and without a final slash.

@@ -27,7 +27,7 @@ std::string words(rpc::JobId, const events::Solution& solution) {
     return fmt::format("found {}: start {}, log p {:.4g}", grouped(solution.nth),
                        grouped(solution.scan), solution.log_p);
   }
-  return fmt::format("solution {} in proportion: chain {}, scan {}, log p {:.4g}",
+  return fmt::format("solution {} (in the model's proportions): chain {}, scan {}, log p {:.4g}",
                      grouped(solution.nth), solution.chain, grouped(solution.scan), solution.log_p);
 }
 

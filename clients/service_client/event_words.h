@@ -8,8 +8,8 @@
 
 namespace sleight::service_client {
 
-/// Returns, for example, "solution 3 in proportion: chain 2, scan 400, log p -12.3" for the third
-/// solution in the model's proportions. A line of progress has no job name.
+/// Returns, for example, "solution 3 (in the model's proportions): chain 2, scan 400, log p -12.3"
+/// for the third such solution. A line of progress has no job name.
 std::string words_of_event(rpc::JobId job, const events::RunEvent& event);
 
 /// Returns the job's state, the number of the start unless this is the first start, and the reason.

@@ -56,7 +56,7 @@ void visit(AnySettings& s, Visitor& visitor) {
   visitor.count("cores", s.cores, Range{1, k_cores_max, "cores"},
                 "total number of cores for all running jobs");
   visitor.count("job_cores", s.job_cores, Range{0, k_cores_max, "cores"},
-                "number of cores of a job without --cores; 0: all free cores");
+                "default number of cores of a job; 0: all free cores");
   visitor.bytes("memory", s.memory_bytes, 1, "total memory for all running jobs");
   visitor.bytes("disk_reserve", s.disk_reserve_bytes, 0,
                 "minimum free disk space; below it, no job starts and running jobs are held");
@@ -81,7 +81,7 @@ void visit(AnySettings& s, Visitor& visitor) {
   visitor.count("limits.states", s.limits.states, Range{1, k_integer_max, "states"},
                 "maximum number of states of a job: chains x temperatures, or chains x particles");
   visitor.count("limits.simulations", s.limits.simulations, Range{1, k_integer_max, "simulations"},
-                "maximum number of simulations of a job; applies if [stop] determines that number");
+                "maximum number of simulations of a job; applies if [stop] sets scans or rounds");
   visitor.name("slurm.account", s.slurm.account, "default account of jobs");
   visitor.name("slurm.partition", s.slurm.partition, "default partition of jobs");
   visitor.name("slurm.qos", s.slurm.qos, "default quality of service of jobs");

@@ -121,7 +121,7 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
   sampler.choice(
       "start", p.start, std::span<const Named<Start>>(k_starts),
       "initial states (metropolis_hastings, parallel_tempering): \"prior\" uses prior draws; "
-      "\"search\" uses finds of a search, followed by a tested burn-in");
+      "\"search\" uses solutions that a search finds, and tests the burn-in");
   sampler.integer("chains", p.chains,
                   {.minimum = 1, .maximum = k_chains_max, .help = "number of independent chains"});
   sampler.optional_integer(
@@ -170,7 +170,7 @@ void bind_stop(Binder& stop, StopRule& p) {
   stop.optional_integer("independent_solutions", p.independent_solutions,
                         {.minimum = 1,
                          .maximum = k_independent_solutions_max,
-                         .help = "stop when this number of lineages have a satisfying animation; "
+                         .help = "stop when this number of lineages have a solution; "
                                  "default: 5 if no stop rule is given"});
   stop.optional_number(
       "odds", p.odds,
@@ -198,12 +198,11 @@ void bind_output(Binder& output, OutputParameters& p) {
                   .maximum = 1000000000,
                   .unit = "scans",
                   .help = "interval between stored states; 1: every scan, 10: every tenth scan"});
-  output.integer(
-      "keep_max", p.keep_max,
-      {.minimum = 0,
-       .maximum = 1000000,
-       .unit = "animations",
-       .help = "maximum number of stored satisfying animations; default with [stop] odds: 20"});
+  output.integer("keep_max", p.keep_max,
+                 {.minimum = 0,
+                  .maximum = 1000000,
+                  .unit = "animations",
+                  .help = "maximum number of stored animations; default with [stop] odds: 20"});
   output.integer("keep_per_lineage", p.keep_per_lineage,
                  {.minimum = 0,
                   .maximum = 1000,
@@ -214,8 +213,7 @@ void bind_output(Binder& output, OutputParameters& p) {
       {.minimum = 0,
        .maximum = 1e6,
        .unit = "units of likeness",
-       .help =
-           "minimum distance between two stored animations, in the world's measure of likeness"});
+       .help = "minimum distance between two stored animations; the world defines this distance"});
   output.integer("prior_draws", p.prior_draws,
                  {.minimum = 0,
                   .maximum = k_prior_draws,

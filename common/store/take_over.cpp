@@ -30,8 +30,8 @@ void copy_file(const std::string& from, const std::string& to, base::FileSystem&
   const auto failed = [&](const std::error_code& reason) {
     if (!reason) return;
     throw base::Error(
-        fmt::format("{}: can't copy the store to take the run over from another machine: {}; free "
-                    "disk space or check the disk, then run the same command again",
+        fmt::format("{}: can't copy the run store of another machine, so can't take over the run: "
+                    "{}; free disk space or check the disk, then run the same command again",
                     from, reason.message()));
   };
   std::error_code failure;

@@ -110,8 +110,7 @@ const std::string k_disk_full =
     "resumes automatically.";
 const std::string k_other_results =
     "The run and the installed programs have different results versions. The job resumes "
-    "automatically when programs with the run's version are installed. Otherwise, submit the "
-    "request again.";
+    "automatically after the run's version is installed. Otherwise, submit the request again.";
 
 Verdict judge_error(const Job& job, const Ended& ended, const Surroundings& around,
                     const Options& options) {

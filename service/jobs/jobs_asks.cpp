@@ -174,7 +174,8 @@ std::optional<Refusal> Jobs::resume(Job& job) {
   if (job.state == State::done)
     return wrong_state(job, "is done", "To compute more, use `sleight extend`.");
   if (job.state == State::yielding && job.reason == Reason::cancel_asked)
-    return wrong_state(job, "is being cancelled", "Resume the job after it is cancelled.");
+    return wrong_state(job, "is being cancelled",
+                       "Wait until the job is cancelled, then resume it.");
   if (job.state == State::yielding && job.reason == Reason::hold_asked) {
     enter(job, State::yielding, Reason::resumed,
           "The job stops first and resumes at its next turn.");
@@ -189,7 +190,8 @@ std::optional<Refusal> Jobs::resume(Job& job) {
 
 std::optional<Refusal> Jobs::extend(Job& job) {
   if (job.state == State::yielding && job.reason == Reason::cancel_asked)
-    return wrong_state(job, "is being cancelled", "Extend the job after it is cancelled.");
+    return wrong_state(job, "is being cancelled",
+                       "Wait until the job is cancelled, then extend it.");
   if (is_over(job.state)) {
     if (auto refusal = over_job_limit(job.user)) return refusal;
   }

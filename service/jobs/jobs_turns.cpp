@@ -122,8 +122,8 @@ void Jobs::hand_out() {
     if (has_other_results(job)) {
       enter(job, State::held, Reason::other_results,
             "The run and the installed programs have different results versions. The job resumes "
-            "automatically when programs with the run's version are installed. Otherwise, submit "
-            "the request again.");
+            "automatically after the run's version is installed. Otherwise, submit the request "
+            "again.");
       continue;
     }
     const Shares now = shares();

@@ -359,7 +359,7 @@ std::string words_of(const AttemptEnd& end) {
   if (end.killed_for == KilledFor::lingering)
     words += ", killed because the program reported its end but did not exit";
   if (end.killed_for == KilledFor::without_ranks)
-    words += ", killed because mpirun had no ranks left but did not exit";
+    words += ", killed because mpirun did not exit although no rank was running";
   return words;
 }
 

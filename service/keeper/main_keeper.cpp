@@ -39,7 +39,8 @@ void add_options(CLI::App& app, keeper::KeeperOptions& options) {
       ->check(CLI::PositiveNumber)
       ->type_name("N");
   app.add_flag("--ranks", options.with_ranks,
-               "The program is mpirun. Kill it if it starts no ranks or hangs after they exit");
+               "The program is mpirun. Kill mpirun if no rank starts, or if mpirun still runs "
+               "after all ranks exit");
   app.add_flag("--batch", options.in_batch,
                "Run inside a batch system's job, where SIGTERM also stops the program cleanly");
   app.add_option("--grace", options.grace_s,

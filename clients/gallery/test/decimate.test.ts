@@ -33,7 +33,7 @@ test("each column of pixels keeps its lowest and highest values", () => {
   for (let i = 1; i < thin.x.length; i++) assert.ok((thin.x[i] ?? 0) > (thin.x[i - 1] ?? 0));
 });
 
-test("a range with few points keeps them all, and one more on each side", () => {
+test("if a range has few points, all are kept, and one more on each side", () => {
   const { x } = decimated(line(1000), 100, 110, 500);
   assert.deepEqual([x[0], x[x.length - 1]], [99, 111]);
   assert.equal(decimated({ x: [], y: [] }, 0, 1, 10).x.length, 0);

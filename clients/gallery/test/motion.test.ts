@@ -42,7 +42,7 @@ test("at a border the later segment applies; if several start there, the last on
   assert.equal(at(0), 0);
 });
 
-test("a body that never enters has no pose, and bodies use their own segments", () => {
+test("a body that never enters has no pose; each other body moves by its own segments", () => {
   // Goal: the table of first segments is right. Method: let bodies 0 and 2 of four enter.
   const recording = recordingFrom([{ body: 0, p: [1, 0, 0] }, { body: 2, start: 3, p: [2, 0, 0] }], 4);
   assert.deepEqual([0, 1, 2, 3].map((body) => recording.enters(body)), [true, false, true, false]);
@@ -53,7 +53,7 @@ test("a body that never enters has no pose, and bodies use their own segments", 
   assert.equal(recording.startS, 0);
 });
 
-test("invalid segments throw: out of order, without a body, or without a time", () => {
+test("segments throw if they are out of order or have no body or no time", () => {
   // Goal: an invalid recording throws. Method: try each fault alone.
   assert.throws(() => recordingFrom([{ start: 1 }, { start: 0 }]));
   assert.throws(() => recordingFrom([{ body: 1 }, { body: 0 }], 2));

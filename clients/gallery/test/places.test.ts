@@ -15,7 +15,7 @@ function sceneOf(kinds: readonly ("body" | "fixed" | "wanted")[]): Scene {
   return { features } as unknown as Scene;
 }
 
-test("wanted features on the ground become places with ranges of x and y", () => {
+test("a place has the x and y ranges of its feature; only wanted features on the ground are places", () => {
   const looks: Looks = {
     generation: 1,
     own: [],

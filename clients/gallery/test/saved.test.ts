@@ -163,7 +163,7 @@ test("animations come from the right files, in the order of the names", async ()
   await assert.rejects(source.animations(0, ["c0.5"], BODIES), isFailure("missing"));
 });
 
-test("the page itself finds, groups and sorts by likeness", async () => {
+test("the page itself answers queries, forms groups and sorts by likeness", async () => {
   // Goal: answers have the same form as a server's. Method: place balls on a line, so that answers are
   // obvious.
   const { source } = open();

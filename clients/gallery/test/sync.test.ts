@@ -72,7 +72,7 @@ test("equal falls that are aligned at the contact never differ", () => {
   assert.ok(apart !== null && Math.abs(apart - 0.1 - Math.sqrt(2e-4)) < 3e-5, `${apart}`);
 });
 
-test("a body that only one animation has makes them differ once it moves", () => {
+test("if only one animation has a body, the animations differ once the body moves", () => {
   // Goal: a body of only one animation counts. Method: omit the body from the second animation.
   const rows: Row[] = [{ body: 0, v: [1, 0, 0] }, { body: 0, start: 1, mode: "resting" }];
   const a = { recording: recordingFrom(rows, 2), shift: 0 };

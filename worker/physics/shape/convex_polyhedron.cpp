@@ -200,8 +200,8 @@ std::string describe(const ShapeError& error) {
       return fmt::format("a coordinate of point {} is not a finite number", error.index);
     case Kind::flat:
       return fmt::format(
-          "the points are nearly coplanar: their thickness is {:.3g} of their extent, expected at "
-          "least {:g}",
+          "the points are nearly coplanar: their thickness is {:.3g} times their extent, expected "
+          "at least {:g} times",
           error.measured, k_hull_flat);
     case Kind::degenerate:
       return "some features of the points are as small as the hull's tolerance";

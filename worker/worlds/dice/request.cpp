@@ -485,7 +485,7 @@ void check_faces(Binder& constraint, const Parameters& p) {
         if (goal->at_s != of_faces.front()->at_s) {
           constraint.error("numbering",
                            fmt::format("must be \"fixed\": die {} has face goals at several times, "
-                                       "and one numbering must meet them all",
+                                       "and the die needs one numbering for all of them",
                                        die + 1));
           break;
         }

@@ -109,10 +109,11 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
   Font font = Font::rows_5;
   std::optional<std::uint32_t> columns;
   std::optional<std::uint32_t> rows;
-  world.text("word", word,
-             {.characters_max = 20,
-              .help = "word to spell (A to Z, 0 to 9 and spaces); default if no bitmap is set: the "
-                      "HI of the thesis, which is smaller than HI in this font"});
+  world.text(
+      "word", word,
+      {.characters_max = 20,
+       .help = "word to spell (A to Z, 0 to 9 and spaces); default if no bitmap is set: HI as in "
+               "the thesis, smaller than in this font"});
   world.choice<Font>("font", font, k_fonts, "height of the word's letters");
   world.text("bitmap", bitmap,
              {.characters_max = (k_columns_max + 2) * (k_rows_max + 2),
@@ -202,7 +203,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   length_mm(world, "drop_height_mm", p.drop_height_m,
             {.minimum_mm = 1, .help = "height of a ball's lowest point when dropped"});
   length_mm(world, "vertex_sd_mm", p.vertex_sd_m,
-            {.help = "standard deviation of each coordinate of partition vertices"});
+            {.help = "standard deviation of each coordinate of a partition's vertices"});
   length_mm(world, "dome_mm", p.dome_m,
             {.help = "height of a bin floor's centre above the floor's rim"});
   length_mm(world, "ball_diameter_mm", p.ball_diameter_m,
@@ -235,21 +236,22 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   if (world.valid("bounce_end") && world.valid("rest_speed") &&
       p.rest_speed < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_speed",
-                fmt::format("must be at least {} times bounce_end, found {:.3g} times",
-                            k_bounce_ends_min, p.rest_speed / p.bounce_end));
+                fmt::format("must be at least {:g} ({} times bounce_end), found {:g}",
+                            k_bounce_ends_min * p.bounce_end, k_bounce_ends_min, p.rest_speed));
   }
   world.number("rest_time", p.rest_time,
                {.minimum = 0.01,
                 .maximum = 10,
-                .help = "time that a ball stays below rest_speed before it rests, in units of "
+                .help = "time below rest_speed after which a ball comes to rest, in units of "
                         "sqrt(diameter / gravity)"});
   // With a shorter rest_time, a touch would expire before the ball's next bounce, and the ball
   // would never be in balance.
   if (world.valid("bounce_end") && world.valid("rest_time") &&
       p.rest_time < k_bounce_ends_min * p.bounce_end) {
-    world.error("rest_time", fmt::format("must be at least {} times bounce_end (the duration of "
-                                         "the slowest bounces), found {:.3g} times",
-                                         k_bounce_ends_min, p.rest_time / p.bounce_end));
+    world.error("rest_time",
+                fmt::format("must be at least {:g} ({} times bounce_end, the "
+                            "duration of the slowest bounces), found {:g}",
+                            k_bounce_ends_min * p.bounce_end, k_bounce_ends_min, p.rest_time));
   }
   world.number("time_limit_s", p.time_limit_s,
                {.minimum = 0.01,

@@ -1,5 +1,5 @@
-// The search of a saved page: the page itself finds, groups and sorts by likeness, using an archive's
-// index file.
+// The search of a saved page: the page itself answers queries, forms groups and sorts by likeness,
+// using an archive's index file.
 //
 // Answers equal those of clients/browse bit for bit (compared by tests/programs/test_gallery_search.py).
 // Requests may overlap, and no part of the work blocks the page. Functions throw a SourceError of kind

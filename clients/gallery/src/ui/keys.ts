@@ -42,7 +42,7 @@ const shownKeys: readonly (readonly [string, string])[] = [
   ["c", "compare the selected animations"],
   ["s", "star or unstar"],
   ["h", "hide or unhide"],
-  ["m, u", "sort the most (m) or least (u) similar animations first"],
+  ["m, u", "sort by likeness: most similar first (m), or least similar first (u)"],
   ["n", "show new animations"],
   ["Ctrl+Z, Ctrl+Shift+Z", "undo, redo"],
   ["k", "play or pause"],

@@ -49,7 +49,7 @@ export function makeToolbar(ui: Ui, focusedName: () => string | null): Part {
       id: "groups-by",
       "aria-label": "Grouping method",
       title:
-        "Medoids: the best groups for the selected number. " +
+        "Medoids: the best groups for this number of groups. " +
         "Hierarchy: nested groups; a smaller number merges groups.",
     },
   );
