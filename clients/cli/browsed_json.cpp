@@ -5,11 +5,6 @@
 #include "common/json/value.h"
 
 namespace sleight::cli {
-namespace {
-
-using Json = json::Value;
-
-}  // namespace
 
 Json number_json(double number) {
   return std::isfinite(number) ? Json(number) : Json(nullptr);

@@ -6,16 +6,18 @@
 
 namespace sleight::cli {
 
+using Json = json::Value;
+
 /// Returns {"archives": [...], "left_out": [...]}.
-json::Value archives_json(const browse::Browsed& browsed);
+Json archives_json(const browse::Browsed& browsed);
 
 /// Returns an animation's name, place and numbers. A number that doesn't apply is null.
-json::Value animation_json(const browse::Browsed& browsed, const browse::Picked& picked);
+Json animation_json(const browse::Browsed& browsed, const browse::Picked& picked);
 
 /// Returns the names that queries can use in this archive.
-json::Value names_json(const browse::BrowsedArchive& archive);
+Json names_json(const browse::BrowsedArchive& archive);
 
 /// Returns null for NaN and infinity, which JSON lacks.
-json::Value number_json(double number);
+Json number_json(double number);
 
 }  // namespace sleight::cli

@@ -23,8 +23,6 @@
 namespace sleight::cli {
 namespace {
 
-using Json = json::Value;
-
 constexpr std::size_t k_lines_shown_max = 40;
 
 struct ComparedGroup {
