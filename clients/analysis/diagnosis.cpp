@@ -92,10 +92,10 @@ void complain_of_zero_density(ScalarReport& report, std::uint64_t draws) {
 
 void note_thinning(Judged& judged, const DrawRange& range, std::string_view what) {
   if (range.stride == 1) return;
-  judged.diagnosis.notes.push_back(
-      fmt::format("{}: only one of every {} draws was used, so effective sample sizes are for {} "
-                  "draws per chain",
-                  what, range.stride, range.count));
+  judged.diagnosis.notes.push_back(fmt::format(
+      "{}: only one of every {} draws was used, so the effective sample sizes refer to {} "
+      "draws per chain",
+      what, range.stride, range.count));
 }
 
 /// Reports too few draws once, for all scalars together. `what`: such as "judged scans".

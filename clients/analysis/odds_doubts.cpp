@@ -54,8 +54,9 @@ void doubt_round_trips(std::vector<Doubt>& doubts, const LadderFacts& facts) {
               .at_least = least < 1};
   const std::string all = so_many(trips.size(), k_ladders);
   if (below(1) > 0) {
-    doubt.reason = fmt::format("{} of {} made no round trip in {}; each needs at least {:.0f}",
-                               below(1), all, facts.round, k_trips_each);
+    doubt.reason = fmt::format(
+        "{} of {} made no round trip in {}; each ladder needs at least {:.0f} round trips",
+        below(1), all, facts.round, k_trips_each);
   } else if (below(k_trips_each) > 0) {
     doubt.reason = fmt::format("{} of {} made fewer than {:.0f} round trips in {}",
                                below(k_trips_each), all, k_trips_each, facts.round);
@@ -86,12 +87,12 @@ void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
              "the round before {} can't be compared, because it is too short or has no solution",
              facts.round)});
   } else if (!(std::abs(change) <= k_drift_max * error)) {
-    doubts.push_back(
-        {.kind = DoubtOf::rounds_disagree,
-         .reason = fmt::format("{} differs from the round before it by {:.2f} +- {:.2f}, "
-                               "so the estimate is still drifting",
-                               facts.round, std::abs(change), error),
-         .at_least = true});
+    doubts.push_back({.kind = DoubtOf::rounds_disagree,
+                      .reason = fmt::format(
+                          "the estimates of {} and of the round before differ by {:.2f} +- {:.2f}, "
+                          "so the estimate is still drifting",
+                          facts.round, std::abs(change), error),
+                      .at_least = true});
   }
 }
 
@@ -130,7 +131,7 @@ const char* reason_not_sized(IslandNumber number) {
     case IslandNumber::sized:
       return "";
     case IslandNumber::unfinished:
-      return "the run has not yet sized or completed the batch of islands that determines the odds";
+      return "the batch of islands that determines the odds is not complete yet";
     case IslandNumber::by_solutions:
       return "the rule that stops the run at a number of solutions biases the odds until the first "
              "batch of islands is complete";
@@ -175,8 +176,8 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
   }
   if (worth < k_renewals_in_all) {
     doubts.push_back({.kind = DoubtOf::few_draws,
-                      .reason = fmt::format("the effective size of the draws behind this estimate "
-                                            "is {:.1f}, but at least {:.0f} is needed",
+                      .reason = fmt::format("this estimate's draws have an effective size of "
+                                            "{:.1f}, but at least {:.0f} is needed",
                                             worth, k_renewals_in_all),
                       .longer = k_renewals_in_all / std::fmax(worth, 1),
                       .at_least = true});
@@ -206,12 +207,12 @@ std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumb
                       .at_least = true});
   }
   if (particles && *particles < k_particles_min) {
-    doubts.push_back(
-        {.kind = DoubtOf::few_particles,
-         .reason = fmt::format("islands have {:.0f} particles, but at least {:.0f} "
-                               "are needed; fewer particles usually miss the rare large weights",
-                               *particles, k_particles_min),
-         .at_least = true});
+    doubts.push_back({.kind = DoubtOf::few_particles,
+                      .reason = fmt::format(
+                          "islands have {:.0f} particles, but at least {:.0f} "
+                          "are needed; with fewer, islands usually miss the rare large weights",
+                          *particles, k_particles_min),
+                      .at_least = true});
   }
   if (islands.largest_share > math::k_largest_share_max) {
     doubts.push_back({.kind = DoubtOf::heavy_tail,

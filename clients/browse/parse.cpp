@@ -424,7 +424,7 @@ class Parser {
     if (low) ends.low = *low * low_unit.value_or(high_unit.value_or(1));
     if (high) ends.high = *high * high_unit.value_or(low_unit.value_or(1));
     if (ends.low > ends.high)
-      fail_at(column, "the range is empty, because its first end is above its second end");
+      fail_at(column, "the range is empty, because its first value is above its second value");
     return ends;
   }
 

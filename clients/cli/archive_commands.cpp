@@ -173,7 +173,7 @@ void add_finds(const Facts& facts, report::Report& report) {
   if (!facts.finds) return;
   const Plausibility& log_p = *facts.finds;
   report.add("log_prior_of_finds", {log_p.least, log_p.most}, "",
-             fmt::format("log p {:.1f} to {:.1f} (nine in ten blind throws: {:.1f} to {:.1f})",
+             fmt::format("log p {:.1f} to {:.1f} (90% of blind throws: {:.1f} to {:.1f})",
                          log_p.least, log_p.most, log_p.throws_from, log_p.throws_to));
   report.for_programs("log_prior_of_throws", {log_p.throws_from, log_p.throws_to});
 }

@@ -138,8 +138,8 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
   }
   if (const std::size_t twice = browsed.archives[1].twice; twice > 0)
     fmt::print(
-        "{} animations are in both archives; the groups and the test below count them only in the "
-        "first archive.\n",
+        "{} animations are in both archives; the groups and the test below count them only as "
+        "animations of the first archive.\n",
         twice);
   fmt::print("\n");
   print_requests(comparison.request);

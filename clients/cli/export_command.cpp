@@ -99,8 +99,8 @@ void check(const ExportAnimationsOptions& options) {
     terminal::refuse_usage(
         format == "png"
             ? std::string(
-                  "-o is required: name a folder that gets one folder of frames per animation")
-            : fmt::format("-o is required: name a file OUT.{}, or a folder that gets one file per "
+                  "-o is required: name a folder; each animation's frames go into a subfolder")
+            : fmt::format("-o is required: name a file OUT.{}, or a folder for one file per "
                           "animation",
                           format));
   }

@@ -90,14 +90,15 @@ void add_groups(CLI::App& app, cli::GroupsOptions& options, Action& action) {
   add_asked(*command, options.asked);
   command
       ->add_option("-o,--output", options.output,
-                   "Image to write, with the representative of each group")
+                   "Write an image that shows each group's representative")
       ->type_name("FILE.svg|FILE.png");
   command->add_flag("--json", options.json, "Print JSON, with all members");
   command->footer(
       "Animations look alike if their bodies are at the same places at the same times and\n"
-      "collide in the same order; docs/BROWSING.md has the formula. Above 500 animations, the\n"
-      "groups come from a sample of 200 animations, or of 500 for more than 100 groups. Each\n"
-      "remaining animation joins the group with the nearest representative.\n\n"
+      "collide in the same order; docs/BROWSING.md has the formula. If there are more than\n"
+      "500 animations, the groups come from a sample: 200 animations, or 500 animations if more\n"
+      "than 100 groups are requested. Each remaining animation joins the group with the nearest\n"
+      "representative.\n\n"
       "Examples:\n  sleight groups hi.h5 -k 12\n"
       "  sleight groups die.h5 -k 6 -o die_groups.png\n"
       "  sleight groups a.h5 b.h5 --where 'log_prior -20..' --by hierarchy --json");
@@ -162,14 +163,14 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
       ->add_option("--format", options.format,
                    "glb: 3D model with motion (glTF 2.0, for Blender and others); csv: table; png: "
                    "folder of frames; svg: image of the whole motion; mp4: video (needs ffmpeg). "
-                   "Default: the format in which OUT ends, otherwise glb")
+                   "Default: the extension of OUT, otherwise glb")
       ->check(CLI::IsMember(cli::export_formats()))
       ->type_name("FORMAT");
   add_choice(*command, options.choice);
   command
       ->add_option("-o,--output", options.output,
-                   "Output file that ends in the format, such as ball.glb, or folder that gets one "
-                   "file per animation. Default for csv: standard output")
+                   "Output file with the format as its extension, such as ball.glb, or folder for "
+                   "one file per animation. Default for csv: standard output")
       ->type_name("OUT");
   command->add_flag("--together", options.together,
                     "Write all animations as clips of one .glb file");

@@ -89,9 +89,9 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
   const plan::FailureCounts& failures = summary.progress.failures;
   if (failures.total() == 0) return;
   fmt::print(
-      "{} simulation{} failed and {} rejected: {}. This is a bug in the simulator; {}\n",
+      "{} simulation{} failed, and the run rejected {}: {}. This is a bug in the simulator; {}\n",
       events::grouped(failures.total()), failures.total() == 1 ? "" : "s",
-      failures.total() == 1 ? "was" : "were", plan::to_string(failures),
+      failures.total() == 1 ? "it" : "them", plan::to_string(failures),
       summary.first_failure.empty()
           ? fmt::format("see {}/failures.", coordinator::run_folder(arguments.output))
           : fmt::format("to repeat the first failure of this session, run `sleight replay {}`.",
@@ -117,7 +117,7 @@ std::string what_is_missing(const coordinator::RunSummary& summary) {
   const plan::Finds& finds = summary.progress.finds;
   if (finds.is_all && finds.gave_up && finds.found == 0)
     return fmt::format("No archive: the search found nothing. {}", why_it_gave_up(finds));
-  if (finds.is_all) return "No archive yet: the run stopped before the first find.";
+  if (finds.is_all) return "No archive yet: the run stopped before the search found a solution.";
   if (summary.progress.odds.are_asked)
     return "No archive yet: the run stopped before the first island was complete.";
   return "No archive yet: the run stopped before every chain had a draw.";
@@ -232,7 +232,7 @@ std::string usage_words(const CLI::App* app, const CLI::Error& error) {
   if (const std::size_t range = words.rfind(k_range);
       value != std::string::npos && range != std::string::npos && range > value) {
     const std::size_t begin = value + k_value.size();
-    words = fmt::format("{}: expected a number from {} in decimal digits, found '{}'",
+    words = fmt::format("{}: expected a number in decimal digits ({}), found '{}'",
                         words.substr(0, value), words.substr(range + k_range.size()),
                         request::printable(words.substr(begin, range - begin), 40));
   }
@@ -296,9 +296,9 @@ void add_answer_options(CLI::App& app, AnswerOptions& options) {
                  "Number of animations; replaces [stop] of the request. Default without [stop]: 5")
       ->check(CLI::Range(1U, request::k_independent_solutions_max))
       ->type_name("N");
-  CLI::Option* found = app.add_flag(
-      "--found", options.found,
-      "Return solutions as a search finds them, without relaxing them by Markov chains");
+  CLI::Option* found =
+      app.add_flag("--found", options.found,
+                   "Return solutions found by search; do not relax them by Markov chains");
   app.add_flag("--in-proportion", options.in_proportion,
                "Draw independent solutions, each as often as the model predicts. May take long")
       ->excludes(found);

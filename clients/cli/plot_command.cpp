@@ -88,7 +88,7 @@ std::vector<OwnWhat> own_whats_of(const pictures::PlotsOfWorlds& worlds) {
     if (own.kind.what == what) whose = own.worlds;
   }
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("--what {} works only for archives of world {}, but {} is of world "
+                    fmt::format("--what {} works only for archives of world {}, but {} has world "
                                 "{}; try --what animations",
                                 what, fmt::join(whose, " and "), source.name(), world));
 }

@@ -347,7 +347,7 @@ Json titles_in(const archive::Source& source, const archive::Summary& summary) {
   if (draws == 0 || draws > k_counted_draws_max) return titles;
   for (const std::string& name : traced(source))
     add(std::string(k_trace_prefix) + name, title_of(name), "trace", "along the chain");
-  add("trace.lineage", "lineage: which visit to the prior a draw descends from", "trace",
+  add("trace.lineage", "lineage: each draw descends from one visit to the prior", "trace",
       "along the chain");
   if (!rounds(source, summary).empty()) {
     add("ladder", "the ladder and its swap rates", "levels", "ladder");

@@ -35,7 +35,8 @@ void save(const Figure& figure, const std::string& path, const SaveOptions& opti
     write_whole(path, std::as_bytes(std::span(svg)));
   } else if (ending == ".png") {
     if (!options.notes.empty()) {
-      throw base::Error(base::ExitCode::usage, fmt::format("{}: notes require an SVG file", path));
+      throw base::Error(base::ExitCode::usage,
+                        fmt::format("{}: only SVG files can contain notes", path));
     }
     write_whole(path, to_png(figure));
   } else {

@@ -211,7 +211,7 @@ std::string Ball2d::world() const {
 
 std::vector<pictures::WorldPlots::Kind> Ball2d::kinds() const {
   return {{.what = std::string(pictures::k_trace)},
-          {.what = k_paths, .help = "motion, drawn as in the thesis"}};
+          {.what = k_paths, .help = "paths of the ball, drawn as in the thesis"}};
 }
 
 pictures::Picture Ball2d::draw(std::string_view what, const archive::Source& source,

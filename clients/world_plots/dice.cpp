@@ -342,7 +342,8 @@ plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior&
 
 std::string plausibility_words(const DicePlausibility& found) {
   return fmt::format(
-      "Bars: {} kept animations of {} lineages{}; the outermost bars include all values beyond. "
+      "Bars: {} kept animations of {} lineages{}; the outermost bars include all values beyond "
+      "them. "
       "Curve: blind throws.\n"
       "starts: {}\n"
       "table:  {}\n"
@@ -356,7 +357,7 @@ std::string Dice::world() const {
 }
 
 std::vector<pictures::WorldPlots::Kind> Dice::kinds() const {
-  return {{.what = "plausibility", .help = "starts and tables compared with blind throws"}};
+  return {{.what = "plausibility", .help = "comparison of starts and tables with blind throws"}};
 }
 
 pictures::Picture Dice::draw(std::string_view /*what*/, const archive::Source& source,

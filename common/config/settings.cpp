@@ -198,9 +198,9 @@ class Reader {
     }
     if (!bytes || *bytes < minimum) {
       return refuse(key, *found,
-                    fmt::format("a size of {} and less than 9 PB, such as \"24 GB\", \"500 MB\" or "
+                    fmt::format("a size from {} to 9 PB, such as \"24 GB\", \"500 MB\" or "
                                 "a number of bytes",
-                                minimum == 0 ? "0 or more" : "at least 1 byte"));
+                                minimum == 0 ? "0" : "1 byte"));
     }
     take(setting, *bytes, *found);
   }

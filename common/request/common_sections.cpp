@@ -256,14 +256,15 @@ void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionR
   const bool relaxes = request.sampler.relax_scans.has_value();
   if (relaxes) {
     keep_only(sections.sampler, common_keys, k_sampler_keys_of_takes,
-              "not used by method \"search\" with relax_scans");
+              "with relax_scans, method \"search\" does not use this key");
     keep_only(sections.stop, all(sections.stop), k_stop_keys_of_takes,
               "can't be combined with relax_scans; set 'takes' instead");
   } else {
     keep_only(sections.sampler, all(sections.sampler), k_sampler_keys_of_search,
-              "not used by method \"search\" without relax_scans, because no chains run");
+              "without relax_scans, method \"search\" does not use this key, because it runs no "
+              "chains");
     keep_only(sections.stop, all(sections.stop), k_stop_keys_of_search,
-              "not used by method \"search\" without relax_scans; set 'found' instead");
+              "without relax_scans, method \"search\" does not use this key; set 'found' instead");
   }
   keep_only(sections.output, all(sections.output), k_output_keys_of_search,
             "not used by method \"search\", because it makes no draws");
@@ -379,7 +380,7 @@ void settle_odds(SectionBinders& sections, DirectionRequest& request) {
           "independent_solutions also estimates the odds, from its islands");
   }
   keep_only(sections.sampler, sections.sampler.keys().size(), k_sampler_keys_of_odds,
-            "not used with [stop] odds, because a run with odds computes islands and no chains");
+            "not used with [stop] odds, because such a run computes islands instead of chains");
   request.sampler.chains = 1;
   request.sampler.tour_scans.reset();
   request.sampler.burn_in_rounds = 0;
@@ -401,8 +402,8 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
   constexpr std::uint32_t k_judged_round_min = 4;
   const std::string why = "start = \"search\"";
   if (sections.sampler.valid("chains") && p.chains < k_chains_judged_min) {
-    sections.sampler.error("chains", fmt::format("must be at least {} with {}, which compares "
-                                                 "chains to test the burn-in",
+    sections.sampler.error("chains", fmt::format("must be at least {}, because the burn-in "
+                                                 "test with {} compares chains",
                                                  k_chains_judged_min, why));
   }
   if (sections.sampler.valid("round_scans") && p.round_scans < k_judged_round_min) {

@@ -186,13 +186,14 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
                          sampler.given("burn_in_rounds") || sampler.given("round_scans") ||
                          sampler.given("tour_scans");
   stop.error("scans",
-             fmt::format("expected more than the {} scans that each chain spends on annealing and "
-                         "burn-in{}, found {}; set more scans, or {}",
-                         before, is_chosen ? "" : " by default", *request.stop.scans,
-                         !is_chosen ? "use independent_solutions instead"
-                         : request.sampler.tour_scans
-                             ? "reduce tour_scans in [sampler]"
-                             : "reduce anneal_scans, burn_in_rounds or round_scans in [sampler]"));
+             fmt::format(
+                 "expected more than {} scans, because each chain spends {} scans on annealing and "
+                 "burn-in{}; found {}; set more scans, or {}",
+                 before, before, is_chosen ? "" : " by default", *request.stop.scans,
+                 !is_chosen ? "use independent_solutions instead"
+                 : request.sampler.tour_scans
+                     ? "reduce tour_scans in [sampler]"
+                     : "reduce anneal_scans, burn_in_rounds or round_scans in [sampler]"));
 }
 
 void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& request) {

@@ -106,7 +106,8 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
     case capnp::rpc::Message::CALL: {
       const auto call = content.getCall();
       if (!call.getSendResultsTo().isCaller())
-        kj::throwFatalException(refusal("a call redirects its answer away from the caller"));
+        kj::throwFatalException(
+            refusal("a call asks to send its answer to someone other than the caller"));
       if (call.getParams().getCapTable().size() > 0)
         kj::throwFatalException(refusal("a call contains capabilities"));
       questions_.insert(call.getQuestionId());

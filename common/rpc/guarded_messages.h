@@ -9,7 +9,7 @@
 //   2. Nothing is read while an answer is being written, so a peer must read its answers to be
 //      served.
 //   3. A connection has at most k_questions_max calls whose answers it has not released. A call
-//      that redirects its answer away from the caller ends the connection.
+//      that asks to send its answer to someone other than the caller ends the connection.
 //   4. A peer sends no capabilities, because no call takes one (service.capnp, law 4). Messages
 //      about capabilities end the connection, because some of them make Cap'n Proto 0.9 leak the
 //      connection's memory (found by tests/attacks).

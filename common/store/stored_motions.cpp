@@ -124,7 +124,8 @@ void StoredMotions::give_up(const std::string& reason) {
   file_.reset();
   waiting_.clear();
   logging::warn(fmt::format(
-      "can't use {}: {}; each archive will simulate kept animations again, with the same result",
+      "can't use {}: {}; kept animations will be simulated again for each archive, with the same "
+      "result",
       path_, reason));
 }
 

@@ -54,8 +54,8 @@ std::string daemon_id_of(const std::string& state) {
     id.pop_back();
   if (backend::is_daemon_name(id)) return id;
   throw base::Error(
-      fmt::format("{}: damaged; restore the file from a backup, because its daemon name identifies "
-                  "this service's batch jobs",
+      fmt::format("{}: damaged; restore the file from a backup, because it contains the name that "
+                  "identifies this service's batch jobs",
                   path));
 }
 

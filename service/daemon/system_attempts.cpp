@@ -274,7 +274,8 @@ jobs::Outside SystemAttempts::outside_of(const Run& run) const {
 std::string SystemAttempts::words_of(const Run& run) const {
   const std::string title = parts_.backend->title();
   if (!run.seen || run.seen->state == backend::State::absent)
-    return fmt::format("{} no longer lists the job, and the job's keeper recorded no end", title);
+    return fmt::format(
+        "{} no longer lists the job, and the job's keeper left no record of the job's end", title);
   return fmt::format("{} job {}: {}", title, run.seen->id, run.seen->words);
 }
 

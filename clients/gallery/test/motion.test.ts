@@ -113,7 +113,7 @@ test("a resting body doesn't turn", () => {
   assert.deepEqual([pose.qw, pose.qx, pose.qy, pose.qz], [1, 0, 0, 0]);
 });
 
-test("events are in order, and a hit of two bodies is one event", () => {
+test("events are in order, and a collision of two bodies is one event", () => {
   // Goal: each hit is one event. Method: let bodies 0 and 1 meet at 1 s, and body 1 hit a wall (feature 5)
   // later.
   const recording = recordingFrom([

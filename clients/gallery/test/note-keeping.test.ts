@@ -69,7 +69,7 @@ test("undo applies to the archive that was changed, even if another archive is s
   assert.equal(noteOf(store.state.notes, "c0.1").note, "precious");
 });
 
-test("a note is stored for the archive in which the note was begun, even if another archive is shown", async () => {
+test("a note is stored for the archive shown when the note was begun, even if another is shown later", async () => {
   const server = new Server();
   const { store, keeping, show } = await pageOf(server);
   const before = noteOf(store.state.notes, "c0.1");

@@ -293,7 +293,7 @@ test("notes are stored by the browser, or last as long as the page", async () =>
   assert.deepEqual((await open(undefined, () => storage).source.notes()).notes, { [RUN]: { "c0.30": old } });
 });
 
-test("the source reports that it is reachable, and nothing more", () => {
+test("the source reports once that it is reachable, and then reports nothing", () => {
   // Goal: nothing is reported later. Method: count a listener's calls.
   const { source } = open();
   const said: string[] = [];

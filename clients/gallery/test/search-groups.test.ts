@@ -51,7 +51,7 @@ test("groups don't depend on a set's order, and known distances are reused", asy
   await assert.rejects(search.groups(null, 0, "medoids"), SourceError);
 });
 
-test("long work lets the page respond, and can be aborted", async () => {
+test("during long work, the page responds, and the work can be aborted", async () => {
   // Goal: during long work, the page can run, and the request can be aborted. Method: count timers while 400
   // animations are grouped.
   const search = await searchOf(made(400));

@@ -317,7 +317,7 @@ void check_finds(const Reader& reader, Findings& findings) {
     findings.push_back(fmt::format("/finds has {} animations, but found is {} and keep_max is {}",
                                    total, found, keep_max));
   }
-  Rule order{"finds must be ordered by start"};
+  Rule order{"/finds: the animations' start numbers must increase"};
   Rule segments{"the segments of finds must be contiguous"};
   std::int64_t start_before = -1;
   std::int64_t next_segment = 0;

@@ -164,7 +164,7 @@ ReaderEnd why_it_ended(int status, const ReaderLimits& limits) {
                 "damaged or hostile"};
   }
   if (signal == SIGKILL) {
-    return {.words = "the reader process was killed by a user or for lack of memory",
+    return {.words = "the reader process was killed, by a user or because memory ran out",
             .exit_code = base::ExitCode::environment};
   }
   return {.words = fmt::format("the reader process crashed ({}); the file is damaged or hostile",

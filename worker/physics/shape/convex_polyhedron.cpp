@@ -204,7 +204,7 @@ std::string describe(const ShapeError& error) {
           "at least {:g} times",
           error.measured, k_hull_flat);
     case Kind::degenerate:
-      return "some features of the points are as small as the hull's tolerance";
+      return "some features of the points' hull are as small as its tolerance";
     case Kind::not_spherical:
       return fmt::format(
           "the body is declared spherical, but the relative difference of the moments of inertia "

@@ -65,7 +65,7 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
       "change_half_width_deg", p.change_half_width_rad,
       {.minimum = 0.001,
        .maximum = 180,
-       .help = "half width of the uniform distribution of the change of a normal's angle"});
+       .help = "maximum change of a normal's angle; the change is uniformly distributed"});
 }
 
 void bind(request::WorldSections& sections, Parameters& parameters) {

@@ -214,8 +214,8 @@ void bind_world(Binder& world, WorldParameters& p) {
   length_mm(world, "height_sd_mm", table.height_sd_m,
             {.minimum = 0,
              .maximum = 1000,
-             .help = "standard deviation of control point heights; the surface's heights have 0.48 "
-                     "times this standard deviation"});
+             .help = "standard deviation of control point heights; the standard deviation of the "
+                     "surface's heights is 0.48 times as large"});
   bind_range(world, "restitution", table.restitution, 1);
   bind_range(world, "friction", table.friction, 10);
   for (const char* key : {"spacing_mm", "height_sd_mm"}) {
@@ -452,7 +452,7 @@ void GoalBinder::bind_motion() {
                      {.minimum = 0,
                       .maximum = 100,
                       .unit = "s",
-                      .help = "latest time of rest, counted from the first release"});
+                      .help = "latest time when the die comes to rest, after the first release"});
         table.number("sigma_s", keys.goal.sigma,
                      {.minimum = 1e-6, .maximum = 100, .unit = "s", .help = k_sigma_help});
         table.number("tolerance_s", keys.goal.tolerance,

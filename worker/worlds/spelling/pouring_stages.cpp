@@ -77,7 +77,8 @@ DropOdds flattened(const DropOdds& odds) {
 
 std::string StagedSpelling::past_effort() const {
   return fmt::format(
-      "solutions in the model's proportions take long; this request has {} balls. On two cores, "
+      "drawing solutions in the model's proportions takes long; this request has {} balls. On two "
+      "cores, "
       "five solutions took 15 to 40 s for HI (16 balls), 60 to 150 s for ACM (30 balls) and 250 to "
       "over 300 s for SLEIGHT (61 balls)",
       balls());

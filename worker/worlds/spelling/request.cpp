@@ -364,15 +364,15 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   if (p.kernel == Kernel::thesis && p.aim_ball > 0)
     sampler.error(
         "aim_ball",
-        "can't be used with kernel \"thesis\", which follows the thesis (A.2.2) as printed");
+        "can't be used with kernel \"thesis\", which implements A.2.2 of the thesis as printed");
   if (p.kernel == Kernel::thesis && p.vertex_redraw > 0)
     sampler.error(
         "vertex_redraw",
-        "can't be used with kernel \"thesis\", which follows the thesis (A.2.2) as printed");
+        "can't be used with kernel \"thesis\", which implements A.2.2 of the thesis as printed");
   if (p.kernel == Kernel::thesis && p.solo_steps > 0)
     sampler.error(
         "solo_steps",
-        "can't be used with kernel \"thesis\", which follows the thesis (A.2.2) as printed");
+        "can't be used with kernel \"thesis\", which implements A.2.2 of the thesis as printed");
 }
 
 /// With more balls, weights of islands with 32 particles differ so much that chains of islands

@@ -119,7 +119,7 @@ export class Cursor {
       high: high === null ? Infinity : high * (highUnit ?? lowUnit ?? 1),
     };
     if (ends.low > ends.high)
-      throw new QueryFault(column, "the range is empty, because its first end is above its second end");
+      throw new QueryFault(column, "the range is empty, because its first value is above its second value");
     return ends;
   }
 

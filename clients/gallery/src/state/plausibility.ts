@@ -27,7 +27,7 @@ export function plausibilityWords(logPrior: number, blindThrows: readonly number
 
 export const plausibilityHelp =
   "Plausibility compares an animation's log_prior with the log_prior of blind throws, which have no goal. " +
-  "An animation that is more likely than many blind throws looks as if it happened by chance.";
+  "An animation looks as if it happened by chance if it is more likely than many blind throws.";
 
 export const scoreHelp =
   "Score (log_constraint): how well the animation meets the run's constraint; higher is better. " +

@@ -37,7 +37,7 @@ const shownKeys: readonly (readonly [string, string])[] = [
   ["arrows, Home, End, Page", "go to another card"],
   ["Enter", "open the group or play the animation"],
   ["Backspace", "leave the group"],
-  ["Space, Shift+Space", "select the card, or all cards up to this card (elsewhere: play or pause)"],
+  ["Space, Shift+Space", "on a card: select it, or all cards up to it; elsewhere: play or pause"],
   ["Ctrl+A", "select all animations shown"],
   ["c", "compare the selected animations"],
   ["s", "star or unstar"],
