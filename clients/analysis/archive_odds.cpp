@@ -55,11 +55,12 @@ ArchiveOdds weighted_of(const archive::Source& source, std::uint64_t chains) {
                           .doubts = doubts_of_weights(log_p, size, k_effective_size_min)}};
   if (!odds.log_p_satisfied.known()) {
     const Remedy remedy = remedy_of(odds.log_p_satisfied.doubts);
-    odds.how_to_know = {.longer = remedy.longer,
-                        .at_least = remedy.at_least,
-                        .besides =
-                            "a higher steps_per_level under [sampler] also helps, because weights "
-                            "become more equal"};
+    odds.how_to_know = {
+        .longer = remedy.longer,
+        .at_least = remedy.at_least,
+        .besides =
+            "a higher steps_per_level under [sampler] also helps, because the weights "
+            "then differ less"};
   }
   return odds;
 }
@@ -143,8 +144,8 @@ HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> 
   for (const Doubt& doubt : doubts) {
     if (doubt.kind == DoubtOf::heavy_tail || doubt.kind == DoubtOf::few_particles)
       how.besides =
-          "more particles under [sampler] also help, because the estimates of islands become more "
-          "equal";
+          "more particles under [sampler] also help, because the islands' estimates then differ "
+          "less";
   }
   return how;
 }

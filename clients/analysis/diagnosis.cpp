@@ -256,8 +256,8 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
   if (!(report.effective_size >= k_effective_size_min)) {
     judged.diagnosis.reasons.push_back(fmt::format(
         "the weighted draws of all chains have effective size {}, but at least {:.0f} is needed; "
-        "run more scans, or set a higher steps_per_level or iterations_per_scan for more equal "
-        "weights",
+        "run more scans, or set a higher steps_per_level or iterations_per_scan, so that the "
+        "weights differ less",
         std::isnan(report.effective_size) ? "unknown"
                                           : fmt::format("{:.1f}", report.effective_size),
         k_effective_size_min));

@@ -187,11 +187,11 @@ void append_variables(std::string& text, const Diagnosis& diagnosis) {
 void append_counts(std::string& text, const Diagnosis& diagnosis) {
   const std::uint64_t judged = diagnosis.chains * diagnosis.judged.scans;
   text += "\n";
-  text += fmt::format("  satisfied  {} of the judged scans, {} of all scans{}\n",
+  text += fmt::format("  satisfied  in {} of the judged scans and in {} of all scans{}\n",
                       percent(share_of(diagnosis.satisfied_judged, judged)),
                       percent(share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)),
                       diagnosis.weights ? ", regardless of weights" : "");
-  text += fmt::format("  solutions  {}{} independent (lineages with a satisfying scan)\n",
+  text += fmt::format("  solutions  {}{} independent (one per lineage with a satisfied scan)\n",
                       count(diagnosis.solutions), diagnosis.solutions_more ? " or more" : "");
   if (std::isnan(diagnosis.simulations)) return;
   text +=

@@ -187,8 +187,8 @@ void add_failures(const archive::Summary& summary, report::Report& report) {
   report.add("failed_animations", summary.failed_animations, "",
              summary.failed_animations == 0
                  ? ""
-                 : fmt::format("{} satisfying animations were not stored, because simulating them "
-                               "until rest failed",
+                 : fmt::format("{} animations that satisfy the constraint were not stored, because "
+                               "the simulator could not complete their motion",
                                summary.failed_animations));
 }
 

@@ -167,9 +167,10 @@ CLI::App* add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action
       ->capture_default_str()
       ->type_name("TABLE");
   exported
-      ->add_option("--animation", arguments.export_options.animations,
-                   "Export only rows of this animation, from the tables animations, segments and "
-                   "points. Repeatable")
+      ->add_option(
+          "--animation", arguments.export_options.animations,
+          "Export only the rows of this animation (tables animations, segments and points). "
+          "Repeatable")
       ->allow_extra_args(false)
       ->type_name("N");
   exported

@@ -113,7 +113,7 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
       ->type_name("SECOND.h5");
   command
       ->add_option("-k,--groups", options.groups,
-                   "Number of groups for the animations of both archives together")
+                   "Number of groups. The animations of both archives are grouped together")
       ->check(CLI::Range(1, 500).description(""))
       ->capture_default_str()
       ->type_name("K");
@@ -123,8 +123,8 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
       "animations\n"
       "of each archive in each group. A test of nearest neighbours shows whether the two sets of\n"
       "animations look alike: a small p means that they look different.\n"
-      "Archives keep distinct animations, which don't occur in the model's proportions; for means\n"
-      "under the model, use the archive's group /posterior.\n\n"
+      "The animations in an archive are distinct, so they are not in the model's proportions; for\n"
+      "means under the model, use the archive's group /posterior.\n\n"
       "Examples:\n  sleight compare die.h5 die_more_sigma.h5\n"
       "  sleight compare hi.h5 hi_tempered.h5 -k 12 --json");
   command->callback([&] { action = [&] { return cli::compare_archives(options); }; });

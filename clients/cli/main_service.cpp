@@ -161,7 +161,7 @@ void add_list(CLI::App& app, Action& action) {
                     "List the oldest job first. Default: the newest");
   command
       ->add_option("--after", options->after,
-                   "Continue a list; CURSOR is `after` in the JSON of the previous page")
+                   "Continue a list; CURSOR is the value of `after` in the previous page's JSON")
       ->type_name("CURSOR");
   command->add_flag("--complete", options->complete, "Print lines for shell completion")->group("");
   command->add_flag("--json", options->json, k_json_help);

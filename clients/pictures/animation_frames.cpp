@@ -250,10 +250,11 @@ std::size_t frame_count(const motion::Animation& motion, double fps) {
   }
   const double count = std::floor(std::max(0.0, motion.end_s()) * fps) + 1;
   if (count > static_cast<double>(k_frames_max)) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{:.6g} s at {} frames per second exceed the maximum of {} "
-                                  "frames; use fewer frames per second",
-                                  motion.end_s(), fps, k_frames_max));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("an animation of {:.6g} s at {} frames per second has more frames than the "
+                    "maximum of {}; use fewer frames per second",
+                    motion.end_s(), fps, k_frames_max));
   }
   return static_cast<std::size_t>(count);
 }

@@ -54,7 +54,7 @@ plot::Panel panel_of(const std::string& title, std::span<const double> counts) {
         plot::Rectangle{.low = {low, 0},
                         .high = {low + k_offset_step_sd, counts[bin] / all / k_offset_step_sd},
                         .color = plot::palette::k_sky,
-                        .label = "satisfying animations"});
+                        .label = "kept animations"});
   }
   plot::Line curve{.color = plot::palette::k_vermillion, .label = "blind throws"};
   for (std::size_t i = 0; i < k_curve_points; ++i) {
@@ -233,10 +233,9 @@ std::string verdict(const PlausibilityCost& cost) {
   const double size = std::fabs(cost.mean);
   const std::string times =
       size > k_exponent_max ? fmt::format("e^{:.0f}", size) : fmt::format("{:.2g}", std::exp(size));
-  return fmt::format(
-      "In total, these animations are typically {} times {} probable (in density) than blind "
-      "throws.",
-      times, cost.mean < 0 ? "more" : "less");
+  return fmt::format("In total, {} typically have {} times the probability density of {}.",
+                     cost.mean < 0 ? "these animations" : "blind throws", times,
+                     cost.mean < 0 ? "blind throws" : "these animations");
 }
 
 }  // namespace
@@ -327,7 +326,7 @@ DicePlausibility dice_plausibility(const archive::Source& source, const DicePrio
 plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior& prior) {
   plot::Figure figure{
       .title = fmt::format(
-          "{} satisfying animations (bars; end bars include outliers) and blind throws (curve)",
+          "{} kept animations (bars; end bars include outliers) and blind throws (curve)",
           found.animations),
       .height_px = 0,
       .panels = {}};

@@ -124,12 +124,11 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
       "\"search\" uses solutions that a search finds, and tests the burn-in");
   sampler.integer("chains", p.chains,
                   {.minimum = 1, .maximum = k_chains_max, .help = "number of independent chains"});
-  sampler.optional_integer(
-      "replicas", p.replicas,
-      {.minimum = 2,
-       .maximum = k_replicas_max,
-       .help =
-           "number of temperatures in a ladder; default: chosen from its communication barrier"});
+  sampler.optional_integer("replicas", p.replicas,
+                           {.minimum = 2,
+                            .maximum = k_replicas_max,
+                            .help = "number of temperatures in a ladder; default: chosen from the "
+                                    "ladder's communication barrier"});
   sampler.optional_integer(
       "ladder_power", p.ladder_power,
       {.minimum = 1,
@@ -170,7 +169,7 @@ void bind_stop(Binder& stop, StopRule& p) {
   stop.optional_integer("independent_solutions", p.independent_solutions,
                         {.minimum = 1,
                          .maximum = k_independent_solutions_max,
-                         .help = "stop when this number of lineages have a solution; "
+                         .help = "stop after this number of solutions from different lineages; "
                                  "default: 5 if no stop rule is given"});
   stop.optional_number(
       "odds", p.odds,
@@ -188,8 +187,9 @@ void bind_stop(Binder& stop, StopRule& p) {
       "takes", p.takes,
       {.minimum = 1,
        .maximum = k_takes_max,
-       .help = "stop when this number of finds satisfy the constraint after relaxation for "
-               "relax_scans scans; default: 5 if no stop rule and no sampler is given"});
+       .help = "stop after this number of takes; a take is a find that a chain has relaxed and "
+               "that still satisfies the constraint; default: 5 if no stop rule and no sampler is "
+               "given"});
 }
 
 void bind_output(Binder& output, OutputParameters& p) {
@@ -356,9 +356,10 @@ void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   if (request.sampler.relax_scans && !searches && sections.sampler.valid("method"))
     sections.sampler.error("relax_scans", "requires method \"search\"");
   if (sections.stop.given("takes") && !request.sampler.relax_scans) {
-    sections.stop.error("takes",
-                        "requires method \"search\" with relax_scans, or no [sampler] keys except "
-                        "'seed'; no other stop rule is allowed");
+    sections.stop.error(
+        "takes",
+        "requires method \"search\" and relax_scans, or a [sampler] section with no key but "
+        "'seed'; [stop] can have no other rule");
   }
 }
 

@@ -204,9 +204,10 @@ void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& req
     if (scans > k_scans_max) {
       stop.error(
           "rounds",
-          fmt::format("{} rounds that start at {} scans and double in length make {} scans per "
-                      "chain; the limit is {}; use fewer rounds",
-                      *request.stop.rounds, request.sampler.round_scans, scans, k_scans_max));
+          fmt::format("the first round has {} scans, and each later round has twice as many as "
+                      "the round before it, so {} rounds have {} scans per chain; the limit is {}; "
+                      "use fewer rounds",
+                      request.sampler.round_scans, *request.stop.rounds, scans, k_scans_max));
     }
   }
 

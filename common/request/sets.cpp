@@ -45,7 +45,8 @@ base::Result<Written, std::string> split(std::string_view text) {
   }
   if (written.key.empty()) return std::string(k_form);
   if (written.key.find('.') != std::string::npos) {
-    return fmt::format("{}; set the keys of a section's tables in the request file", k_form);
+    return fmt::format("{}; keys of a table within a section can be set only in the request file",
+                       k_form);
   }
   if (written.value.empty())
     return std::string("missing value after '='; write an empty string as '\"\"'");

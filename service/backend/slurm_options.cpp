@@ -65,7 +65,8 @@ SlurmWishes slurm_wishes_of(const Options& defaults, const Options& options) {
     for (const auto& [key, value] : *all) {
       if (key != k_more_key && std::ranges::find(k_plain_keys, key) == k_plain_keys.end())
         refuse_wish(fmt::format(
-            "unknown Slurm option '{}'; expected account, partition, qos, time or more", key));
+            "unknown Slurm option '{}'; expected 'account', 'partition', 'qos', 'time' or 'more'",
+            key));
       check_value(key, value);
     }
   }

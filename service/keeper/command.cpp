@@ -66,7 +66,7 @@ std::string obstacle_of(const AttemptSpec& spec, const Programs& programs) {
   if (!spec.folder.starts_with('/')) return "the job's folder must be an absolute path";
   if (spec.ranks == 0 || spec.in_batch) return {};
   if (programs.mpirun.empty()) {
-    return "mpirun is not on the PATH; install Open MPI, or run the job without ranks";
+    return "mpirun is not on the PATH; install Open MPI, or submit the job without --ranks";
   }
   const std::uint32_t cores = base::cores_here();
   if (spec.ranks > cores)

@@ -216,7 +216,7 @@ test("a missing answer is reported", { skip: process.env["SLEIGHT_ALL"] !== "1" 
   assert.notEqual(store.state.notesWords, "");
 });
 
-test("patches contain the difference of two notes, and can be joined", () => {
+test("a patch changes one note into another, and two patches can be joined", () => {
   const notes: Note[] = [];
   for (const star of [false, true])
     for (const tags of [[], ["a"], ["b", "a"], ["c"]])

@@ -58,7 +58,7 @@ test("the notes filter selects animations by their notes", () => {
   assert.equal(allToggled(notes, ["a"], "star")["a"]?.star, false);
 });
 
-test("plausibility in words is exact for all and for none", () => {
+test("0 and 100 of 100 blind throws are never rounded values", () => {
   const throws = Array.from({ length: 1000 }, (_, i) => i);
   assert.equal(throwsBelow(-1, throws), 0);
   assert.equal(throwsBelow(0.5, throws), 1);
@@ -78,7 +78,7 @@ test("entries without a number are sorted last in either direction", () => {
     assert.equal(sortToText(sortFromText(text)), text);
 });
 
-test("sets of entries equal the results of a slow method", () => {
+test("set operations on entries agree with a slow method", () => {
   for (let seed = 1; seed < 200; seed++) {
     const some = (factor: number): Uint32Array =>
       allEntries(40).filter((entry) => (entry * factor * seed) % 7 < 3);

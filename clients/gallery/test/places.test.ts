@@ -28,7 +28,7 @@ test("a place has the x and y ranges of its feature; only wanted features on the
   assert.deepEqual(boxOfPlace(places[0]!).z, { low: null, high: null });
 });
 
-test("labels are the numbers in the names if no two names have the same number", () => {
+test("numbers in names serve as labels if they are distinct", () => {
   assert.deepEqual(numbersOf(["ball 1", "ball 12"]), ["1", "12"]);
   assert.equal(numbersOf(["ball 1", "die 1"]), null);
   assert.equal(numbersOf(["ball", "die 1"]), null);

@@ -28,7 +28,7 @@ test("SHA-256 is SHA-256", () => {
   }
 });
 
-test("groups don't depend on a set's order, and known distances are reused", async () => {
+test("the order of a set doesn't change its groups, and known distances are reused", async () => {
   // Goal: sets below and above 500 animations are grouped. Method: group 700 random animations.
   const search = await searchOf(made(700));
   const some = [5, 3, 9, 250, 17, 44];

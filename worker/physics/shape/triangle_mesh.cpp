@@ -330,7 +330,7 @@ std::string describe(const MeshError& error) {
     case Kind::index_out_of_range:
       return fmt::format("triangle {}: vertex {} does not exist", error.triangle, error.vertex);
     case Kind::degenerate_triangle:
-      return fmt::format("triangle {} has no area: its height is below {:g} of its longest side",
+      return fmt::format("triangle {} has no area: its height is below {:g} times its longest side",
                          error.triangle, k_mesh_sliver);
     case Kind::edge_shared_by_three:
       return fmt::format(

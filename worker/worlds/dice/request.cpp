@@ -87,7 +87,7 @@ void bind_orientation(Binder& die, DieKeys& keys) {
       "yaw_deg", keys.yaw_rad,
       {.minimum = -360,
        .maximum = 360,
-       .help = "rotation about the vertical with face `up` on top, if the orientation is fixed"});
+       .help = "for a fixed orientation: rotation about the vertical; face `up` stays on top"});
   constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
   bool gives_quaternion = false;
   double square = 0;
@@ -447,7 +447,7 @@ void GoalBinder::bind_motion() {
         keys.goal.wanted = Velocity{keys.velocity_mps};
       });
   tables<BeforeKeys>(
-      "before", "goal: latest time when a die comes to rest", [&](Binder& table, BeforeKeys& keys) {
+      "before", "goal: time by which a die comes to rest", [&](Binder& table, BeforeKeys& keys) {
         table.number("time_s", keys.time_s,
                      {.minimum = 0,
                       .maximum = 100,
@@ -543,8 +543,8 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
 void bind(request::WorldSections& sections, Parameters& parameters) {
   bind_world(sections.world, parameters.world);
   sections.constraint.choice<Numbering>("numbering", parameters.numbering, k_numbering_names,
-                                        "free: number the faces after the throw, to fit the goals "
-                                        "best; fixed: number the faces before the throw");
+                                        "free: faces are numbered after the throw to fit the "
+                                        "goals best; fixed: faces are numbered before it");
   GoalBinder{sections.constraint, parameters.world, parameters.goals}.bind_all();
   check_faces(sections.constraint, parameters);
   bind_proposal(sections.sampler, parameters.proposal);

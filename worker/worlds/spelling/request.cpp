@@ -201,7 +201,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   length_mm(world, "box_height_mm", p.box_height_m,
             {.minimum_mm = 1, .help = "height of the box's walls"});
   length_mm(world, "drop_height_mm", p.drop_height_m,
-            {.minimum_mm = 1, .help = "height of a ball's lowest point when dropped"});
+            {.minimum_mm = 1, .help = "height of a ball's lowest point at the start of its drop"});
   length_mm(world, "vertex_sd_mm", p.vertex_sd_m,
             {.help = "standard deviation of each coordinate of a partition's vertices"});
   length_mm(world, "dome_mm", p.dome_m,
@@ -317,8 +317,8 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
         "share of proposals that add balls; must equal disable_balls");
   share("aim_ball", p.aim_ball, "share of proposals that drop a loose ball near an empty bin");
   share("scatter_ball", p.scatter_ball,
-        "share of proposals that redraw the drop of a ball that fills a bin; the reverse of "
-        "aim_ball");
+        "share of proposals that take a ball out of a bin that it fills, and drop it at a random "
+        "place; these proposals reverse aim_ball");
   share("vertex_probability", p.vertex_probability,
         "probability that a change_vertices proposal moves a given vertex");
   length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m,
@@ -344,8 +344,9 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   sampler.integer("solo_steps", p.solo_steps,
                   {.minimum = 0,
                    .maximum = k_solo_steps_max,
-                   .help = "proposals per iteration, each first tested by simulating only the "
-                           "changed balls; 0: off, one ordinary proposal per iteration"});
+                   .help = "number of proposals per iteration; each is first tested by a "
+                           "simulation of only the balls that it changes; 0: off, one ordinary "
+                           "proposal per iteration"});
   for (const char* key : {"change_all", "change_vertices", "change_ball", "disable_balls",
                           "enable_balls", "aim_ball", "scatter_ball", "solo_steps"}) {
     if (!sampler.valid(key)) return;

@@ -39,4 +39,4 @@ export const proportionHelp =
 
 export const shareHelp =
   "Share: fraction of all satisfied draws that look like this group, with standard error. " +
-  "Kept animations don't show shares, because only distinct animations are kept.";
+  "Kept animations have no shares, because an archive keeps only distinct animations.";

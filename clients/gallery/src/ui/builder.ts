@@ -139,7 +139,7 @@ export function makeBuilder(ui: Ui): Part {
     const spread = column === undefined ? null : spreadOf(column, within(state));
     number.picture.replaceChildren(
       spread === null
-        ? "No animation shown has a value of this number."
+        ? "The animations shown have no value for this number."
         : histogram(spread, number.range.range, number.name),
     );
   };

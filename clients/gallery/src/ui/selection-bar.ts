@@ -65,7 +65,7 @@ export function makeSelectionBar(ui: Ui): Part {
       }),
       button("Least similar first", () => ui.page.sortByLikeness(chosen(), true), {
         id: "unlike",
-        title: "Sort by likeness to the selected animations, reversed (u)",
+        title: "Sort by likeness to the selected animations, least similar first (u)",
       }),
       button("Clear selection", () => ui.page.selectNone(), {
         id: "choose-none",
