@@ -215,8 +215,8 @@ std::string besides_rounds(const Ladders& ladders, const RequestNumbers& request
                          static_cast<double>(ladders.rounds[ladders.judged].scans);
   if (allowed < k_trips_each && request.find("sampler", "replicas")) {
     return fmt::format(
-        "more replicas under [sampler] also help, because swap rates limit this round to {:.1f} "
-        "round trips",
+        "more replicas under [sampler] also help, because the swap rates of this round allow "
+        "only {:.1f} round trips",
         allowed);
   }
   if (allowed >= k_trips_each && allowed >= 2 * made) {

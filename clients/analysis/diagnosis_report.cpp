@@ -332,7 +332,7 @@ const char* in_words(JudgedDraws which) {
     case JudgedDraws::all:
       return "all scans after the burn-in";
     case JudgedDraws::tours:
-      return "all scans; each is the last scan of a tour";
+      return "the last scan of each tour";
     case JudgedDraws::weighted:
       return "all, with their weights";
   }

@@ -71,10 +71,11 @@ void doubt_round_trips(std::vector<Doubt>& doubts, const LadderFacts& facts) {
 void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
                  const CombinedEstimate& judged) {
   if (facts.before.empty()) {
-    doubts.push_back({.kind = DoubtOf::first_round,
-                      .reason = fmt::format("no round precedes {}, so it is unknown whether the "
-                                            "chains still depend on their starts",
-                                            facts.round)});
+    doubts.push_back(
+        {.kind = DoubtOf::first_round,
+         .reason = fmt::format("{} has no earlier round to compare with, so it is "
+                               "unknown whether the chains still depend on their starts",
+                               facts.round)});
     return;
   }
   const CombinedEstimate before = combined(facts.before);
@@ -133,8 +134,8 @@ const char* reason_not_sized(IslandNumber number) {
     case IslandNumber::unfinished:
       return "the batch of islands that determines the odds is not complete yet";
     case IslandNumber::by_solutions:
-      return "the rule that stops the run at a number of solutions biases the odds until the first "
-             "batch of islands is complete";
+      return "the stop rule independent_solutions biases the odds until the first batch of islands "
+             "is complete";
     case IslandNumber::unknown:
       return "the request does not show how the number of islands was chosen";
   }

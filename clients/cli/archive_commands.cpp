@@ -168,7 +168,7 @@ void add_finds(const Facts& facts, report::Report& report) {
   report.add("relax_scans", finds.relax_scans, "",
              finds.found == 0 || finds.relax_scans == 0
                  ? ""
-                 : fmt::format("each take was relaxed by {} scans of a chain", finds.relax_scans));
+                 : fmt::format("a chain of {} scans relaxed each take", finds.relax_scans));
   report.for_programs("finds_kept", finds.animations);
   if (!facts.finds) return;
   const Plausibility& log_p = *facts.finds;

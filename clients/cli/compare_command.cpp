@@ -175,9 +175,9 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
                            fmt::format("{}", group.members[1])});
   fmt::print("\n{}", to_text(groups, terminal::width_of(stdout)));
   fmt::print(
-      "\nTest of the {} nearest neighbours of each of {} + {} animations:\n{:.1f}% of the "
+      "\n{} + {} animations were tested, with the {} nearest neighbours of each:\n{:.1f}% of the "
       "neighbours are from the same archive; {:.1f}% are expected by chance (p = {:.3f}).\n",
-      browse::k_neighbours, comparison.looks.tested[0], comparison.looks.tested[1],
+      comparison.looks.tested[0], comparison.looks.tested[1], browse::k_neighbours,
       100 * comparison.looks.test.share, 100 * comparison.looks.test.expected,
       comparison.looks.test.p_value);
 }

@@ -216,7 +216,7 @@ void require_one(std::span<const browse::AnimationId> ids, const ExportAnimation
   terminal::refuse_usage(fmt::format(
       "{}: one file can't contain {} separate animations; {}name a folder", options.output,
       ids.size(),
-      options.format == "glb" ? "add --together to write all as clips of one file, or " : ""));
+      options.format == "glb" ? "add --together to write all animations to this file, or " : ""));
 }
 
 /// Writes all animations to a single file.

@@ -93,8 +93,9 @@ browse::Groups groups_of(const std::vector<browse::Picked>& picked, std::uint64_
   if (entries.size() > browse::k_full_matrix_max && groups > browse::k_full_matrix_max) {
     throw base::Error(
         base::ExitCode::usage,
-        fmt::format("{} animations allow at most {} groups, because the groups come from a sample",
-                    entries.size(), browse::k_full_matrix_max));
+        fmt::format(
+            "expected at most {} groups, because groups of {} animations come from a sample",
+            browse::k_full_matrix_max, entries.size()));
   }
   if (entries.empty()) return {};
   return browse::groups_of(entries, picked.front().archive->index.scene,

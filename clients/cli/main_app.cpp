@@ -127,8 +127,8 @@ void add_derive(CLI::App& archive, DeriveArguments& arguments, Action& action) {
       ->type_name("OUTPUT.h5");
   command->add_flag("--json", arguments.json, "Print a summary of the archive as JSON");
   command->footer(
-      "Writes the archive that the run would write if it stopped now, even while the run\n"
-      "continues. A copy of the run's folder works too, unless the run wrote to the folder during\n"
+      "Writes the archive that the run would write if it stopped now. The run can continue\n"
+      "meanwhile. A copy of the run's folder works too, unless the run wrote to the folder during\n"
       "the copy.\n\n"
       "Example:\n  sleight archive derive ball.h5.run -o ball_so_far.h5");
   command->callback([&] { action = [&] { return derive(arguments); }; });
@@ -197,11 +197,11 @@ void add_diagnose(CLI::App& app, DiagnoseArguments& arguments, Action& action) {
   command->add_flag("--json", arguments.json, "Print JSON");
   command->footer(
       "Checks R-hat and the effective sample size of log p, the outcomes and the state. R-hat\n"
-      "must be at most 1.01, the effective sample size at least 400, and at least 100 per chain.\n"
-      "Judges the longest round of a tempered run, or the second half of each plain chain. A\n"
-      "tempered ladder must also have made a round trip. If the chains have not mixed, prints the\n"
-      "reasons and exits with 7. Success is no proof that the chains have mixed: chains that all\n"
-      "miss the same mode agree with each other.\n\n"
+      "must be at most 1.01. The effective sample size must be at least 400, and at least 100 per\n"
+      "chain. Judges the longest round of a tempered run, or the second half of each plain chain.\n"
+      "A tempered ladder must also have made a round trip. If the chains have not mixed, prints\n"
+      "the reasons and exits with 7. Success is no proof that the chains have mixed: chains that\n"
+      "all miss the same mode agree with each other.\n\n"
       "Examples:\n  sleight diagnose ball.h5\n  sleight diagnose ball.h5 --json | jq .reasons");
   command->callback([&] {
     action = [&] {

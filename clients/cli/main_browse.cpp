@@ -177,8 +177,8 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
   command
       ->add_option("--fps", options.fps,
                    "Frames per second (png, mp4; default: 24). For glb: place keyframes on whole "
-                   "frames only. Default for glb: enough keyframes for positions within 0.1 mm and "
-                   "rotations within 0.2 degrees")
+                   "frames only. Default for glb: enough keyframes to show positions within 0.1 mm "
+                   "and rotations within 0.2 degrees")
       ->check(CLI::Range(cli::k_export_fps_min, cli::k_export_fps_max).description(""))
       ->type_name("N");
   command->add_option("--view", options.view, "Camera view (png, mp4)")

@@ -59,8 +59,8 @@ void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const anal
   command
       ->add_option(
           "--host", options.hosts,
-          "Further address by which browsers reach the gallery, such as localhost:8080 for "
-          "ssh -L to another port. 127.0.0.1:PORT and localhost:PORT always work. Repeatable")
+          "Another address at which browsers reach the gallery, such as localhost:8080 if ssh -L "
+          "forwards port 8080. 127.0.0.1:PORT and localhost:PORT always work. Repeatable")
       ->allow_extra_args(false)
       ->check(CLI::Validator(fault_of_host, ""))
       ->type_name("HOST:PORT");

@@ -105,7 +105,7 @@ std::string why_it_gave_up(const plan::Finds& finds) {
                        sampling::k_starts_in_vain_max);
   if (finds.stuck_at.empty())
     return fmt::format(
-        "In the last {} starts, the constraint was never satisfied when all bodies moved together.",
+        "None of the last {} starts satisfied the constraint when all bodies moved together.",
         sampling::k_starts_in_vain_max);
   return fmt::format(
       "None of the last {} starts got past {}: every attempt at this stage violated the "
@@ -159,8 +159,8 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     fmt::print("{}\n", what_is_missing(summary));
   } else if (summary.relaxed > 0) {
     fmt::print(
-        "{}: {} takes (finds of a search, each relaxed by {} scans), not in the model's "
-        "proportions; seed {}, digest {}\n",
+        "{}: {} takes (each found by search, then relaxed by {} scans); takes are not in the "
+        "model's proportions; seed {}, digest {}\n",
         arguments.output, events::grouped(summary.relaxed),
         events::grouped(request.sampler.relax_scans.value_or(0)), request.sampler.seed,
         summary.digest);

@@ -237,8 +237,8 @@ void add_stops(CLI::App& app, Action& action) {
       "A running job stops after its current scan and writes an archive of its results so far.\n\n"
       "Examples:\n  sleight cancel 17\n  sleight cancel g5\n  sleight cancel 17 19 23..30");
   add("hold", "Stop jobs until `sleight resume`", rpc::ChangeKind::hold,
-      "No work is lost. After `sleight resume`, jobs produce the same archives as without the "
-      "stop.\n\n"
+      "No work is lost. After `sleight resume`, jobs produce the same archives as if they had not "
+      "stopped.\n\n"
       "Example:\n  sleight hold 17");
   add("resume", "Resume held, failed or cancelled jobs", rpc::ChangeKind::resume,
       "Example:\n  sleight resume 17");

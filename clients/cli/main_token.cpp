@@ -89,7 +89,8 @@ void add_list_and_revoke(CLI::App& token, Action& action) {
     action = [revoked] { return cli::revoke_tokens(service_called(), *revoked); };
   });
   command->footer(
-      "Jobs submitted with the token continue.\n\nExample:\n  sleight token revoke 7k2m9q4x1c");
+      "Jobs that were submitted with the token continue.\n\n"
+      "Example:\n  sleight token revoke 7k2m9q4x1c");
 }
 
 void add_logins(CLI::App& app, Action& action) {

@@ -136,7 +136,7 @@ browse::Groups groups_among(const Snapshot& snapshot, const std::vector<std::siz
 std::string why_no_shares(const Snapshot& snapshot) {
   const Facts& facts = snapshot.facts();
   if (facts.summary.chains * facts.summary.scans == 0)
-    return "Search found these animations; their probability in the model is unknown.";
+    return "A search found these animations; their probability in the model is unknown.";
   if (!facts.in_proportion) return "The draws are not in the model's proportions.";
   if (snapshot.is_beginning()) return "Not all animations have been read yet.";
   if (!facts.satisfied) return "There are too many draws to count.";

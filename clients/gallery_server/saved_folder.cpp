@@ -99,9 +99,8 @@ std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
       std::ranges::any_of(others, [](const auto& name) { return name.starts_with(k_work); });
   throw base::Error(
       base::ExitCode::conflict,
-      fmt::format("{}: nothing was replaced, because the folder contains {}{}, which no saved "
-                  "gallery wrote; {}choose "
-                  "a new folder, or move the other files away",
+      fmt::format("{}: nothing was replaced, because the folder contains {}{}, which is not "
+                  "part of a saved gallery; {}choose a new folder, or move the other files away",
                   place.string(), others.front(), more,
                   has_work ? fmt::format("a running or killed `--save` wrote {}...; ", k_work)
                            : std::string()));

@@ -32,7 +32,7 @@ using Json = json::Value;
 constexpr std::uint64_t k_histogram_draws_max = 1'000'000;
 constexpr std::string_view k_trace_prefix = "trace.";
 constexpr std::string_view k_pair_prefix = "pair.";
-constexpr const char* k_index_title = "index process: level of each replica";
+constexpr const char* k_index_title = "level of each replica (the index process)";
 
 [[noreturn]] void refuse_plot() {
   throw Refused(k_not_found, "This plot doesn't exist.", "Reload the page.");

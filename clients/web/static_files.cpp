@@ -131,7 +131,7 @@ void StaticFiles::Reading::read_entry(const base::Descriptor& folder, const std:
     }
   } else {
     fail(root + path,
-         "is neither file nor folder; a page's folder may only contain files and folders");
+         "is neither a file nor a folder; a page's folder may only contain files and folders");
   }
 }
 

@@ -288,8 +288,8 @@ DicePlausibility dice_plausibility(const archive::Source& source, const DicePrio
   if (browse::drawn_group(source) == archive::k_finds) {
     throw base::Error(
         base::ExitCode::usage,
-        fmt::format("{}: the animations come from a search, not in the model's proportions, so "
-                    "their plausibility can't be compared with the model",
+        fmt::format("{}: a search found the animations, so they are not in the model's "
+                    "proportions, and their plausibility can't be compared with the model",
                     source.name()));
   }
   const std::vector<std::size_t> animations =

@@ -409,7 +409,7 @@ void settle_backend(Settings& settings, std::vector<request::Diagnostic>& wrong)
 void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) {
   if (settings.state.value.empty()) {
     wrong.push_back({"HOME", request::k_no_place,
-                     "expected an absolute path, because it contains the default state folder; "
+                     "expected an absolute path, because the default state folder is inside it; "
                      "alternatively, set SLEIGHT_STATE to a folder on this machine"});
     return;
   }

@@ -62,12 +62,12 @@ void check_excursions(Binder& sampler, const SamplerParameters& p) {
 }
 
 void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
-  sampler.optional_integer(
-      "anneal_scans", p.anneal_scans,
-      {.minimum = 1,
-       .maximum = 1000000,
-       .unit = "scans",
-       .help = "length of an initial simulated annealing from the prior; default: 0"});
+  sampler.optional_integer("anneal_scans", p.anneal_scans,
+                           {.minimum = 1,
+                            .maximum = 1000000,
+                            .unit = "scans",
+                            .help = "number of scans that anneal a chain from the prior to the "
+                                    "target, before its first draw; default: 0"});
   sampler.optional_integer("burn_in_rounds", p.burn_in_rounds,
                            {.minimum = 1,
                             .maximum = 20,
@@ -218,7 +218,7 @@ void bind_output(Binder& output, OutputParameters& p) {
                  {.minimum = 0,
                   .maximum = k_prior_draws,
                   .help = "number of prior draws, for comparison with the samples; default with "
-                          "[stop] odds or method \"search\": 100"});
+                          "method \"search\" or if 'odds' is set: 100"});
 }
 
 /// Keys of the common sections that apply to a search.
@@ -261,10 +261,9 @@ void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionR
               "can't be combined with relax_scans; set 'takes' instead");
   } else {
     keep_only(sections.sampler, all(sections.sampler), k_sampler_keys_of_search,
-              "without relax_scans, method \"search\" does not use this key, because it runs no "
-              "chains");
+              "a search without relax_scans runs no chains, so it does not use this key");
     keep_only(sections.stop, all(sections.stop), k_stop_keys_of_search,
-              "without relax_scans, method \"search\" does not use this key; set 'found' instead");
+              "a search without relax_scans does not use this key; set 'found' instead");
   }
   keep_only(sections.output, all(sections.output), k_output_keys_of_search,
             "not used by method \"search\", because it makes no draws");

@@ -43,8 +43,8 @@ std::string daemon_id_of(const std::string& state) {
   if (!files.exists(path)) {
     if (files.exists(state + "/jobs")) {
       logging::warn(
-          fmt::format("{}: missing, so a new daemon name is created; batch jobs submitted under "
-                      "the old name will not be found",
+          fmt::format("{}: missing, so the daemon gets a new name and will not find batch jobs "
+                      "that were submitted under its old name",
                       path));
     }
     base::replace_text_file(files, path, access::draw_token().id + "\n");

@@ -74,8 +74,8 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const st
         // these folders.
         if (const std::uint64_t highest = folders_.highest(); highest >= stored.next_id) {
           logging::warn(
-              fmt::format("{}: contains folders of jobs that the job store lacks, up to number {}; "
-                          "new jobs are numbered from {}",
+              fmt::format("{}: contains folders of jobs that are missing from the job store; the "
+                          "highest has number {}, so the next new job gets number {}",
                           folders_.all(), highest, highest + 1));
           stored.next_id = highest + 1;
         }

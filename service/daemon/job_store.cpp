@@ -45,8 +45,8 @@ void verify(const store::Database& database, const Place& place, std::string_vie
             std::int64_t checksum) {
   if (checksum_of(place, text) == checksum) return;
   throw base::Error(
-      fmt::format("{}: row ({}, {}) of table {} has a wrong checksum, because of a disk error or "
-                  "an outside change; the store was not changed. {}",
+      fmt::format("{}: row ({}, {}) of table {} has a wrong checksum, because the disk failed or "
+                  "another program changed the file; the store was not changed. {}",
                   database.path(), place.first, place.second, place.table, k_put_back));
 }
 

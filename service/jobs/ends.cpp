@@ -109,7 +109,7 @@ const std::string k_disk_full =
     "The disk is full. Free some space (`sleight delete` deletes finished jobs). The job then "
     "resumes automatically.";
 const std::string k_other_results =
-    "The run and the installed programs have different results versions. The job resumes "
+    "The results version of the installed programs differs from the run's. The job resumes "
     "automatically after the run's version is installed. Otherwise, submit the request again.";
 
 Verdict judge_error(const Job& job, const Ended& ended, const Surroundings& around,

@@ -178,7 +178,7 @@ std::optional<Refusal> Jobs::resume(Job& job) {
                        "Wait until the job is cancelled, then resume it.");
   if (job.state == State::yielding && job.reason == Reason::hold_asked) {
     enter(job, State::yielding, Reason::resumed,
-          "The job stops first and resumes at its next turn.");
+          "The job first stops and then resumes at its next turn.");
   } else if (is_over(job.state)) {
     if (auto refusal = over_job_limit(job.user)) return refusal;
     begin_anew(job, Reason::resumed, "The job resumes from its stored results.");

@@ -121,7 +121,7 @@ void Jobs::hand_out() {
     Job& job = jobs_.at(next->id);
     if (has_other_results(job)) {
       enter(job, State::held, Reason::other_results,
-            "The run and the installed programs have different results versions. The job resumes "
+            "The results version of the installed programs differs from the run's. The job resumes "
             "automatically after the run's version is installed. Otherwise, submit the request "
             "again.");
       continue;

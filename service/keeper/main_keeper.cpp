@@ -34,7 +34,7 @@ void add_options(CLI::App& app, keeper::KeeperOptions& options) {
       ->required()
       ->check(CLI::ExistingDirectory)
       ->type_name("FOLDER");
-  app.add_option("--attempt", options.attempt, "Number of the attempt to start, from 1")
+  app.add_option("--attempt", options.attempt, "Number of this attempt (1 for the first)")
       ->required()
       ->check(CLI::PositiveNumber)
       ->type_name("N");
@@ -44,7 +44,8 @@ void add_options(CLI::App& app, keeper::KeeperOptions& options) {
   app.add_flag("--batch", options.in_batch,
                "Run inside a batch system's job, where SIGTERM also stops the program cleanly");
   app.add_option("--grace", options.grace_s,
-                 "Time until a program that reported its end is killed. Default: 30")
+                 "Kill the program if it is still running this long after it reported its end. "
+                 "Default: 30")
       ->check(CLI::NonNegativeNumber)
       ->type_name("SECONDS");
   app.add_option("program", options.command, "Program to run and its arguments, after --")

@@ -190,7 +190,7 @@ class Service(ServiceTest):
         for store in self.state.glob("jobs.sqlite*"):
             store.unlink()
         self.serve()
-        self.assertIn("that the job store lacks", self.path("sleightd.log").read_text())
+        self.assertIn("missing from the job store", self.path("sleightd.log").read_text())
         third = self.submit(self.write_request("third.toml", chains=1, scans=50))
         self.assertEqual(third, 3)
         self.wait(third)

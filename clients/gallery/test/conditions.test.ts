@@ -92,7 +92,7 @@ test("a kind is a name that several numbered bodies share", () => {
   assert.deepEqual(kindsOfBodies(["die 1", "die 2", "ball 1", "cube"]), ["die"]);
 });
 
-test("columns count characters, even characters of two UTF-16 units", () => {
+test("a column number counts characters, not UTF-16 units", () => {
   assert.equal(placeOfColumn("a😀b", 1), 0);
   assert.equal(placeOfColumn("a😀b", 3), 3);
   assert.equal(placeOfColumn("ab", 9), 2);

@@ -68,7 +68,7 @@ test("invalid parts are skipped", () => {
   assert.deepEqual(pageOf("q=".repeat(300_000)), firstPage);
 });
 
-test("time, camera and selection don't add to the browser's history", () => {
+test("changes of time, camera and selection add no entries to the browser's history", () => {
   const later: Page = { ...full, timeS: 1, camera: null, selected: [] };
   assert.equal(placeOf(full), placeOf(later));
   assert.notEqual(placeOf(full), placeOf({ ...full, view: "groups" }));

@@ -65,7 +65,7 @@ async function seen(page: Page): Promise<{ first: number | null; then: number; o
   return { first, then, offered };
 }
 
-test("the first animations are shown, and the rest is offered as more", async () => {
+test("the page shows the first animations and then offers the rest", async () => {
   assert.deepEqual(await seen(firstPage), { first: beginning, then: beginning, offered: "5 more" });
 });
 

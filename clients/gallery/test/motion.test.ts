@@ -61,7 +61,7 @@ test("segments throw if they are out of order or have no body or no time", () =>
   assert.throws(() => recordingFrom([{ start: NaN }]));
 });
 
-test("around a fixed axis the rotation equals the closed form", () => {
+test("the rotation around a fixed axis equals the closed form", () => {
   // Goal: the angle is w s + a s^2 / 2 around one axis. Method: rotate around z, far beyond a full turn.
   const segments = segmentsFrom([{ w: [0, 0, 30], wa: [0, 0, -4] }]);
   for (const t of [0.001, 0.5, 2]) {

@@ -29,7 +29,7 @@ function withHead(json: string, tail: number): ArrayBuffer {
   return all.buffer;
 }
 
-test("packing and unpacking preserves all bits", () => {
+test("packing and unpacking preserve all bits", () => {
   // Goal: all types and odd lengths survive. Method: pack and unpack columns of each type.
   const { head, columns } = unpack(bytes());
   assert.deepEqual(head, { name: "ä" });

@@ -27,7 +27,7 @@ test("a click selects one card, and Shift with a click selects a range", () => {
   assert.deepEqual(kept(selection, (name) => name !== "c" && name !== "a").anchor, null);
 });
 
-test("undo and redo restore states; a new step drops undone steps", () => {
+test("undo and redo restore states; after an undo, a new step discards the undone steps", () => {
   const empty: History<number> = { done: [], undone: [] };
   let history = empty;
   for (let i = 0; i < undoStepsMax + 5; i++)

@@ -340,7 +340,7 @@ test("a failed load is repeated after a pause, regardless of the number of reque
   assert.ok(performance.now() - begun > 1.9 * pauseMs);
 });
 
-test("shares of groups equal the server's", () => {
+test("the page computes the same shares of groups as the server", () => {
   // The case is computed by hand in tests/unit/clients/gallery_server/shares_test.cpp. One lineage has four
   // draws (three and one of two animations), the other lineage a single draw.
   const column = (values: number[]): Float64Array => Float64Array.from(values);

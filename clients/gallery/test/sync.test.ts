@@ -44,7 +44,7 @@ test("animations differ once their distance exceeds the tolerance", () => {
   assert.equal(whereTheyPart(a, a, 1e-6), null);
 });
 
-test("a short difference is not missed", () => {
+test("a short difference between two animations is found", () => {
   // Goal: steps are short enough for the bodies' speeds. Method: after an hour without events, move one body
   // away by 5 mm and back within 4 ms.
   const still: Row[] = [{ mode: "resting" }, { start: 4000, mode: "resting" }];

@@ -314,11 +314,13 @@ void check_finds(const Reader& reader, Findings& findings) {
   const std::int64_t found = reader.integer(k_finds, k_found);
   const std::int64_t keep_max = reader.integer(k_finds, "keep_max");
   if (std::cmp_not_equal(total, std::min(found, keep_max))) {
-    findings.push_back(fmt::format("/finds has {} animations, but found is {} and keep_max is {}",
-                                   total, found, keep_max));
+    findings.push_back(
+        fmt::format("/finds has {} animations; expected the smaller of its attributes found ({}) "
+                    "and keep_max ({})",
+                    total, found, keep_max));
   }
   Rule order{"/finds: the animations' start numbers must increase"};
-  Rule segments{"the segments of finds must be contiguous"};
+  Rule segments{"the segments in /finds must be contiguous"};
   std::int64_t start_before = -1;
   std::int64_t next_segment = 0;
   for_each_batch(total, [&](std::uint64_t first, std::uint64_t count) {

@@ -393,9 +393,9 @@ std::optional<SceneError> error_of(const Scene& scene) {
         !within(control.angular_velocity_change_radps, k_spin_radps_max)) {
       return error(
           Kind::bad_number,
-          fmt::format(
-              "the control of body {} at tick {} has a negative tick or an invalid velocity",
-              control.body.value, control.tick.value));
+          fmt::format("the control of body {} at tick {} is invalid; expected a tick of at "
+                      "least 0 and valid velocities",
+                      control.body.value, control.tick.value));
     }
   }
   return error_of_period(scene);

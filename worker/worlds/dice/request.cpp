@@ -149,7 +149,7 @@ void bind_dice(Binder& world, WorldParameters& p) {
                           .maximum = k_dice_max,
                           .help = "number of dice; default: number of tables [[world.die]], or 1"});
   world.tables<DieKeys>("die", given,
-                        {.count_max = k_dice_max, .help = "start of each die, in order"}, bind_die);
+                        {.count_max = k_dice_max, .help = "initial state of each die"}, bind_die);
   if (count && !given.empty() && *count != given.size() && world.valid("dice")) {
     world.error("dice",
                 fmt::format("must equal {}, the number of [[world.die]] tables, or be absent",

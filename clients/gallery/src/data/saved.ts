@@ -292,7 +292,7 @@ function shareOf(share: Share | undefined): { value: number; error: number | nul
 /** Why groups have no shares. The first two texts equal the server's. */
 function noShares(archive: ArchiveSummary | undefined): string {
   if (archive?.draws === 0)
-    return "Search found these animations; their probability in the model is unknown.";
+    return "A search found these animations; their probability in the model is unknown.";
   if (archive?.in_proportion === false) return "The draws are not in the model's proportions.";
   return "No draws can be counted.";
 }

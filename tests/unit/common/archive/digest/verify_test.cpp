@@ -65,16 +65,17 @@ TEST_F(Verify, FindsHaveRules) {
   const auto integers = [&](std::string_view name) -> auto& {
     return values<std::int64_t>(k_finds, name);
   };
-  broken([&] { std::swap(integers("start")[1], integers("start")[2]); }, "ordered by start");
-  broken([&] { ++integers("segment_start")[3]; }, "segments of finds must be contiguous");
-  broken([&] { ++integers("segment_count")[4]; }, "segments of finds must be contiguous");
+  broken([&] { std::swap(integers("start")[1], integers("start")[2]); },
+         "start numbers must increase");
+  broken([&] { ++integers("segment_start")[3]; }, "segments in /finds must be contiguous");
+  broken([&] { ++integers("segment_count")[4]; }, "segments in /finds must be contiguous");
   broken([&] { ++integers("animation")[0]; }, "/finds/animation must count");
   broken(
       [&] {
         for (Attribute& attribute : archive_.group(k_finds).attributes)
           if (attribute.name == k_found) attribute.value = std::int64_t{4};
       },
-      "/finds has 5 animations, but found is 4");
+      "/finds has 5 animations; expected the smaller of its attributes found (4)");
 }
 
 TEST_F(Verify, NamesEachBrokenRule) {
