@@ -57,7 +57,7 @@ struct ArchiveOdds {
   std::size_t judged = 0;  ///< the round whose ladders are judged, counted from 0
   JudgedEstimate log_z{};
   /// Probability that a draw from the prior satisfies the constraint. If the judged round has no
-  /// solution, the estimate is from another round, which casts a doubt.
+  /// solution, the estimate is from another round, so it is doubted.
   JudgedEstimate log_p_satisfied{};
   std::size_t without_trips = 0;  ///< ladders of the judged round without a round trip
   double log_natural_throw = 0;

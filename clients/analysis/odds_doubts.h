@@ -19,8 +19,8 @@
 //     still drifts.
 //   `wide`: a single ladder's log estimate has an error above k_spread_max, so the mean of logs is
 //     too low by more than half of k_spread_max, and errors are unreliable.
-//   `ladders_disagree`: the ladders differ by more than expected from their own errors, so each
-//     ladder lacks states that its round trips didn't bring.
+//   `ladders_disagree`: the ladders differ by more than expected from their own errors, so the
+//     round trips of each ladder have missed some states.
 //
 // The constants were chosen on worlds with known odds, where the resulting errors cover the truth
 // as often as they should (tests/statistical/odds_test.cpp).

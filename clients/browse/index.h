@@ -23,7 +23,7 @@
 namespace sleight::browse {
 
 /// The name of an animation, which is the same in all archives of its run. A name consists of the
-/// run, chain and draw, or of the run and the number of a search's find.
+/// run, the chain and the draw. The name of a find consists of the run and the find's number.
 struct AnimationName {
   std::string run{};     ///< run_id of the archive
   bool is_find = false;  ///< finds: chain is 0

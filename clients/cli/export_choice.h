@@ -19,7 +19,8 @@ inline constexpr std::size_t k_export_max = 100;
 struct ExportChoice {
   std::vector<std::string> ids{};     ///< animation_ids.h
   std::vector<std::string> select{};  ///< queries (browse/query.h) that must all hold
-  /// Maximum groups of similar animations (browse/groups.h). One animation per group is exported.
+  /// Maximum number of groups of similar animations (browse/groups.h). One animation per group is
+  /// exported.
   std::optional<std::size_t> representatives{};
   bool all = false;  ///< no maximum
   /// State of the archive's file before it was opened, for index_cache.h. None: no cache.

@@ -124,7 +124,7 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
   }
   clip.extras.push_back({"in_proportion", motions.in_proportion(id.row)});
   clip.extras.push_back({"duration_s", clip.motion.end_s()});
-  // Densities and outcomes are those numbers that /sample_stats also contains. Other numbers belong
+  // Densities and outcomes are the numbers that /sample_stats also contains. Other numbers belong
   // to the state.
   const archive::Group* group = archive::find_group(source, group_name);
   const archive::Group* stats = archive::find_group(source, archive::k_sample_stats);

@@ -24,7 +24,7 @@
 namespace sleight::programs {
 namespace {
 
-/// Maximum chain number or number of draws in an option.
+/// Maximum value of options that give a chain's number or a number of draws.
 constexpr std::uint64_t k_number_max = 1'000'000'000'000;
 
 void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {

@@ -9,7 +9,7 @@
 namespace sleight::gallery {
 namespace {
 
-/// Draws of a lineage's kept animations, with the animations' indices.
+/// The draws of a lineage's kept animations, and the indices of these animations.
 using Kept = std::vector<std::pair<std::uint64_t, std::size_t>>;
 
 }  // namespace

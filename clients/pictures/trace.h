@@ -12,7 +12,8 @@
 
 namespace sleight::pictures {
 
-/// Maximum points of a series in a picture. Longer series are thinned while they are read.
+/// Maximum number of points that a picture shows of a series. Longer series are thinned while they
+/// are read.
 inline constexpr std::size_t k_trace_points_max = 20'000;
 
 struct TraceRange {

@@ -299,8 +299,8 @@ std::string to_terminal(const Panel& panel, const TerminalOptions& wanted) {
   const Furniture furniture = furniture_of(panel, options);
   const std::size_t plot_rows = options.rows - 2 - furniture.rows();
 
-  // Reserve space left of the plot for the axis and for the widest label of a first estimate of the
-  // ticks.
+  // To the left of the plot, reserve space for the axis and for the widest label of a first
+  // estimate of the ticks.
   PanelRanges ranges = ranges_of(panel);
   const std::size_t left = widest(terminal_ticks(ranges.y, plot_rows / 3, options)) + 2;
   DotCanvas canvas(options.columns - left, plot_rows, options.unicode);

@@ -22,7 +22,7 @@ void ProgressPrinter::show(const events::Progress& progress) {
   const plan::Finds& finds = progress.finds;
   const bool has_found = finds.wanted > 0 && (finds.found >= finds.wanted || finds.gave_up);
   const bool is_news = has_found && !std::exchange(said_found_, has_found);
-  // If another session of the run began, its time restarts at 0.
+  // If another session of the run began, the elapsed time restarts at 0.
   if (progress.elapsed_s < shown_s_) shown_s_ = 0;
   if (!is_news && progress.elapsed_s - shown_s_ < plain_line_every_s_) return;
   shown_s_ = progress.elapsed_s;

@@ -49,8 +49,8 @@ struct Server::Impl {
   void publish(const std::string& event, std::shared_ptr<const std::string> text);
   void stop();
 
-  /// If answers being sent use too much memory, closes the connections that have been receiving
-  /// longest.
+  /// If the answers being sent use too much memory, closes connections. Those that have been
+  /// receiving longest are closed first.
   void bound_answers();
   void start_stream(const std::shared_ptr<Connection>& connection);
   void forget(const std::shared_ptr<Connection>& connection);

@@ -4,9 +4,10 @@
 // A throw's random numbers are normal, N(0, 1) as standard scores, except the orientation and the
 // table's restitution and friction, which are uniform. So each panel has the same prior curve. A
 // log density lies below the mean of blind throws by half of (the sum of squared scores minus the
-// number of scores), in nats. Single blind throws vary by the square root of half the number of
-// scores. The control points that a throw meets depend slightly on their heights. In about 4,000
-// blind throws on each of three tables, this dependence moved the mean by less than 0.15.
+// number of scores), in nats. For single blind throws, the standard deviation of this difference is
+// the square root of half the number of scores. The control points that a throw meets depend
+// slightly on their heights. In about 4,000 blind throws on each of three tables, this dependence
+// moved the mean by less than 0.15.
 //
 // The plot uses the kept animations, which differ from each other and are few per lineage. Each
 // animation counts once, even if draws have weights. The mean's error treats lineages as
@@ -33,7 +34,7 @@ inline constexpr double k_offset_first_sd = -3;
 inline constexpr double k_offset_step_sd = 0.5;
 std::size_t offset_bin_of(double score);
 
-/// A random number of a throw, which is a column of an archive's variable.
+/// One of the random numbers of a throw. In the archive, it is a column of a variable.
 struct StartComponent {
   std::string variable;  ///< such as "start_velocity_mps"
   std::string name;      ///< for people, such as "velocity x"

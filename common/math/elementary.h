@@ -42,7 +42,8 @@ double tan(double angle_rad);
 /// results of sin() and cos(). To reproduce a value exactly, use the same function.
 SinCos sincos(double angle_rad);
 
-/// e^x. Returns 0 below -745.14, and infinity above 709.78271 (2e-6 too early). Up to there k = 1.
+/// e^x. Returns 0 below -745.14. Returns infinity above 709.78271, although the exact limit is 2e-6
+/// higher. Up to 709.78271, k = 1.
 double exp(double x);
 /// e^x - 1 without cancellation near 0. k = 1.
 double expm1(double x);

@@ -25,11 +25,12 @@ namespace sleight::plan {
 struct LadderPart {
   std::uint32_t levels = 0;       ///< Levels of the whole ladder.
   std::uint32_t first_level = 0;  ///< First level of the part.
-  /// By level of the part. The members are at these levels in order, each at its own first scan.
+  /// One entry per level of the part. The members have these levels, in order. Each member starts
+  /// at its own first scan.
   std::vector<double> inverse_temperatures;
   std::vector<std::vector<double>> proposal_scales;
   std::uint64_t end_scan = 0;  ///< Exclusive, at most the end of the round or run.
-  /// Maximum scans of all members together. Each member always makes its first scan.
+  /// Maximum number of scans, summed over all members. Each member always makes its first scan.
   std::uint32_t scans_max = 1;
   friend bool operator==(const LadderPart&, const LadderPart&) = default;
 };

@@ -65,7 +65,7 @@ inline std::uint64_t island_number(base::ChainId lane, std::uint64_t scan) {
   return scan * k_island_lanes + (lane.value - k_first_island_lane);
 }
 
-/// Returns the island's lane and its scan there.
+/// Returns the island's lane, and the island's scan in this lane.
 inline std::pair<base::ChainId, std::uint64_t> place_of_island(std::uint64_t number) {
   const auto lane = static_cast<std::uint32_t>(number % k_island_lanes);
   return {base::ChainId{k_first_island_lane + lane}, number / k_island_lanes};

@@ -17,7 +17,7 @@ struct Bernoulli {
   double log_density(bool x) const;
 };
 
-/// Uniform on 0, 1, ..., count - 1, exactly, by Lemire, "Fast random integer generation in an
+/// Exactly uniform on 0, 1, ..., count - 1. Source: Lemire, "Fast random integer generation in an
 /// interval", ACM Transactions on Modeling and Computer Simulation 29 (2019), algorithm 5. A draw
 /// uses one word, and then needs each further word only with a probability below count / 2^64.
 /// REQUIRES: count > 0.

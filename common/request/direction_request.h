@@ -100,8 +100,8 @@ struct StopRule {
   /// Scans per chain, including its start (scan 0). More than scans_before_draws.
   std::optional<std::uint64_t> scans;
   std::optional<std::uint32_t> rounds;  ///< per chain
-  /// Number of lineages with a satisfying animation, over all chains, counted at the ends of
-  /// rounds.
+  /// Number of lineages, over all chains, with an animation that satisfies the constraint. Lineages
+  /// are counted at the ends of rounds.
   std::optional<std::uint32_t> independent_solutions;
   /// Number of finds that ends a search. In worlds that act in stages, a search may precede the
   /// chains and end by this rule.

@@ -43,7 +43,7 @@ class Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  /// Runs until stop(), including a stop() called before.
+  /// Runs until stop(). If stop() was called before, returns at once.
   void run();
   void stop();
 

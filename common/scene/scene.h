@@ -72,7 +72,7 @@ struct Feature {
 
 struct Vertex {
   Vec3 place_m{0, 0, 0};  ///< in the part's frame
-  /// Row of the animation's offset that is added to the vertex. None: fixed.
+  /// The animation's offset in this row is added to the vertex. None: fixed.
   std::int32_t offset = k_none;
 };
 

@@ -117,7 +117,7 @@ std::optional<std::uint64_t> start_of(std::int64_t process) {
   return start;
 }
 
-/// Error codes that a server may return if the disk has no links.
+/// Error codes that a server may return if the disk doesn't support links.
 bool has_no_links(int reason) {
   return reason == EPERM || reason == EOPNOTSUPP || reason == ENOSYS || reason == EMLINK;
 }

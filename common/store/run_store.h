@@ -4,7 +4,7 @@
 // On disk the store is the folder `<archive>.run` with `store.sqlite` and the lock (run_lock.h).
 //
 // Invariants
-//   1. Everything that committed() counts survives kill -9 of any process and power loss.
+//   1. The scans counted by committed() survive kill -9 of any process and power loss.
 //   2. A key's first result stays: a doubled or late result changes nothing.
 //   3. A store belongs to one request and one results version. Every session that writes takes a
 //      new epoch, and writers of older epochs are refused (fencing).

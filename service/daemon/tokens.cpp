@@ -116,7 +116,7 @@ void Tokens::read() {
   }
 }
 
-/// Replaces the file atomically; durable on return.
+/// Replaces the file atomically. The new file is durable when this function returns.
 void Tokens::write() {
   is_saved_ = false;
   json::Value list = json::Value::array();

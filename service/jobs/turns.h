@@ -14,8 +14,8 @@
 // While there is a next job, hand_out() does this:
 //   1. The job needs its user's share of cores, within the limits of what it must and can have.
 //   2. If fewer cores are free, stop running jobs that come after the next job and have had their
-//      slice. Stop first jobs of users above their share, then any without which the next job
-//      couldn't start.
+//      slice. Jobs of users above their share are stopped first. Other jobs are stopped only if the
+//      next job couldn't start otherwise.
 //   3. If the need will be free when these jobs have stopped, wait.
 //   4. Otherwise, if the job can start, give it the free cores, less the shares of other waiting
 //      users.

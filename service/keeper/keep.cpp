@@ -52,7 +52,7 @@ constexpr int k_kill_again_ms_min = 1;
 constexpr int k_kill_again_ms_max = 100;
 /// Interval at which a waiting keeper checks another keeper.
 constexpr int k_other_look_ms = 200;
-/// Maximum unparsed text from the pipe, longer than any line.
+/// Maximum length of unparsed text from the pipe. It is longer than any line.
 constexpr std::size_t k_told_bytes_max = 4 * events::k_end_line_bytes_max;
 
 double unix_now_s() {

@@ -156,7 +156,8 @@ void fill_resolve(Dice& dice, protocol::Resolve::Builder to, std::uint32_t promi
   }
 }
 
-/// Returns whether an attack by the service's owner must not send this message.
+/// Returns whether the message would stop or drain the service, or change a real job. Attacks by
+/// the service's owner don't send such messages.
 bool does_harm(const std::string& frame) {
   auto words = kj::heapArray<capnp::word>(frame.size() / sizeof(capnp::word));
   std::memcpy(words.begin(), frame.data(), words.asBytes().size());

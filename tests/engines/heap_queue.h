@@ -2,7 +2,7 @@
 //
 // Cost: a new key passes at most O(log n) nodes, four per cache line. A key that changes little and
 // isn't among the least usually passes about one node. Empty slots cost nothing. Invariants and
-// thread safety: as for event_queue.h.
+// thread safety are the same as in event_queue.h.
 #pragma once
 
 #include <cstdint>

@@ -6,7 +6,8 @@
 //   2. A job ends once, unless its user extends or resumes it. No ended job's program starts.
 //   3. Only the stored open attempt is launched. Only an attempt that should stop or isn't the
 //      newest is stopped. Only a leaving job is removed. An answer matches the store.
-//   4. At most one program of a job runs, and each has a newer attempt than earlier ones.
+//   4. At most one program of a job runs at a time. Each program of a job belongs to a newer
+//      attempt than the job's earlier programs.
 //   5. When an attempt is added, the stored open attempts are within the machine's and the user's
 //      limits of cores and memory. If all reports are true, the running programs are within these
 //      limits too.

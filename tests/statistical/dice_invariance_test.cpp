@@ -223,8 +223,8 @@ class DiceInvariance : public testing::TestWithParam<std::tuple<double, std::uin
 
 TEST_P(DiceInvariance, ProposalsKeepExactDrawsExact) {
   // Goal: the kernel leaves p_w p_c^beta invariant, including the table's points and the start.
-  // Method: compare moved exact draws (by rejection) with fresh exact draws. The simulation is a
-  // formula. Fails by chance once in 10^4 runs.
+  // Method: make exact draws by rejection, move them, and compare them with fresh exact draws. The
+  // simulation is a formula. Fails by chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();
   const std::size_t chains = is_soak() ? 100'000 : 4000;
   const double p = least_p(Formula(small_table()), {beta, steps, chains});

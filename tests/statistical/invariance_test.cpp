@@ -54,8 +54,9 @@ std::array<double, k_ball_functions> p_values(Bug bug, double beta, std::uint64_
 class Invariance : public testing::TestWithParam<std::tuple<double, std::uint64_t>> {};
 
 TEST_P(Invariance, ExactDrawsStayExact) {
-  // Goal: the kernel leaves its target invariant. Method: compare moved exact draws (by rejection)
-  // with fresh ones in 8 functions. A p-value below 1e-5 / 8 fails, by chance once in 10^5 runs.
+  // Goal: the kernel leaves its target invariant. Method: make exact draws by rejection, move them,
+  // and compare them with fresh ones in 8 functions. A p-value below 1e-5 / 8 fails, by chance once
+  // in 10^5 runs.
   const auto [beta, steps] = GetParam();
   const auto p = p_values(Bug::none, beta, steps, property::of_tier(k_draws_that_tell, 30000), 0);
   for (std::size_t i = 0; i < p.size(); ++i) {

@@ -47,9 +47,9 @@ void expect_mean(const char* name, const std::vector<double>& draws, double expe
 }
 
 TEST(SpellingIslands, AgreeWithRejection) {
-  // Goal: islands and blind throws agree on Z and P(satisfied) of three balls. Method: compare
-  // means over islands with two guides, and over joint islands, with those of prior draws, within 4
-  // errors.
+  // Goal: islands and blind throws agree on Z and P(satisfied) of three balls. Method: use islands
+  // with two guides, and joint islands. Their means must agree with the means of prior draws within
+  // 4 errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#\n.#.").value();
   parameters.constraint.log_lambda = 1.5;

@@ -48,7 +48,7 @@ class WorldEntry {
   /// The values by which chains from a search are judged. Empty if the world has no search.
   virtual std::vector<sampling::BurnInValue> burn_in_values(
       const request::DirectionRequest& request) const = 0;
-  /// A sentence for display: how long similar requests took for solutions in the model's
+  /// A sentence for display: how long similar requests took to draw solutions in the model's
   /// proportions. Empty if unknown.
   virtual std::string past_effort(const request::DirectionRequest& request) const = 0;
   /// Names of stages for display, such as "ball 3 of 16". Empty if the world has no search.

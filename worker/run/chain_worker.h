@@ -49,12 +49,12 @@ struct ChainWorkerOptions {
   std::uint64_t first_draw = 0;
   /// Interval of stored states below inverse temperature 1; 0: none.
   std::uint64_t hot_thin = 0;
-  /// Particles of the islands that end each scan (island_scan.h); 0: no islands.
+  /// Number of particles in the islands that end each scan (island_scan.h); 0: no islands.
   std::uint32_t particles = 0;
   /// Whether chains start from a search: all tours, or the first replicas of a ladder.
   bool starts_by_search = false;
   /// The last scan of the chain that relaxes a find; 0: finds are not relaxed. Only the state of
-  /// this scan is returned. This state must also satisfy when simulated until rest.
+  /// this scan is returned. This state must also satisfy the constraint when simulated until rest.
   std::uint32_t relax_scans = 0;
   /// Whether records have the values by which a burn-in is judged.
   bool is_judged = false;

@@ -24,7 +24,7 @@ std::uint32_t LadderRun::furthest_behind(std::uint64_t horizon) const {
   return chosen;
 }
 
-/// Returns a unit of annealing from the prior to the replica's first temperature.
+/// Returns a unit that anneals the replica from the prior to its first temperature.
 plan::Unit LadderRun::anneal(std::uint32_t id, std::uint32_t scans_max) const {
   const Replica& replica = replicas_[id];
   const std::uint64_t scans =

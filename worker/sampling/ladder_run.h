@@ -62,8 +62,8 @@ class LadderRun {
   /// The lineages' solutions in scans from `first_scan` on. REQUIRES: replicas start from searches;
   /// a round that has begun starts at `first_scan`.
   const Solutions& solutions_since(std::uint64_t first_scan) const;
-  /// The first scan at which no level's state descends from a search's find, so all levels'
-  /// lineages began with a prior draw. Equals scans() while some state descends from a find.
+  /// The first scan at which the states of all levels descend from prior draws, and none from a
+  /// find. Equals scans() while some state descends from a find.
   std::uint64_t searched_until() const { return searched_until_; }
   /// Rounds that end after more than `after` and at most `until` scans. REQUIRES: every level has
   /// `until` scans.

@@ -2,7 +2,8 @@
 //
 //   Search for one find per requested take.
 //   Relax each find: a chain runs a fixed number of scans from the find.
-//   The state after the last scan is a take if it satisfies. Otherwise search for another find.
+//   The state after the last scan is a take if it satisfies the constraint. Otherwise search for
+//     another find.
 //
 // Only the state after a chain's last scan can be a take, so takes are never selected among scans.
 // Takes are counted in the order of finds, regardless of which worker makes them.

@@ -47,7 +47,8 @@ concept StageBuilder = std::copyable<typename B::Prefix> &&
   { builder.limits() } -> std::same_as<SearchLimits>;
   /// The prefix without stages, on a ground of the prior.
   { builder.start(stream) } -> std::same_as<typename B::Prefix>;
-  /// Tries the stage after a prefix of `stage` stages. Empty if the try isn't promising.
+  /// Tries to extend a prefix of `stage` stages by the next stage. Empty if the try isn't
+  /// promising.
   {
     builder.attempt(prefix, stage, effort, stream)
     } -> std::same_as<std::optional<typename B::Prefix>>;

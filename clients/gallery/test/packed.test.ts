@@ -42,8 +42,8 @@ test("packing and unpacking preserve all bits", () => {
 });
 
 test("an answer truncated anywhere throws", () => {
-  // Goal: nothing of a truncated answer is used. Method: truncate to every length, except those that only
-  // lack the padding after the last column.
+  // Goal: nothing of a truncated answer is used. Method: truncate to every length at which more is missing than the
+  // padding after the last column.
   const whole = bytes();
   const needed = whole.byteLength - 3;
   for (let length = 0; length < needed; ++length)

@@ -228,8 +228,8 @@ test("truncated or changed bytes are detected", async () => {
 });
 
 test("an unexpected call has no effect", async () => {
-  // Goal: files cannot replace each other. Method: run a script that names another file, and call with wrong
-  // types.
+  // Goal: files cannot replace each other. Method: run a script that names another file, and call the function with
+  // values of wrong types.
   const { source, page } = open();
   page.set("0/table", { kind: "json", text: "{}", path: "0/scene" });
   await assert.rejects(source.table(0), isFailure("torn"));

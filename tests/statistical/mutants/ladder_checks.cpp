@@ -157,8 +157,9 @@ std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
           chi_square_p(counts.back(), expected(levels - 1))};
 }
 
-/// Verifies that adapting ladders, started from prior draws, find the weights of the ring's parts
-/// that no step connects. Compares the shares of two of the three parts in the last round.
+/// No step connects the parts of the ring. Verifies that adapting ladders, started from prior
+/// draws, find the weights of these parts. Compares the shares of two of the three parts in the
+/// last round.
 std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_round_scans = 16;
   constexpr std::uint64_t k_rounds = 4;

@@ -1,4 +1,4 @@
-// Satisfying draws of a word, made by any method, and the quantities that are compared.
+// Draws that spell a word, made by any method, and the quantities that are compared.
 #pragma once
 
 #include <array>

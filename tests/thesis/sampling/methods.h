@@ -91,9 +91,9 @@ Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t sim
   return score;
 }
 
-/// Whether simulations of single balls or dice count. In the table, simulations of single dice
-/// count, including the pools of islands. Simulations of single balls count only in the
-/// core-seconds.
+/// Whether simulations of single balls or dice are counted. The table counts simulations of single
+/// dice, including those for the pools of islands. Simulations of single balls are included only in
+/// the core-seconds.
 enum class LoneSimulations { counted, left_out };
 
 /// Runs the starts of a search one after another. Finds are solutions, but not in the proportions
@@ -202,8 +202,9 @@ inline std::unique_ptr<plan::Plan> plan_of(Method method, const sampling::Ladder
 /// Number of particles per island, as in requests without a sampler.
 inline constexpr std::uint32_t k_particles = 32;
 
-/// Returns a plan of the method `sequential` with the options for short words: one chain of tours,
-/// each with a draw only at its last scan. An unfinished tour has no solution.
+/// Returns a plan of the method `sequential`, with options for requests that spell short words. The
+/// plan has one chain of tours. Each tour has a draw only at its last scan. An unfinished tour has
+/// no solution.
 inline std::unique_ptr<plan::Plan> islands(std::uint64_t seed) {
   constexpr std::uint64_t k_tour_scans = 16;
   return std::make_unique<sampling::RestartedChains>(

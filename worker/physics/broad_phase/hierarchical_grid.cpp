@@ -5,10 +5,10 @@
 namespace sleight::physics {
 namespace {
 
-/// k_longest is the typical level's longest edge, in typical box sizes. k_cell is the edge of a
-/// cell, in longest edges of its level. Both values were measured in gases of hard spheres at
-/// packings 0.1 and 0.4, whose longest boxes are just below the typical level's longest edge.
-/// Halving or doubling either value costs 5 to 30% of a simulation's time.
+/// k_longest is the longest edge of the typical level; the unit is the typical box size. k_cell is
+/// the edge of a cell; the unit is the longest edge of its level. Both values were measured in
+/// gases of hard spheres at packings 0.1 and 0.4, whose longest boxes are just below the typical
+/// level's longest edge. Halving or doubling either value costs 5 to 30% of a simulation's time.
 constexpr double k_longest = 2.1;
 constexpr double k_cell = 1.0;
 

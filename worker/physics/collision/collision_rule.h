@@ -4,7 +4,7 @@
 //   - Approach: rate < -k_approach; `rate` is the gap's rate of change along the contact normal.
 //   - Region (static geometry only): the closest point is on the given feature, not on a neighbour.
 //
-// Two things collide at the first tick, from a given tick on, at which all these conditions hold.
+// From a given tick on, two things collide at the first tick at which all these conditions hold.
 // The functions below compute gap and rate from scratch, from both positions and motions at that
 // tick. A search may skip ticks at which it can show that a condition fails. At all other ticks the
 // search calls these functions. The search for spheres (sphere_search.h) evaluates the conditions

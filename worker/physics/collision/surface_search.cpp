@@ -22,9 +22,10 @@ constexpr double k_parallel = 1e-9;
 /// because a collision is then near.
 constexpr double k_long_enough = 0.7;
 constexpr double k_long_s = 3e-4;
-/// A point's second, tighter bound is computed for this many times its first bound's time.
+/// A point gets a second, tighter bound. It covers this many times the time that the first bound
+/// gave.
 constexpr double k_a_bit_more = 1.1;
-/// Near points are checked for this many times the span of the present look.
+/// A check of near points covers this many times the span of the present look.
 constexpr double k_clear_ahead = 4;
 /// If points that aren't stored stay clear for less than this span, gather the near points again.
 constexpr double k_worth_s = 1e-4;
@@ -254,9 +255,9 @@ class Look {
     contact_ = point;
   }
 
-  /// Returns how much higher than the lowest point a far end must be, so that points between them
-  /// stay out of touch unless the lowest point collides. Such points are at least 1 / steps of the
-  /// way from the lowest point.
+  /// Returns the height above the lowest point that a far end needs. Then the points between them
+  /// stay clear of the surface, unless the lowest point collides. These points are at least 1 /
+  /// steps of the way from the lowest point.
   double needed_m(std::int32_t steps, double gap_m) const {
     return steps * (2 * k_touch_m + std::max(0.0, -std::min(gap_m, lowest_m_)));
   }
@@ -293,8 +294,8 @@ class Look {
     }
     return true;
   }
-  /// Returns whether a cell next to an edge of the box stays out of touch up to `until_s`, unless a
-  /// point of the edge collides.
+  /// Returns whether a cell next to an edge of the box stays clear of the surface up to `until_s`,
+  /// unless a point of the edge collides.
   bool is_above_edge_until(const Cell& cell, double hollow_per_m, double until_s) const {
     for (std::size_t side = 0; side < 4; ++side) {
       if (!cell.is_outer(side)) continue;

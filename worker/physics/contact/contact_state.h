@@ -55,7 +55,7 @@ struct CollisionCount {
     }
     ++in_window;
   }
-  /// Whether the count exceeds the limits, so that the simulation fails.
+  /// Whether there were more events than the limits permit, so that the simulation fails.
   bool is_too_much() const {
     return at_tick > k_events_at_a_tick_max || in_window > k_collisions_in_window_max;
   }

@@ -31,7 +31,7 @@ Vec3 in_cone(const HoldingContact& contact, const Vec3& force) {
   return load * contact.normal + (mu * load / size) * across;
 }
 
-/// One side's part of a contact's three columns of A: force and torque.
+/// A contact has three columns of A. This is the part for one of its two bodies: force and torque.
 struct Columns {
   std::size_t row;
   double sign;

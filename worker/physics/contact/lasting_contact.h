@@ -63,10 +63,10 @@ struct ContactScene {
   const Vec3& gravity_mps2;
 };
 
-/// Returns how a sphere stays from a tick on. The sphere stays on the largest set of features that
-/// all carry it while it doesn't press on the other features. Empty: no feature carries it. On a
-/// single edge the sphere moves piece by piece (edge_motion.h), or straight on for a few
-/// micrometres if no piece is possible. `now`: the sphere's free flight from this tick.
+/// Returns how a sphere stays on features from a given tick on. The sphere stays on the largest set
+/// of features that all carry it while it doesn't press on the other features. Empty: no feature
+/// carries it. On a single edge the sphere moves piece by piece (edge_motion.h), or straight on for
+/// a few micrometres if no piece is possible. `now`: the sphere's free flight from this tick.
 std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const FreeFlight& now,
                             const ContactScene& scene);
 

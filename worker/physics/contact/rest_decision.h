@@ -1,11 +1,11 @@
 // Decides which bodies go to rest together.
 //
-// Idea. Among bodies that touch each other, the largest set goes to rest in which each member is
-// slow and in balance. A slow member was slower than rest_speed_mps at every collision of the last
-// rest_time_s, and still is. A balanced member is carried by its recent touches with static
-// geometry, resting bodies and members of the set: normal forces with friction at these contacts
-// can carry its weight, even if its centre moves a little to any side. Other bodies that a member
-// touches may still move, so a heap into which grains fall comes to rest from below.
+// Idea. Consider bodies that touch each other. The largest set of them in which each member is slow
+// and in balance goes to rest. A slow member was slower than rest_speed_mps at every collision of
+// the last rest_time_s, and still is. A balanced member is carried by its recent touches with
+// static geometry, resting bodies and members of the set: normal forces with friction at these
+// contacts can carry its weight, even if its centre moves a little to any side. Other bodies that a
+// member touches may still move, so a heap into which grains fall comes to rest from below.
 //
 // For spheres, balance with a moved centre is not required. The same holds for bodies that have
 // been slow for 64 rest times: by then a body balancing on an edge has toppled, but a cube rocking

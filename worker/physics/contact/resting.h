@@ -82,7 +82,7 @@ class Resting {
   bool in_place(BodyId body) const { return enabled() && log_of(body).in_place; }
   /// Whether a woken body has left its place, given its current pose and speed.
   bool has_left(BodyId body, const Pose& pose, double speed_mps) const;
-  /// Marks the body as having left the place in which others rested on it.
+  /// Records that the body has left the place in which others rested on it.
   void leave(BodyId body) { log_of(body).in_place = log_of(body).has_place = false; }
 
   // Histories.

@@ -31,9 +31,9 @@ bool reduce(Simplex& simplex, Vec3& closest);
 enum class GjkOutcome : std::uint8_t { separated, overlapping };
 
 /// Runs GJK from a simplex, which may be empty, and a first direction until no vertex is closer.
-/// `closest` is then the vector from A to B, to the accuracy of GJK alone. `climb`: whether to find
-/// the furthest vertices by climbing from the simplex's vertices, instead of scanning all vertices.
-/// REQUIRES: `closest` is not zero; if `climb` is set, the simplex is not empty.
+/// Then `closest` is the vector from A to B, with the accuracy of GJK alone. `climb`: whether to
+/// find the furthest vertices by climbing from the simplex's vertices, instead of scanning all
+/// vertices. REQUIRES: `closest` is not zero; if `climb` is set, the simplex is not empty.
 GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& closest);
 
 }  // namespace sleight::physics

@@ -6,7 +6,7 @@
 //   1. Search margins, rounding allowances and capacities affect only speed. Margins also affect
 //      how late a collision may be (piece_motion.h). k_rounding_ulps, the margin that all searches
 //      share, is here.
-//   2. Orders, steps and stopping tests of numerical methods change last digits, and so change
+//   2. The orders, steps and stopping tests of numerical methods affect last digits, and so affect
 //      trajectories (motion/, distance/, contact/force_balance.cpp).
 //   3. Limits for scenes decide which scenes are refused (simulator/scene_check.cpp,
 //      scene/friction_map.h, shape/). k_coordinate_m_max, which two checks share, is here.
@@ -66,8 +66,8 @@ inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
 inline constexpr double k_fast_approach_mps = 0.05;
 
 /// Approximate maximum overlap of squeezed bodies, unless one is a hundred times heavier than the
-/// other. At 0, the gaps of long-squeezed pairs shrink to rounding, and every tick has a collision.
-/// Bodies at 1 m/s move by 1e-9 m in a tick anyway.
+/// other. At 0, the gaps of pairs that are squeezed for long shrink to the size of rounding errors,
+/// and every tick has a collision. Bodies at 1 m/s move by 1e-9 m in a tick anyway.
 inline constexpr double k_sink_m = 5e-10;
 
 /// Squeezed bodies approach by at least half of this between two collisions. If this is smaller
@@ -136,8 +136,9 @@ inline constexpr double k_settling_bounces = 2;
 /// released more often.
 inline constexpr double k_sunk_m = 5e-7;
 
-/// Maximum corners that carry a body on a flat surface; if more are near, some are selected all
-/// around. With few corners, a body on a face with many corners tips about chords of the face.
+/// Maximum number of corners that carry a body on a flat surface. If more are near, some are
+/// selected on all sides. With few corners, a body on a face with many corners tips about chords of
+/// the face.
 inline constexpr std::size_t k_plane_supports_max = 64;
 
 /// Maximum length of a segment in which a body in contact rotates unevenly (0.25 s). With a larger
@@ -171,8 +172,8 @@ inline constexpr double k_slip_error_mps = 1e-5;
 /// slip. A direction held for longer would swing about the direction in which the slip becomes
 /// steady.
 inline constexpr double k_slip_stops = 4;
-/// A slip counts as straight if it would turn by less than this until it ends. At 0, rounding cuts
-/// the slip into pieces.
+/// A slip counts as straight if it would turn by less than this until it ends. At 0, rounding
+/// splits the slip into pieces.
 inline constexpr double k_slip_straight = 1e-9;
 
 /// In a valley, minimum time for which a contact that begins to slip does so in an approximate
@@ -206,8 +207,8 @@ inline constexpr int k_edge_piece_tries_max = 4;
 /// Maximum share of the sphere's squared speed that a piece may turn outwards. With a larger value,
 /// pieces begin more steeply.
 inline constexpr double k_edge_piece_turned_max = 0.25;
-/// A piece covers at most twice this share of the path to where the sphere turns back. At 0.5, the
-/// rest of the path is too short for a piece.
+/// A piece covers at most twice this share of the path to the point at which the sphere turns back.
+/// At 0.5, the rest of the path is too short for a piece.
 inline constexpr double k_edge_piece_before_turn = 0.4;
 
 // ---- bodies that lie on a plane -----------------------------------------------------------------
@@ -243,8 +244,9 @@ inline constexpr double k_cylinder_rise_max = 1e-3;
 /// the load. At 0, rounding makes cylinders creep and keeps cones from rolling.
 inline constexpr double k_level_pull = 1e-9;
 /// Angle of a piece of a rolling cone's circle. The piece lasts longer than the exact motion by a
-/// 12th of the angle's square, 8e-5. So the axis keeps up with the line on which the body rolls,
-/// and keeps its inclination, to 1e-9 rad per piece (64 times as much at twice the angle).
+/// 12th of the angle's square, 8e-5. So the axis stays on the line on which the body rolls, and
+/// keeps its inclination. The error is 1e-9 rad per piece, and 64 times as large at twice the
+/// angle.
 inline constexpr double k_cone_piece_rad = 1.0 / 32;
 
 // ---- rest: who is slow --------------------------------------------------------------------------
@@ -318,7 +320,7 @@ inline constexpr double k_at_rest_gap_m = 1e-6;
 /// If the sideways part of a force between two bodies that start at rest exceeds this share of the
 /// force, both bodies need the force, as in an arch. Each body is then a supporter of the other
 /// body. With a larger value, a stone near an arch's foot keeps resting when the stone above it
-/// leaves. With a smaller value, a stone in a column wakes, too, when the stone above it leaves.
+/// leaves. With a smaller value, a stone in a column also wakes when the stone above it leaves.
 inline constexpr double k_thrust_share = 0.05;
 /// Forces between bodies that start at rest carry nothing if they are below this share of the
 /// weight.

@@ -25,7 +25,7 @@ namespace sleight::physics {
 
 class BallBoxes {
  public:
-  /// Resets to boxes that overlap no box.
+  /// Makes `count` empty boxes, which overlap no box.
   void assign(std::size_t count) {
     constexpr float k_infinity = std::numeric_limits<float>::infinity();
     Group nowhere;

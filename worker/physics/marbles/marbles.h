@@ -26,8 +26,8 @@
 //      geometry that has changed.
 //   2. The ball was left alone in its history, and now would not be left in the same confinement.
 //   3. The ball's history contains a meeting with a ball that isn't replayed now.
-//   4. The ball's history contains a recent meeting with a ball whose replay has since ended, so
-//      that rest decisions will read that ball.
+//   4. In its history, the ball recently met a ball whose replay has since ended. Rest decisions
+//      will read that other ball.
 //   5. A ball that the ball rests on, or that rests on the ball, is no longer replayed.
 //   6. A simulated ball meets the replayed ball (an obstacle with known motion), or comes near the
 //      confinement in which the replayed ball is alone.

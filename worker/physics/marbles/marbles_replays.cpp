@@ -26,9 +26,9 @@ bool Marbles::stays_alone(BodyId ball, const MarbleHistory::Part& part,
   return confined.low_m == part.box.low_m && confined.high_m == part.box.high_m;
 }
 
-/// First tick, up to `until`, at which a ball's history is affected by changes: the ball meets a
-/// changed feature, met a feature that has changed, or would be left alone differently. Returns
-/// k_never if there is none.
+/// First tick, up to `until`, at which changes affect a ball's history. From this tick on, the ball
+/// meets a changed feature, or has met a feature that has changed, or would not be left alone in
+/// the same confinement. Returns k_never if there is none.
 Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until) {
   const MarbleHistory& history = *replayed_[ball];
   const auto is_changed = [&](FeatureId feature) {
@@ -133,7 +133,8 @@ void Marbles::goes_live_by(BodyId ball, Tick tick) {
   }
 }
 
-/// Ends the replay of balls added to hastened_ since its length was `from`, now or at their ticks.
+/// Ends the replay of the balls in hastened_ from index `from` on: each at its tick, or now if its
+/// tick has come.
 void Marbles::hasten(std::size_t from) {
   while (hastened_.size() > from) {
     const auto [ball, tick] = hastened_.back();

@@ -241,7 +241,8 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
   return s;
 }
 
-/// Whether one side of a region keeps a centre outside the region between two times of its path.
+/// Whether a centre stays beyond one side of a region, and thus outside the region, between two
+/// times.
 inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& path, double from_s,
                           double to_s) {
   const Four first_m = detail::parabolas(path.place_m, path.velocity_mps, path.pull_mps2, from_s);

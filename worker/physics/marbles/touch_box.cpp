@@ -111,8 +111,8 @@ struct Spread {
   if (std::fabs(side_a) < k_unclear || std::fabs(side_b) < k_unclear) return around;
   const Floats border_a = floats_from(bits_of(ray_a) ^ (bits_of(all(side_a)) & k_sign));
   const Floats border_b = floats_from(bits_of(ray_b) ^ (bits_of(all(side_b)) & k_sign));
-  // Along each axis, the extreme is the axis's direction, projected off the edge, if the region
-  // contains this direction; otherwise it is a border ray.
+  // For each axis, project the axis onto the plane perpendicular to the edge. If the region
+  // contains the projection, its direction is the extreme. Otherwise a border ray is the extreme.
   const Floats nearly = all(1e-5F);
   return {.low = greatest(first, second) > nearly ? least(border_a, border_b) : around.low,
           .high = least(first, second) < -nearly ? greatest(border_a, border_b) : around.high};

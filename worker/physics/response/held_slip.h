@@ -31,10 +31,10 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, doub
   if (across == 0 || across * stop_s <= k_slip_straight * speed ||
       (forward > 0 && across <= k_slip_straight * forward))
     return {direction, stop_s};
-  // The held direction is exact at half of the time, so the error is friction's effect times the
-  // turn squared. Within `stops` stopping times, friction changes the slip by at most `stops` times
-  // the slip. Within the time of the turn, friction changes the slip by at most brake / across
-  // times the slip. Use the bound that allows the longer time.
+  // The held direction is the slip's direction at half of the time. So the error is the effect of
+  // friction times the square of the turn. Within `stops` stopping times, friction changes the slip
+  // by at most `stops` times the slip. Within the time of the turn, friction changes the slip by at
+  // most brake / across times the slip. Use the bound that allows the longer time.
   const auto span_of = [&](double turn_squared, double stops) {
     const double turn = std::clamp(std::sqrt(turn_squared), k_slip_turn_rad, k_slip_turn_rad_max);
     return std::min({turn * speed / across, stops * speed / brake, stop_s});

@@ -19,7 +19,8 @@ class LinearSystem {
   double& coefficient(std::size_t row, std::size_t column) { return rows_[row][column]; }
   double& right(std::size_t row) { return rows_[row][k_most]; }
 
-  /// Eliminates with the greatest pivot of each column. Returns false if a column has no pivot.
+  /// Uses Gaussian elimination with the largest pivot in each column. Returns false if a column has
+  /// no pivot.
   bool solve(std::array<double, k_most>& unknowns) {
     switch (size_) {
       case 2:

@@ -81,8 +81,8 @@ PlaneMotion cone_motion(const BodyOnPlane& body, const ContactLine& line, const 
                        body.mass_kg * line.depth_m * dot(twist.velocity_mps, line.across)) /
                       whole;
   PlaneMotion result{.carried = true, .on_line = true, .mode = MotionMode::rolling};
-  // Interpolated velocities are smaller than the velocities at the ends, on average by a 12th of
-  // the squared angle.
+  // Interpolated velocities are smaller than the velocities at the ends, on average by the share
+  // angle^2 / 12.
   constexpr double k_mean = 1 - k_cone_piece_rad * k_cone_piece_rad / 12;
   const double circles = -dot(body.axis, n) / dot(body.axis, line.along);
   const double lasts_s = k_cone_piece_rad / (k_mean * std::fabs(circles * rate_radps));

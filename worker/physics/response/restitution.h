@@ -37,9 +37,9 @@
 //      convex cone, and kappa grows from 0 towards 1 only as far as the cone allows.
 //   4. Slow impacts: w = e u for a coefficient e. If w is below the floor v_c, w is raised to v_c.
 //      If the energy doesn't suffice for v_c, w is the speed at which the energy change above is 0,
-//      with the kappa or s' of that speed. So a body sliding in a groove keeps bouncing with about
-//      v_c, using energy of its sliding, and the number of events in a time span stays bounded. A
-//      body nearly at rest lacks this energy; the rest decision is made elsewhere.
+//      with the kappa or s' of that speed. So a body that slides in a groove keeps bouncing at
+//      about v_c, with energy from its sliding. The number of events in a time span stays bounded.
+//      A body nearly at rest lacks this energy; the rest decision is made elsewhere.
 // Thread safety: pure functions.
 #pragma once
 

@@ -515,7 +515,7 @@ void Engine<Boxes, Queue>::refresh_key(BodyId body) {
                        .feature = prediction.feature};
     if (key < best) best = key;
   };
-  // Find the least tick without branches, then compare whole keys at that tick.
+  // First find the least tick; the loop has no branches. Then compare whole keys at that tick.
   const PairEdges edges = graph_.edges_of(body);
   const auto is_void = [&](std::size_t i) {
     return edges.other_changes[i] != changes_[edges.others[i]];

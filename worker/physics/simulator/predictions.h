@@ -151,8 +151,8 @@ class Predictions {
   };
   Found found_;
   std::optional<GaveUp> gave_up_;
-  /// Axis data for predict_flight(): beyond `half_m` another image is nearest. That image is one
-  /// period away if the distance is within `sure_m` of `middle_m`.
+  /// Data of each axis for predict_flight(). Beyond `half_m`, another image is nearest. That image
+  /// is one period away if the distance is within `sure_m` of `middle_m`.
   struct Images {
     Lanes period_m{};
     Lanes half_m = Lanes::all(std::numeric_limits<double>::infinity());

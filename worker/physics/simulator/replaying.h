@@ -14,8 +14,8 @@ namespace sleight::physics {
 
 class Replaying {
  public:
-  /// Borrows the world. Replays nothing without a history, or if everything may differ. REQUIRES:
-  /// nothing has happened yet.
+  /// Borrows the world. Replays nothing if there is no history, or if everything may differ.
+  /// REQUIRES: nothing has happened yet.
   Replaying(World& world, std::shared_ptr<const History> history);
 
   /// Whether any body is replayed or may be replayed later.

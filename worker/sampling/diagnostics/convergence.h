@@ -24,8 +24,9 @@ constexpr double k_r_hat_max = 1.01;
 /// error of a mean is 1/20 of the standard deviation.
 constexpr double k_ess_min = 400;
 
-/// Minimum effective sample size per chain, if there are more than four chains. The paper's minimum
-/// of 400 is 50 for each half of four chains. Below 50, R-hat and sample sizes are unreliable.
+/// Minimum effective sample size per chain, if there are more than four chains. The paper requires
+/// 400 for four chains, which is 50 for each half of a chain. Below 50, R-hat and sample sizes are
+/// unreliable.
 constexpr double k_ess_per_chain_min = 100;
 
 /// Minimum draws per chain for an effective sample size: each half needs three draws.

@@ -5,8 +5,8 @@
 // rho_t, which includes the distance between their means. Sums of two neighbouring terms are
 // positive for a reversible chain. The total ends where a sum of two terms turns negative, and the
 // sums are made non-increasing (Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7
-// (1992) 473-483, section 3.3). Antithetic chains are worth more than independent draws, at most S
-// log10 S.
+// (1992) 473-483, section 3.3). S draws of an antithetic chain are worth more than S independent
+// draws, but count as at most S log10 S.
 // Source: Vehtari et al. 2021 (transforms.h), on effective sample sizes of split chains, ranks and
 // quantiles. Results equal the R package posterior 1.4.0 within 1e-10 relative (tests/posterior).
 // As in posterior, if half chains have three to five draws, the effective sample size is half the

@@ -128,8 +128,8 @@ std::vector<Miss> signed_misses(std::span<const Goal> goals, const Views& views,
 Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& views,
                 std::span<const double> times);
 
-/// Returns how many of a die's 24 numberings meet its goals if at least one does. REQUIRES: all of
-/// the die's face goals have the same time.
+/// Returns how many of a die's 24 numberings meet its goals, given that at least one does.
+/// REQUIRES: all of the die's face goals have the same time.
 std::uint32_t numberings_that_meet(std::span<const Goal> goals, std::uint32_t die);
 
 /// name_of() returns "place", "face", "yaw", ...; unit_of() returns "m", "rad", "mps" or "s".

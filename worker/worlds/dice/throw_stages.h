@@ -21,9 +21,9 @@
 // doesn't matter, since all throws of a pool are drawn alike. So conditional islands keep the
 // table; local moves change it.
 //
-// The potential is p_c of the goals of the dice so far, but at least e^log_floor. So the potential
-// is above 0, and every state can be reached, even a state whose last die pushes another die to its
-// goal. Thread safety: const functions may be called from several threads at once.
+// The potential is p_c of the goals of the dice added so far, but at least e^log_floor. So the
+// potential is above 0, and every state can be reached, even a state whose last die pushes another
+// die to its goal. Thread safety: const functions may be called from several threads at once.
 #pragma once
 
 #include <cstddef>

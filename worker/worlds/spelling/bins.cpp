@@ -77,7 +77,8 @@ struct Bins::Builder {
       }
     }
   }
-  /// Returns a crossing's corner on one side of each line. A border's line has only one side.
+  /// Returns the corner of a crossing on the given side of each line. A border's line has only one
+  /// side.
   std::uint32_t top(std::uint32_t i, std::uint32_t j, std::uint32_t x, std::uint32_t y) const {
     return tops.at({i, j, inner_x(i) ? x : 0, inner_y(j) ? y : 0});
   }

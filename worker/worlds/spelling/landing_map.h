@@ -3,8 +3,8 @@
 //
 // A lone ball that fills a designated bin was dropped at some displacement from the bin's middle.
 // Bins are alike and the box is nearly symmetric, so displacements of all bins are counted
-// together, each with its eight mirror images. The map has no data beyond k_reach bins and little
-// on rare displacements, so its users mix it with other draws.
+// together, each with its eight mirror images. The map has no data beyond k_reach bins, and little
+// data about rare displacements. So users of the map mix it with other draws.
 //
 // Landings are counted in batches. Each batch is a pure function of the run's seed and the batch's
 // number, so that any number of workers learn the same map. Thread safety: values and pure

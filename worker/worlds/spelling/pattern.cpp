@@ -10,7 +10,7 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// A character's rows from the top. The highest bit of a row is the leftmost column.
+/// The rows of a character, from top to bottom. The highest bit of a row is the leftmost column.
 struct Glyph {
   char character;
   std::uint8_t width;

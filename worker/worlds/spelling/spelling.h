@@ -94,7 +94,8 @@ class Spelling {
   const Bins& bins() const { return bins_; }
   const Prior& prior() const { return prior_; }
   std::uint32_t balls() const { return prior_.balls; }
-  /// Windows for drops aimed at each designated bin, in the pattern's order from the lowest y.
+  /// For each designated bin, the window for drops aimed at it. Bins are in the pattern's order,
+  /// lowest y first.
   const Windows& windows() const { return windows_; }
   /// Middle of a designated bin. REQUIRES: number < balls().
   const Vec2& middle_m(std::size_t number) const { return middles_m_[number]; }

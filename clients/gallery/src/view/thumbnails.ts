@@ -1,7 +1,7 @@
 // Animated thumbnails on small canvases that are added and removed.
 //
 // Only visible thumbnails are drawn, a few per frame in turn: few enough to keep frames short, and almost
-// none while people scroll. With `still`, each thumbnail is one picture of the animation's end with trails.
+// none while people scroll. With `still`, each thumbnail is one picture: the end of the animation, with trails.
 
 import { PerspectiveCamera } from "three";
 import type { Animation, AnimationName } from "../data/types";

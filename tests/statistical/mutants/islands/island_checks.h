@@ -35,7 +35,7 @@ const std::vector<IslandSetting>& island_settings();
 std::vector<double> z_is_right(Mistake mistake, std::uint64_t seed);
 /// Tests the mean P(satisfied) of free islands.
 std::vector<double> satisfied_is_right(Mistake mistake, std::uint64_t seed);
-/// Tests the mean of Z times an indicator that the island's draw satisfies.
+/// Tests the mean of a product: Z, times 1 if the island's draw satisfies the constraint, else 0.
 std::vector<double> draws_are_weighed(Mistake mistake, std::uint64_t seed);
 /// Tests exact draws after conditional steps.
 std::vector<double> conditional_keeps(Mistake mistake, std::uint64_t seed);

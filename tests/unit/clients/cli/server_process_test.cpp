@@ -23,8 +23,9 @@ bool ends(service_client::ServerProcess& process) {
 }
 
 TEST(ServerProcess, LeavesItsWordsInTheLog) {
-  // Goal: if the daemon exits at once, the error has its exit code and this start's log lines; only
-  // the owner can open the folder. Method: start a shell in place of the daemon, twice.
+  // Goal: if the daemon exits at once, the error has the daemon's exit code and the log lines of
+  // this start. Only the owner can open the folder. Method: start a shell in place of the daemon,
+  // twice.
   const ScratchFolder scratch;
   const std::string folder = scratch / "deep/state";
   service_client::ServerProcess first({"/bin/sh", "-c", "echo first; exit 0"}, folder);

@@ -306,8 +306,8 @@ TEST(DicePlausibility, NothingRandomIsSaid) {
 }
 
 TEST(DicePlausibility, BinsAreThoseOfTheWorld) {
-  // Goal: plots use the same score bins as the world's counts of control points. Method: compare
-  // both functions over scores in and beyond all bins.
+  // Goal: plots use the score bins in which the world counts control points. Method: compare both
+  // functions over scores in and beyond all bins.
   EXPECT_EQ(k_offset_bins, worlds::dice::k_offset_bins);
   EXPECT_EQ(k_offset_first_sd, worlds::dice::k_offset_first_sd);
   EXPECT_EQ(k_offset_step_sd, worlds::dice::k_offset_step_sd);

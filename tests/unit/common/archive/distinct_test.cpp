@@ -140,7 +140,7 @@ TEST(Distinct, AsksOfEachAnimationOnceWhatIsCompared) {
 }
 
 TEST(Distinct, AsksNothingOfThoseThatStayAlone) {
-  // Goal: keeping one animation per lineage compares no likenesses.
+  // Goal: if one animation per lineage is kept, no likenesses are compared.
   const FakeRun run({.chains = 2, .scans = 300, .thin = 1, .satisfied_share = 0.8, .lineages = 5});
   const CountedLikenesses reader;
   EXPECT_EQ(selected(run, reader, {.keep_max = 1000, .keep_per_lineage = 1}).size(), 10U);

@@ -96,7 +96,8 @@ TEST(ReadRequest, ChecksOfSeveralKeysAreAnchoredAtAKey) {
 
 TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
   // Goal: a default stop rule appears in the request and its normalised text, and is not added to
-  // an explicit rule. Method: read no section, an empty section, and each rule.
+  // an explicit rule. Method: read a request without the section, with an empty section, and with
+  // each rule.
   for (const std::string stop : {"", "[stop]\n"}) {
     const DirectionRequest request = read("[world]\nname = 'toy'\n" + stop);
     EXPECT_EQ(request.stop, (StopRule{{}, {}, 5, {}}));

@@ -201,7 +201,7 @@ TEST_F(TlsTest, AServerWithAnotherCertificateGetsNoToken) {
   } catch (const NotTrusted& error) {
     EXPECT_NE(std::string(error.what()).find("has changed since the login"), std::string::npos);
   }
-  // The right certificate for another host name is reported as such, not as an attack.
+  // If the right certificate names another host, the error is a host name mismatch, not an attack.
   other = remote();
   other.own_name = "another.example.org";
   try {

@@ -108,7 +108,8 @@ TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
 
 TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
   // Goal: during a derivation, offers return at once and don't start a second derivation, and
-  // stop() cancels the first. Method: make offers during an endless derivation.
+  // stop() cancels the first. Method: make offers during a derivation that runs until it is
+  // cancelled.
   std::atomic<int> begun = 0;
   std::atomic<bool> was_told = false;
   Checkpoints checkpoints(

@@ -472,8 +472,8 @@ done 1 #3
 
 TEST(Scheduler, StopsWhenAllCameBack) {
   // Goal: after a stop nothing is assigned, and timely results are kept. The scheduler ends once
-  // all blocks have returned or their leases have ended. Method: stop before results, an ended
-  // lease or useless deliveries, and with nothing outstanding.
+  // all blocks have returned or their leases have ended. Method: stop before results arrive, before
+  // a lease ends, before useless deliveries, and when no block is outstanding.
   expect_goes("a b c a", blocks_ahead(0), R"(join 1 threads=2
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts

@@ -38,8 +38,8 @@ plan::FailureCounts counts_of(const plan::UnitResult& result) {
 
 TEST(Failures, AreNeverSamplesAndAllCounted) {
   // Goal: no state of a chain has a failing simulation, and records count failures by kind. Method:
-  // simulate the states of chains at inverse temperatures 0 to 1, and of a chain with excursions,
-  // again. Compare counts with the simulator's own.
+  // run chains at inverse temperatures 0 to 1, with and without excursions, and simulate their
+  // states again. Compare the counts with the simulator's own counts.
   for (const double beta : {0.0, 0.3, 1.0}) {
     for (const bool excursions : {false, true}) {
       plan::FailureCounts asked;

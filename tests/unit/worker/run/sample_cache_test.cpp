@@ -92,7 +92,7 @@ constexpr std::uint64_t k_steps = 20'000;
 
 /// Makes random puts and takes of samples of random sizes. Returns the first step at which the
 /// cache differs from the plain list in results, reported use or number of live samples, or k_steps
-/// if none. `use` is the plain list's count.
+/// if none. `use` becomes the use that the plain list counts.
 template <class Cache>
 std::uint64_t first_difference(plan::CacheUse& use) {
   const std::size_t besides = bytes_besides<PlainCache::Sample>();

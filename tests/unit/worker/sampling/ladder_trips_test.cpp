@@ -58,7 +58,7 @@ plan::ScanRecord satisfied_with(double log_constraint) {
   return record;
 }
 
-/// Equal densities always swap, like a conveyor. Everything satisfies.
+/// All densities are equal, so every pair always swaps. Every state satisfies the constraint.
 plan::ScanRecord always_swaps(double /*beta*/, std::uint64_t /*scan*/) {
   return satisfied_with(-1);
 }

@@ -41,7 +41,7 @@ double density(std::uint32_t replica, std::uint64_t scan) {
   return u < 0.1 ? -std::numeric_limits<double>::infinity() : -6 * u;
 }
 
-/// Replica by scan and level, if all levels run in step.
+/// The replica at each scan and level, if all levels run in step.
 using Seating = std::vector<std::vector<std::uint32_t>>;
 Seating lockstep(const FlowLevels& ladder) {
   std::vector<std::uint32_t> at(ladder.levels);
@@ -129,7 +129,7 @@ TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
         SwapFlow flow(part);
         for (std::uint32_t level = 0; level < size; ++level)
           flow.sit(level, expected[begin][first + level], begin);
-        // Levels of the part with a replica at this scan: a contiguous range, or none.
+        // The part's levels that have a replica at this scan: a contiguous range, or none.
         std::uint32_t low = 0;
         std::uint32_t high = size;
         for (std::uint64_t scan = begin; scan + 1 < k_scans; ++scan) {

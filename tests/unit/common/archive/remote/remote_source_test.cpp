@@ -65,7 +65,8 @@ class Remote : public archive::testing::Scratch {
     return path(name);
   }
 
-  /// Writes an "archive" that orders the lying reader to do `word`, and returns its path.
+  /// Writes an "archive" that contains only `word`, and returns its path. The word tells the lying
+  /// reader what to do.
   std::string telling(const std::string& word) {
     put_bytes(path(word), word);
     return path(word);

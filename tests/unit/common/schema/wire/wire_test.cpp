@@ -21,8 +21,8 @@ TEST(Messages, ComeBackBitForBit) {
   }
 }
 
-/// Returns whether the comparer notices `change`. Fails if the comparer reports a difference
-/// without the change.
+/// Returns whether the comparer notices `change`. Fails if the comparer reports a difference before
+/// the change.
 template <class M, class Change>
 bool is_seen(const M& example, const Change& change) {
   M changed = example;

@@ -1,4 +1,4 @@
-// Compares searches of boxes above spline surfaces with every point of the box.
+// For boxes above spline surfaces, compares the search with a test of every point of the box.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -73,7 +73,7 @@ TEST(ClosedRotation, agrees_with_the_general_steps_where_moments_coincide) {
     general.symmetry = InertiaSymmetry::general;
     const FreeFlight flight = random_flight(stream, 30);
     const Tick t = flight.begin + ticks_before(between(stream, 0, 10));
-    // Angles add up to 600 rad, each with a relative error of about 2^-52.
+    // The angles sum to 600 rad. Each has a relative error of about 2^-52.
     EXPECT_LT(distance(orientation_at(flight, inertia, t), orientation_at(flight, general, t)),
               2e-12);
     EXPECT_LT(math::norm(angular_velocity_at(flight, inertia, t) -

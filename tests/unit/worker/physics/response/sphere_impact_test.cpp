@@ -18,7 +18,8 @@ struct Spheres {
   Case made;  ///< the same spheres for the reference
 };
 
-/// Approaching spheres, or a sphere and static geometry in either order, that touch at the origin.
+/// Two spheres, or a sphere and static geometry in either order. They approach and touch at the
+/// origin.
 Spheres random_spheres(Dice& dice) {
   Spheres spheres;
   Case& made = spheres.made;

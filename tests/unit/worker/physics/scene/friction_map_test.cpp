@@ -58,8 +58,8 @@ TEST(FrictionMap, TellsTheLastRectangle) {
 }
 
 TEST(FrictionMap, FindsTheFirstBorder) {
-  // Goal: border_s is right. Method: sample random parabolas over random maps densely. The relevant
-  // rectangle stays the same up to the border and differs after the border.
+  // Goal: border_s is right. Method: test random parabolas over random maps at closely spaced
+  // times. The relevant rectangle stays the same up to the border and differs after the border.
   int met = 0;
   for (std::uint64_t n = 0; n < 2000; ++n) {
     random::Stream stream = stream_of(n);

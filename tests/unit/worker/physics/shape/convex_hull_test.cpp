@@ -205,7 +205,7 @@ TEST(ConvexHull, is_sound_or_refuses_when_features_are_tiny) {
   for (const std::uint64_t i : property::cases(3000)) {
     random::Stream stream = numbers(4, i);
     const double by = std::ldexp(1.0, -static_cast<int>(stream.bits() % 52));
-    // Three points around each corner, and in every other case points along the edges.
+    // Three points around each corner. Odd cases also have points along the edges.
     std::vector<Vec3> points;
     for (const Vec3& v : solid.vertices_m()) {
       for (int k = 0; k < 3; ++k)

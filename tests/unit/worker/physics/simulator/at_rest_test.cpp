@@ -119,8 +119,8 @@ BodyDescription turned_cube_at(const std::string& name, const Vec3& centre_m, do
 TEST(AtRest, TwentyCubesStandForAMinute) {
   // Goal: a stack of askew cubes with crossing edges starts at rest and stays. A stack dropped from
   // slightly above comes to rest and stays. Method: count events and test rest up to the end. In
-  // one stack, all cubes have the same yaw and touch at a corner of each and two edge crossings. In
-  // the other stack, yaws differ.
+  // one stack, all cubes have the same yaw. Neighbours touch where two edges cross, at two places,
+  // and at one corner of each cube. In the other stack, yaws differ.
   for (const bool alike : {true, false}) {
     Scene stack = floor_scene(0.1, 0.5);
     random::Stream stream = scenes::stream_of_scene(1, alike ? 0 : 1);

@@ -117,8 +117,8 @@ TEST(Equality, OneWayMayTakeOverFromAnother) {
 
 TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {
   // Goal: after go_on_with, events of the current tick don't happen again, not even at tick 0, and
-  // an error remains an error. Method: use a control and samples at tick 0 in a scene whose only
-  // body starts later, and a scene that fails at a late start.
+  // an error remains an error. Method: use a scene whose only body starts after tick 0, at which
+  // there are a control and a sample. Also use a scene that fails at a late start.
   Scene scene = scenes::rain(1, 1).scene;
   scene.bodies[0].start_tick = Tick{1000};
   scene.controls.push_back({.tick = Tick{0}, .body = {0}});

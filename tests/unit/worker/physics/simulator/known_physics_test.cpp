@@ -67,7 +67,8 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
   }
   std::printf("bounces: %.1f ticks off at most, heights %.1e\n", worst_ticks, worst_height);
   EXPECT_LT(worst_ticks, 3 * 20);
-  // v^2 at the touch errs by 2 g times the depth, which is at most a tick's travel of 4e-9 m.
+  // The error of v^2 at the touch is 2 g times the depth. The depth is at most a tick's travel,
+  // 4e-9 m.
   EXPECT_LT(worst_height, 1e-6);
 }
 

@@ -259,7 +259,7 @@ TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
 
 TEST(SceneErrors, StartsAreDrawnAgain) {
   // Goal: an overlapping start is drawn again until it overlaps nothing. A draw depends only on the
-  // attempt's number. Method: make the n-th attempt the first without overlap.
+  // attempt's number. Method: let all attempts before the n-th overlap.
   for (const std::uint32_t free : {1U, 2U, 17U, 1000U}) {
     Scene scene = good_scene();
     std::vector<std::uint32_t> asked;

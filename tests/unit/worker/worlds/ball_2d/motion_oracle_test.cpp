@@ -90,7 +90,8 @@ TEST(MotionOracle, HopsAreThoseOfASteppedBall) {
     }
     const Landing landing = simulate_landing(world, normals);
     const double size_m = world.drop_height_diameters * world.diameter_m;
-    // Times are accurate to 1e-13 of a hop; grazing collisions magnify the error.
+    // Times are accurate to 1e-13 of the time between bounces. Grazing collisions magnify the
+    // error.
     EXPECT_NEAR(landing.x_m, ball.x_m(), 1e-8 * size_m);
     EXPECT_NEAR(landing.time_s, ball.time_s(), 1e-8 * fall_s);
     if (std::abs(landing.x_m) > 0.01 * size_m) ++moved;

@@ -25,8 +25,8 @@ void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.filling, b.filling);
 }
 
-/// Runs a chain that accepts each candidate that fills at least as many bins, and others by chance.
-/// Simulates each candidate from known states and from scratch.
+/// Runs a chain that always accepts a candidate that fills at least as many bins. It accepts other
+/// candidates by chance. Simulates each candidate from known states and from scratch.
 void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint64_t seed) {
   const Spelling world(parameters);
   const Spelling fresh(parameters, Replays::no);

@@ -30,7 +30,8 @@ random::Stream stream_of(std::uint64_t n) {
 
 // ---- one ball -----------------------------------------------------------------------------------
 
-/// A box of three by two bins with a ball in bin (1, 0), whose walls have partitions of both sorts.
+/// A box of three by two bins with a ball in bin (1, 0). The walls of this bin have partitions of
+/// both sorts.
 struct OneBall {
   WorldParameters world{};
   Bins bins{world, 3, 2};
