@@ -68,8 +68,8 @@ class GroupReader {
   std::uint64_t count() const { return motions_.count(); }
   bool is_finds() const { return is_finds_; }
 
-  /// Names the numbers of animations. Both groups have the same numbers; the first group read
-  /// determines them.
+  /// Names the numbers of animations. Both groups have the same numbers, so the group that is read
+  /// first determines them.
   void find_numbers() {
     for (const archive::DatasetSpec& dataset : spec_.datasets) {
       const bool is_number = dataset.type != archive::ElementType::text && !dataset.dims.empty() &&

@@ -22,9 +22,10 @@ namespace sleight::math {
 
 /// Maximum share of the sum that one estimate may have for a valid error.
 inline constexpr double k_largest_share_max = 0.1;
-/// Minimum number of estimates for a valid error. Fewer estimates mostly miss the rare large ones.
-/// For a box of two balls, estimates by 48 islands missed the truth by three errors or more in 4 to
-/// 13% of cases, and by 144 islands in 4 to 7% (docs/MEASUREMENTS, "Intervals by islands").
+/// Minimum number of estimates for a valid error. Fewer estimates usually include none of the rare
+/// large values. For a box of two balls, estimates by 48 islands missed the truth by three errors
+/// or more in 4 to 13% of cases, and by 144 islands in 4 to 7% (docs/MEASUREMENTS, "Intervals by
+/// islands").
 inline constexpr std::uint64_t k_islands_min = 100;
 
 struct IslandOdds {

@@ -29,8 +29,9 @@ struct ReplicaKey {
 
 /// A search's starts are numbered over k_search_lanes lanes: start n is scan n / k_search_lanes of
 /// lane n % k_search_lanes. To workers and stores, lanes are chains with one replica, numbered from
-/// k_first_lane on. No start of a search depends on an earlier state. Other lanes run the prior
-/// draws stored beside a run's samples, and the free islands of runs that request only the odds.
+/// k_first_lane on. No start of a search depends on an earlier state. Other lanes make the prior
+/// draws that are stored beside a run's samples, and the free islands of runs that request only the
+/// odds.
 inline constexpr std::uint32_t k_first_lane = 65536;
 inline constexpr std::uint32_t k_search_lanes = 64;
 inline constexpr std::uint32_t k_first_prior_lane = k_first_lane + k_search_lanes;

@@ -37,8 +37,8 @@
 namespace sleight::request {
 namespace {
 
-/// Characters that may follow a dot in the string of a bitmap, which the normalised text writes on
-/// one line. In a dotted key, these characters can't follow a dot.
+/// Characters that can follow a dot in a bitmap but not in a dotted key. The normalised text writes
+/// a bitmap as one string, on one line.
 constexpr std::string_view k_never_after_a_keys_dot = ".#\\";
 
 constexpr std::size_t k_value_characters_max = 40;

@@ -304,7 +304,8 @@ void StoredRun::for_each_prior_draw(
 }
 
 plan::FailureCounts StoredRun::failures() const {
-  // Count failures of starts up to the last find, and of chains up to the last take.
+  // Count the failures of all starts up to the last find, and of all chains up to the chain of the
+  // last take.
   std::uint64_t starts = 0;
   std::int64_t chains = cut_.chains;
   std::uint64_t scans = cut_.scans;

@@ -81,7 +81,7 @@ class StoredRun final : public archive::RunView {
   std::vector<std::int64_t> lanes() const;
   /// Returns the first `finds` successful starts of the search, as (scan, lane), in order.
   std::vector<std::pair<std::int64_t, std::int64_t>> find_places(std::uint64_t finds) const;
-  /// Returns the chains of the takes: the first chains whose relaxed find satisfies.
+  /// Returns the chains that made the takes: the first chains whose last state satisfies.
   std::vector<std::int64_t> chains_of_takes() const;
   /// The number of a find's start, and the find's row.
   struct FindRow {

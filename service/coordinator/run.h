@@ -51,8 +51,8 @@ struct RunOptions {
   /// Interval of run checkpoints (checkpoints.h). 0: none.
   double checkpoint_every_s = 60;
   bool strict = false;  ///< a failed simulation ends the run
-  /// Receives the session's end once, after the store has saved it or failed to. May be empty. Not
-  /// called if the session is refused before opening the store.
+  /// Receives the session's end once, after the attempt to store it. May be empty. Not called if
+  /// the session is refused before opening the store.
   std::function<void(const events::RunEnd&)> ended{};
 };
 

@@ -235,7 +235,7 @@ void JobStore::save(std::span<const Save* const> saves) {
     try {
       database_.execute("ROLLBACK");
     } catch (const base::Error&) {
-      // SQLite has already rolled back, as after a full disk.
+      // SQLite has already rolled back, for example because the disk is full.
     }
     throw;
   }

@@ -11,7 +11,7 @@
 //       While the keeper that launch() returned is alive, `never_began` means "not yet".
 //     `running`: adopt(folder, attempt), wait for its descriptor, then look again. If adopt()
 //       returns none, the keeper has just started or exited: look again some milliseconds later.
-//     `ended`: the record has its end.
+//     `ended`: the record contains the attempt's end.
 //     `died`: keeper and program were killed. Start a new attempt.
 //
 // Invariants:

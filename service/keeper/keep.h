@@ -13,8 +13,8 @@
 //      have all exited (Debian 12's mpirun sometimes hangs while exiting).
 //   4. After the program has ended, kills its remaining descendants. The keeper is their subreaper,
 //      so it can wait for all of them.
-//   5. Writes the record with the end. If the pipe reported no end, uses the end that this
-//      attempt's session has in the run store, if any.
+//   5. Writes the record with the end. If the pipe reported no end, the keeper uses the end of this
+//      attempt's session in the run store, if any.
 //
 // In a batch system's job (KeeperOptions::in_batch) five things differ:
 //

@@ -1,4 +1,4 @@
-// Times of random numbers and elementary functions, which every simulation uses.
+// Time to draw random numbers and to evaluate elementary functions, as in every simulation.
 #include <benchmark/benchmark.h>
 
 #include "common/math/elementary.h"

@@ -52,7 +52,7 @@ std::vector<Setting> settings() {
 
 template <class Make>
 void expect_unbiased(const Make& make, std::uint32_t chain) {
-  // The fast tier has as few islands as mutants/islands, whose checks reject every mutant.
+  // In the fast tier, 4,000 islands suffice: mutants/islands uses as many and rejects every mutant.
   const std::uint64_t islands = property::of_tier(4'000, 10'000);
   const Toy toy;
   for (const Setting& setting : settings()) {
@@ -99,8 +99,8 @@ TEST(Islands, EstimatesOfParticlesThatChooseTogetherAreUnbiased) {
 }
 
 TEST(Islands, AFifthOfTheToyIsRescued) {
-  // Goal: a fifth of the toy's mass is in states that a potential of 0 loses. Method: enumerate all
-  // states.
+  // Goal: a fifth of the toy's mass is in states that are never reached if psi is 0 for a fallen
+  // walker. Method: enumerate all states.
   const Toy toy;
   const std::vector<double> masses = toy.masses(1);
   double rescued = 0;

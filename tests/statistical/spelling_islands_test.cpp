@@ -94,9 +94,9 @@ TEST(SpellingIslands, AgreeWithRejection) {
 
 TEST(SpellingIslands, BallsThatOthersRescueCount) {
   // Goal: joint islands lose no prefix that later balls would rescue. Method: use two balls. In
-  // 10.2% of 54,000 satisfying blind throws, the first ball would fill nothing alone. Among the
-  // drawn states of 1,500 islands, such states have this share of the satisfying weight within 4
-  // binomial standard errors of 0.008.
+  // 10.2% of 54,000 blind throws that satisfy, the first ball fills no bin if it is simulated
+  // alone. Draw states by 1,500 islands. Such states must have the same share of the weight of all
+  // that satisfy, within 4 binomial standard errors of 0.008 each.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#").value();
   const StagedSpelling world(parameters);

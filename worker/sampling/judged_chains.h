@@ -4,7 +4,8 @@
 //     Each chain starts from a search of its own.
 //     Each chain makes rounds of round_scans, 2 round_scans, 4 round_scans, ... scans, until the
 //       last round, judged over all chains, is independent of the starts (burn_in_judge.h).
-//     Each chain that satisfied in that round has one solution: a satisfying scan drawn by seed.
+//     Each chain with scans that satisfy in that round has one solution: one of these scans, drawn
+//     by seed.
 //
 // The scans of the rounds that passed are the draws. Earlier scans and unfinished tours yield no
 // draws.

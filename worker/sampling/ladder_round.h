@@ -23,7 +23,8 @@ struct LadderOptions {
   /// By kind of proposal: whether it has a tuned scale (target.h).
   std::vector<bool> has_scale;
   std::uint64_t round_scans = 64;  ///< Of the first round; each later one is twice as long.
-  /// Annealing scans before the first round, in equal steps to each replica's temperature.
+  /// Number of annealing scans before the first round. Their inverse temperatures rise in equal
+  /// steps to the replica's own.
   std::uint64_t anneal_scans = 0;
   /// Whether the first replicas, except the hottest, start from searches. Requires anneal_scans =
   /// 0.

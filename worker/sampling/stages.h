@@ -26,8 +26,8 @@
 //      (such as drops that an island's particles share). Invariant 1 then holds on average over
 //      these numbers: the mean product of weights over numbers and choices stays the same.
 //   3. `ground_given` and `extend_as` are the versions of `draw_ground` and `extend` for a given
-//      state. Auxiliary numbers are drawn given that the state is the path of one particle.
-//      `extend_as` returns the same weights as `extend`.
+//      state. `ground_given` draws the auxiliary numbers conditional on the state being the path of
+//      one particle. `extend_as` returns the same weights as `extend`.
 //   4. Every function is a pure function of its arguments. Randomness comes from the stream.
 // Source: Chopin and Papaspiliopoulos, An introduction to sequential Monte Carlo (2020), chapters
 // 10 and 16. Thread safety: as for a target (target.h).

@@ -48,8 +48,8 @@ class StopJudge {
   /// Common rounds of all chains that end with after < scans <= until.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
 
-  /// Minimum number of scans of each chain if solutions end the run: through the first round, or
-  /// fewer if `scans` ends the run earlier. Empty if solutions don't end the run.
+  /// Minimum number of scans of each chain if solutions end the run: the first round, or fewer if
+  /// `scans` ends the run earlier. Empty if solutions don't end the run.
   std::optional<std::uint64_t> scans_in_any_case() const;
 
  private:

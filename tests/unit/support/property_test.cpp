@@ -155,7 +155,8 @@ std::string whole_path() {
 }
 
 Ended ended(const std::string& command) {
-  // Run DISABLED_ tests, and don't pass on that this program itself is a long or full run.
+  // Run DISABLED_ tests. Unset the variables that request long and full runs, so that the command
+  // doesn't inherit them.
   std::FILE* const pipe =
       popen(fmt::format(
                 "unset SLEIGHT_SOAK SLEIGHT_ALL; export GTEST_ALSO_RUN_DISABLED_TESTS=1; ({}) 2>&1",

@@ -10,9 +10,8 @@
 namespace sleight::physics {
 namespace {
 
-/// These search margins affect only speed, and by how much a collision may be late
-/// (piece_motion.h). Maximum chords in the search for the touch; after these the span is good
-/// enough.
+/// These search margins affect only the speed, and how late a collision may be (piece_motion.h).
+/// Maximum chords in the search for the touch; after these the span is good enough.
 constexpr int k_chords_max = 8;
 /// The first span tried, and its growth factor.
 constexpr double k_first_span_s = 0x1p-9;

@@ -75,9 +75,9 @@ std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const F
 struct Caught {
   std::size_t count = 1;  ///< the sphere may stay on the first `count` contacts
   Twist twist{};
-  /// Twist if no contact carries the sphere, such as when friction pulls it onto a feature that it
-  /// doesn't press on. The sphere hops off the new feature; otherwise the old feature would throw
-  /// the sphere back at once, again and again.
+  /// Twist if no contact carries the sphere. For example, friction may pull it onto a feature that
+  /// it doesn't press on. The sphere hops off the new feature; otherwise the old feature would
+  /// throw the sphere back at once, again and again.
   Twist otherwise{};
 };
 

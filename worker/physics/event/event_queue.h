@@ -34,8 +34,8 @@ using Slot = base::Id<struct SlotTag, std::uint32_t>;
 /// Maximum slots of a queue: two to four times as many still fit into 32 bits.
 inline constexpr std::uint32_t k_slots_max = std::uint32_t{1} << 28;
 
-/// Ordered by key, then by slot: a total order even if two slots have the same key, as the slots of
-/// two bodies that are going to collide do.
+/// Ordered by key, then by slot. The order is total even if two slots have the same key, like those
+/// of two bodies that will collide.
 struct QueuedEvent {
   EventKey key = k_no_event;
   Slot slot{};

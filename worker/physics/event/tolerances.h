@@ -187,8 +187,8 @@ inline constexpr int k_slip_begin_rounds = 40;
 inline constexpr double k_slip_begin_off = 1e-12;
 inline constexpr int k_slip_both_rounds = 8;
 
-/// Loads and accelerations in contact below this share of the load are rounding errors. With a
-/// value below the rounding of sums of products, a straight slide turns or loses supports.
+/// Loads and accelerations in contact below this share of the load are rounding errors. If the
+/// value is below the rounding error of sums of products, a straight slide turns or loses supports.
 inline constexpr double k_load_rounding = 1e-12;
 
 // ---- pieces of motion round an edge -------------------------------------------------------------

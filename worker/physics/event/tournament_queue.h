@@ -2,8 +2,8 @@
 // to the overall winner, which is the least event.
 //
 // Idea. Every slot has a fixed path to the top, so nothing is moved and no slot stores its
-// position. A group's eight ticks fill one cache line. For seven of eight new keys, the slot
-// neither was nor becomes its group's first, so no further work is needed. Otherwise the group's
+// position. A group's eight ticks fill one cache line. For seven of eight new keys, the slot isn't
+// its group's first before or after the change, so no further work is needed. Otherwise the group's
 // least is found without branches, and the path up is replayed as far as the change has effects. If
 // the overall winner was replaced, the whole path is replayed, but then the opponents are known
 // before the first match is over, and the processor prefetches them. Whole keys are read only for

@@ -135,8 +135,8 @@ inline double stays_s(const Four& place, const Four& speed, const Four& pull, co
                         choose_if_less(at_ahead, zero, zero - a, sum_of_speeds));
 }
 
-/// Earliest time at which a gap is below 0 and shrinking, if the gap is at least this parabola in
-/// time. `not_before_s`: the gap doesn't shrink before this time.
+/// Earliest time t at which a gap can be below 0 and shrink. The gap is at least excess_m +
+/// rate_mps t + pull_mps2 t^2 / 2. `not_before_s`: the gap doesn't shrink before this time.
 inline double falls_after_s(double excess_m, double rate_mps, double pull_mps2,
                             double not_before_s) {
   if (excess_m > 0) return std::max(not_before_s, first_fall_s(excess_m, rate_mps, pull_mps2));

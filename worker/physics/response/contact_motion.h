@@ -20,9 +20,10 @@
 // In general, the deceleration follows from the power that this resistance takes. Rolling
 // resistance also brakes spin about the normal of one face, by the moment c N r.
 //
-// A slip can turn, as for a ball thrown across a slope. Friction then acts against the slip's
-// direction half way, for as long as the slip turns by a 32nd of a radian (up to half a radian
-// where the error is small: held_slip.h). After that time, the motion is computed again.
+// A slip can turn, as for a ball thrown across a slope. The motion is then computed in pieces, in
+// which the slip turns by a 32nd of a radian (up to half a radian where the error is small:
+// held_slip.h). During a piece, friction acts against the slip's direction half way through the
+// piece.
 //
 // Invariants
 //   1. Nothing gains energy: friction and resistance never act along the motion that they brake,

@@ -63,8 +63,8 @@ class Recorder {
     if (builder_) builder_->replayed(event);
   }
   /// Adds the reader's current event to the history. Call this for each event up to `last`, before
-  /// its segments are recorded. A chunk that ends by `last` is shared as a whole at its first
-  /// event.
+  /// its segments are recorded. If a whole chunk ends no later than `last`, the call for its first
+  /// event shares the chunk.
   void takes_over(const HistoryReader& reader, Tick last);
   /// Records a segment of an event that takes_over() has added.
   void takes_over(BodyId body, const Segment& segment, const EventKey& cause) {

@@ -28,9 +28,9 @@ inline constexpr double k_box_pad_radii = 0.2;
 /// After a change of motion, a body keeps its box if the box contains it for the time in which it
 /// moves by this share of its radius.
 inline constexpr double k_keep_box_radii = 0.05;
-/// Target number of boxes that a box overlaps. If the last box overlapped fewer boxes, a new box
-/// lasts longer in proportion; if more, less long. The two factors below limit the change. The
-/// target balances the cost of predictions against the cost of new boxes.
+/// Target number of boxes that a box overlaps. A new box lasts as long as the last box, times this
+/// target, divided by the number of boxes that the last box overlapped. The two factors below limit
+/// the change. The target balances the cost of predictions against the cost of new boxes.
 inline constexpr double k_neighbours_wanted = 6;
 inline constexpr double k_span_factor_min = 0.5;
 inline constexpr double k_span_factor_max = 1.3;

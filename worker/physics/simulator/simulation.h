@@ -21,8 +21,8 @@
 // the bodies involved. There are no time steps.
 //
 // Invariants
-//   1. The recording depends only on the scene. Algorithm and engine change the computing time, not
-//      a bit of the recording.
+//   1. The recording depends only on the scene. Algorithm and engine affect the computing time, but
+//      no bit of the recording.
 //   2. A collision is the first tick at which a pair touches (gap <= k_touch_m) and approaches
 //      (rate < -k_approach_mps); see tolerances.h.
 //   3. If all ticks of a scene are shifted, the recording is shifted, but otherwise the same.

@@ -8,12 +8,12 @@
 // (1992) 473-483, section 3.3). S draws of an antithetic chain are worth more than S independent
 // draws, but count as at most S log10 S.
 // Source: Vehtari et al. 2021 (transforms.h), on effective sample sizes of split chains, ranks and
-// quantiles. Results equal the R package posterior 1.4.0 within 1e-10 relative (tests/posterior).
-// As in posterior, if half chains have three to five draws, the effective sample size is half the
-// number of draws. There are two exceptions. If the sum of two terms is exactly 0, as in short
-// series of few values, our total stops there; in posterior, rounding decides whether it stops. If
-// the variance overflows, posterior returns half the number of draws, but these functions return
-// NaN.
+// quantiles. Results agree with those of the R package posterior 1.4.0 to a relative error of 1e-10
+// (tests/posterior). As in posterior, if half chains have three to five draws, the effective sample
+// size is half the number of draws. There are two exceptions. If the sum of two terms is exactly 0,
+// as in short series of few values, our total stops there; in posterior, rounding decides whether
+// it stops. If the variance overflows, posterior returns half the number of draws, but these
+// functions return NaN.
 //
 // The result is NaN if a draw is NaN or infinite, if all draws are within 2.2e-16 of each other, if
 // a half has fewer than three draws (see split_in_halves for two and three draws), or if the

@@ -5,11 +5,11 @@
 // larger if the halves' means differ. Rank normalisation makes R-hat valid without finite moments.
 // Folding about the median turns differences of scale into differences of mean.
 // Source: Vehtari et al. 2021 (transforms.h), on split, rank-normalised and folded R-hat. Results
-// equal the R package posterior 1.4.0 within 1e-10 relative (tests/posterior).
+// agree with those of the R package posterior 1.4.0 to a relative error of 1e-10 (tests/posterior).
 //
 // R-hat is NaN if a draw in the halves is NaN, if all draws are equal, or if each chain has one
 // draw. Infinite draws are allowed if the median is finite. If each half is constant but halves
-// differ, R-hat is infinite, or some 1e15 by rounding. Thread safety: pure functions.
+// differ, R-hat is infinite, or about 1e15 because of rounding. Thread safety: pure functions.
 #pragma once
 
 #include "worker/sampling/diagnostics/chains.h"

@@ -1,7 +1,7 @@
 // Monte Carlo standard errors: the error of an estimate that is due to the finite number of draws.
 // Errors shrink as 1 / sqrt(ESS) and have the unit of the draws.
-// Source: Vehtari et al. 2021 (transforms.h). Results equal the R package posterior 1.4.0 within
-// 1e-10 relative (tests/posterior).
+// Source: Vehtari et al. 2021 (transforms.h). Results agree with those of the R package posterior
+// 1.4.0 to a relative error of 1e-10 (tests/posterior).
 //
 // The error is NaN if a draw is NaN or infinite, if all draws are equal, if halves of chains have
 // fewer than three draws (see split_in_halves for two and three draws), or if the effective sample

@@ -6,7 +6,7 @@
 // Idea. Floor domes, partition sides and partition tops form one closed surface, so that bodies
 // can't meet the surface from inside or meet an edge twice. At a crossing of two partitions, their
 // tops have four corners. Each corner is a separate vertex (a "partition vertex"). With one vertex
-// per crossing, tops would stay level from side to side, and balls would stay on them. A partition
+// per crossing, the tops would always be level across, and balls would stay on them. A partition
 // that meets the box's wall ends in two vertices, half a thickness inside the wall's inner face.
 // The walls are blocks around the box.
 //

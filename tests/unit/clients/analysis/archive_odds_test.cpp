@@ -120,8 +120,8 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
     const Made made = archive_of(tables);
     return odds_of(made.source, made.summary).value().how_to_know.value().besides;
   };
-  // The tables have 8 of the 40 required round trips, so a round needs five times 256 scans. The
-  // sixth round (2,048 scans) is the first with enough scans.
+  // The tables have 8 of the 40 required round trips, so a round needs 5 * 256 scans. The sixth
+  // round (2,048 scans) is the first with enough scans.
   EXPECT_EQ(json(tables)["to_know"]["rounds"], 6);
   EXPECT_EQ(json(tables)["to_know"]["scans"], 4032);
   EXPECT_THAT(besides(), HasSubstr("iterations_per_scan"));

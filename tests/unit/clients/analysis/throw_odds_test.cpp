@@ -61,7 +61,7 @@ TEST(Combined, LaddersWithoutAValueAreLeftOut) {
   EXPECT_EQ(none.ladders, 0U);
   EXPECT_TRUE(std::isnan(none.log.value));
   EXPECT_EQ(combined_of({}).ladders, 0U);
-  // A ladder's unknown error doesn't count as 0.
+  // If the error of a ladder is unknown, it is not taken as 0.
   EXPECT_EQ(combined_of({{-4, 9}, {-5, k_nan}}).error_from, ErrorFrom::between);
 }
 

@@ -338,7 +338,7 @@ fs::path work_in(const fs::path& folder) {
 TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
   // Goal: an interrupted save leaves nothing but the earlier gallery. Method: save with a progress
   // callback that throws halfway, and with a callback that removes a file so that a rename fails
-  // halfway. In a third save, a file appears in the gallery.
+  // halfway. During a third save, the callback puts a file into the gallery.
   save(options("saved"));
   std::ofstream(path("saved/index.html")) << "the first";
   const auto before = files_in(path("saved"));

@@ -94,7 +94,7 @@ TEST(Sets, HaveTheErrorsOfAFile) {
       tests::LinesHaveFacts("--set world.name=tou: 'name' in [world]: |\"toy\"|\"tou\"|\"toy\""));
   EXPECT_THAT(read({"world.threads=4"}),
               tests::LinesHaveFacts("--set world.threads=4: |'threads'|command-line option"));
-  // Each error names its own set; errors of the file keep their places.
+  // Each error names the `--set` that caused it; errors of the file keep their places.
   EXPECT_THAT(read({"world.balls=4", "world.balls_=4", "sampler.step=1.5"},
                    "[world]\nname = \"toy\"\nbals = 1\n[stop]\nscans = 10\n"),
               tests::LinesHaveFacts("--set world.balls_=4: |'balls_' in [world]|'balls'\n"

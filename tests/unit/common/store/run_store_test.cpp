@@ -137,8 +137,8 @@ TEST_F(RunStoreOf, TakesFromManyThreads) {
 using RunStoreOfDeathTest = RunStoreOf;
 
 TEST_F(RunStoreOfDeathTest, GapIsABug) {
-  // Goal: a replica never has a gap (invariant 4). Method: put scans from number 3 on into an empty
-  // replica.
+  // Goal: a replica never has a gap (invariant 4). Method: give an empty replica scans that begin
+  // at number 3.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(
       {

@@ -98,7 +98,8 @@ TEST_F(StoredRunOf, CutsWhereItIsTold) {
 
 TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
   // Goal: failures are counted for scans before the cut in all replicas, and for no others. Method:
-  // compare with the examples' sum for each cut, with and without failures; damage a count.
+  // for each cut, with and without failures, compare with the sum over the example records. Then
+  // damage a stored count.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 40));
   store.put(result_of(1, 0, 40));

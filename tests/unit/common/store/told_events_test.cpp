@@ -146,8 +146,8 @@ TEST_F(ToldEventsTest, AreCommittedBehindTheirResultsAndFenced) {
 }
 
 TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
-  // Goal: an event is committed soon without further results. Method: put one event without a
-  // flush.
+  // Goal: an event is committed soon even if no more results arrive. Method: put one event without
+  // a flush.
   RunStore store(folder(), example_identity(1));
   std::atomic<bool> has_heard = false;
   store.on_told([&](std::span<const events::RunEvent>) { has_heard = true; });
@@ -160,7 +160,8 @@ TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
 TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
   // Goal: a reader gets each number once and in order, whatever part of the events the log holds.
   // Method: store twenty events. Use logs with all, the last, the first, the middle or no events,
-  // and logs with a damaged line. Read in large and small answers, from several numbers.
+  // and logs with a damaged line. Read from several first numbers, with small and large limits per
+  // answer.
   store_rounds(20);
   const auto read_all = [&](std::uint64_t first, std::size_t at_once) {
     ToldEvents told(folder(), first);

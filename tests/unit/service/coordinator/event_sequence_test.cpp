@@ -96,8 +96,8 @@ class CompletionOrder {
   std::vector<events::RunEvent> found_;
 };
 
-/// A run in sessions, with any number of workers whose results arrive in any order. A session that
-/// dies leaves the results and events it had before its death.
+/// A run in sessions, with any number of workers whose results arrive in any order. If a session
+/// dies, the results and events from before its death remain.
 class PlayedRun {
  public:
   explicit PlayedRun(const World& world) : world_(world) {}

@@ -39,7 +39,7 @@ class NetworkRuns : public testing::BallRuns {
 
 TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
   // Goal: a run on a network disk, stopped anywhere and resumed, has the same archive as a run on a
-  // local disk. The run's checkpoints read over the writer's connection. Method: compare plain
+  // local disk. The run's checkpoints use the writer's connection to read. Method: compare plain
   // chains and ladders in sessions of two threads with the same runs on a local disk.
   const std::vector<std::string> texts{
       request_text("scans = 300", k_slow),

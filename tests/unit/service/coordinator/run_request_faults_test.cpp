@@ -97,7 +97,7 @@ TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
 
 TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
   // Goal: if the archive can't be written, the results stay stored, and the next session computes
-  // nothing. Method: fail in turn each kind of call that writes the archive.
+  // nothing. Method: let each kind of call that writes the archive fail, one kind per session.
   const std::string request = request_text("scans = 30");
   const std::string expected = session(request, {.output = path("s.h5")}).digest;
   for (const Fault& fault :

@@ -24,7 +24,7 @@ constexpr BlockSizeOptions k_round{.target_s = 0.020,
                                    .least_s = 0.004,
                                    .scans_max = 8192};
 
-/// Runs blocks of maximum size until their size is stable.
+/// Runs blocks, each as large as allowed, until the allowed size is stable.
 void settle(BlockSize& size, double scan_s, std::uint64_t threads = 1) {
   for (int i = 0; i < 60; ++i) {
     const std::uint32_t scans =

@@ -64,8 +64,8 @@ std::uint64_t end_of_round(const Case& given, std::uint32_t round) {
   return ladder.anneal_scans + scans_through_round(ladder.round_scans, round);
 }
 
-/// End of the first round whose last scan has no state that descends from a search's find. Returns
-/// nothing if no such round ends within `scans`.
+/// Returns the end of the first round in whose last scan no state descends from a search's find.
+/// Empty if no such round ends within `scans`.
 std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<SlowLadder>& all,
                                          std::uint64_t scans) {
   if (!given.options.ladder.starts_by_search) return given.options.ladder.anneal_scans;
@@ -207,10 +207,10 @@ struct LadderShapes {
 };
 
 TEST(BlockRunner, EqualsTheLockstepReference) {
-  // Goal: units, records, states, rounds, solutions and the stop equal the reference's, by units
-  // and in blocks. Cuts, workers and the order of members' results don't matter. Method: run random
-  // cases with ladders that grow and shrink, with and without searches, in several random sessions
-  // each. Count which shapes of blocks and ladders occurred.
+  // Goal: units, records, states, rounds, solutions and the stop equal the reference's, whether
+  // replicas run in units or in blocks. Cuts, workers and the order of members' results don't
+  // matter. Method: run random cases with ladders that grow and shrink, with and without searches,
+  // in several random sessions each. Count which shapes of blocks and ladders occurred.
   BlockShapes shapes;
   LadderShapes ladders;
   for (const std::uint64_t index : property::cases(cases())) {

@@ -17,7 +17,7 @@ namespace sleight::sampling::free_islands_test {
 
 constexpr std::uint64_t k_cases = 200;
 
-/// Results of a run's islands by number: lognormal with spread `log_sd`, or zero for a dead island.
+/// Results of a run's islands: lognormal with spread `log_sd`, or zero if the island is dead.
 struct World {
   std::uint64_t seed = 0;
   double log_sd = 1;

@@ -14,7 +14,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// Which starts find something, and which finds still satisfy after relaxation.
+/// Decides which starts succeed, and whether the last state of a relaxed find satisfies.
 struct Odds {
   std::uint64_t seed = 0;
   double of_start = 0;
@@ -109,8 +109,8 @@ struct Takes {
 
 TEST(RelaxedFinds, TakesAreTheSameWhoeverRelaxes) {
   // Goal: chain k starts from find k, the takes are the first chains whose last state satisfies,
-  // and each prior draw is made once. Workers, cuts of units, order and sessions change nothing.
-  // Method: compare random runs with a count of the starts one by one.
+  // and each prior draw is made once. The result doesn't depend on workers, cuts of units, order or
+  // sessions. Method: compare random runs with a loop that counts one start after another.
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const Odds odds{.seed = i,

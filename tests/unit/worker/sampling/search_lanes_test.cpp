@@ -67,9 +67,9 @@ void work(SearchLanes& lanes, const Starts& starts, std::size_t workers, random:
 }
 
 TEST(SearchLanes, FindTheSameWhoeverSearches) {
-  // Goal: a search ends with exactly the requested finds, from the first starts. Workers, cuts of
-  // units, order and sessions change nothing, and a higher number extends the search. Method:
-  // compare random runs with a count of the starts one by one.
+  // Goal: a search ends with exactly the requested finds, from the first starts. The result doesn't
+  // depend on workers, cuts of units, order or sessions. A request for more finds extends the
+  // search. Method: compare random runs with a loop that counts one start after another.
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const Starts starts{.seed = i, .odds = 0.3 + 0.7 * stream.uniform()};
@@ -152,8 +152,8 @@ TEST(SearchLanes, GivesUpWhenNothingIsFound) {
 
 TEST(SearchLanes, SaysWhatTheyAreStuckAt) {
   // Goal: a search that gives up names the stage at which the best of its last starts failed, or no
-  // stage if all of them failed at the same stage. Method: fail with more and fewer stages, with a
-  // find in between.
+  // stage if all of them failed at the same stage. Method: in turn, let starts after a find fail at
+  // a later, an earlier and the same stage as starts before it.
   const auto stuck_at = [](std::uint32_t furthest_before_find, std::uint32_t furthest_after) {
     SearchLanes lanes(1, 5, {"ball 1", "ball 2", "ball 3"});
     for (std::uint64_t scan = 0; !lanes.finished(); ++scan) {

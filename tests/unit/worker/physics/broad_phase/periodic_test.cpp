@@ -36,7 +36,8 @@ float coordinate(Dice& dice, double most) {
 
 TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
   // Goal: invariant 2 of periodic.h holds on periodic axes. Method: compare random intervals in any
-  // of a thousand periods with their exact images. Some intervals touch to the last bit.
+  // of a thousand periods with their exact images. The ends of some intervals are equal, or differ
+  // only in their last bits.
   Dice dice(1);
   int overlaps = 0;
   int near_misses = 0;

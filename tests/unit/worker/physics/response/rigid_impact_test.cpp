@@ -25,7 +25,8 @@ Real difference(const Case& made, const ImpactOutput& left, const ImpactOutput& 
   return std::sqrt(apart / kinetic_energy(made, made.a.twist, made.b.twist));
 }
 
-/// Sum of 1/m + r^2 / (least moment). Bounds how K amplifies a rounding error of the impulse.
+/// Sum of 1/m + r^2 / (least moment). This is a bound on how much K amplifies a rounding error of
+/// the impulse.
 Real inverse_mass_bound(const Case& made) {
   Real sum = 0;
   for (const Body* body : {&made.a, &made.b}) {

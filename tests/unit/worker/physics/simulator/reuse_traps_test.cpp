@@ -297,9 +297,9 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
 }
 
 TEST(ReuseTraps, AKickIsForWhoIsThereNow) {
-  // Goal: a kick in the history also happens if it can't be replayed because a body that the kick
-  // woke is no longer at rest. Method: kick a cube on which another cube rests. In the other scene,
-  // a ball has just hit the overhanging part of the upper cube from below.
+  // Goal: a kick in the history can't be replayed if a body that it woke is no longer at rest, but
+  // the kick still happens. Method: kick a cube on which another cube rests. In the other scene, a
+  // ball has just hit the overhanging part of the upper cube from below.
   Scene after = scenes::cube_stack(2, 1).scene;
   after.bodies[0].start.pose.position_m = {0, 0, 0.0105};
   after.bodies[1].start.pose.position_m = {0.0085, 0, 0.031};

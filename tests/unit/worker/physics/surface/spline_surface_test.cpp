@@ -100,8 +100,8 @@ TEST(SplineSurface, HasTheFieldsOfTheDefinition) {
 
 TEST(SplineSurface, WeightsAreTheDefinitions) {
   // Goal: weights state how much a place depends on each point. Method: no weight is negative,
-  // their sum is 1, and weighted points give heights and fields. Each weight is the height of a
-  // surface with only that point raised.
+  // their sum is 1, and weighted points give heights and fields. If only one point is raised, by 1,
+  // the height is the weight of that point.
   Dice dice(6, 0);
   for_each_place(6, 50, [&](const StaticSurface& surface, double x_m, double y_m) {
     SplineSurface spline(surface);

@@ -145,8 +145,8 @@ TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
 }
 
 TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
-  // Goal: a rectangle's bounds are the greatest of its patches. Method: compare with each patch
-  // alone. Use flat ground with one raised point, which affects sixteen patches.
+  // Goal: each bound of a rectangle is the maximum of this bound over its patches. Method: compare
+  // with each patch alone. Use flat ground with one raised point, which affects sixteen patches.
   Dice dice(25, 0);
   constexpr double k_spacing_m = 0.25;
   const StaticSurface surface = surface_of(random_controls(25, 1), k_spacing_m);

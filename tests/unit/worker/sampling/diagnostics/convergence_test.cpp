@@ -29,7 +29,8 @@ std::vector<std::string> complaints_of(const OwnedChains& draws) {
 }
 
 TEST(Convergence, collects_the_measures) {
-  // Goal: each field contains its measure. Method: use two chains of four known draws.
+  // Goal: each field contains the measure that it is named after. Method: use two chains of four
+  // known draws.
   const OwnedChains draws{.values = {1, 2, 3, 4, 5, 5, 5, 5}, .chains = 2, .draws = 4};
   const Convergence found = convergence_of(draws.view());
   EXPECT_EQ(found.chains, 2U);

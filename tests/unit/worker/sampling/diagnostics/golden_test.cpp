@@ -73,7 +73,7 @@ TEST(Golden, ties) {
 }
 
 TEST(Golden, three_draws_are_transposed) {
-  // f = (3*d + 2*c + d*c) %% 7: posterior's result for halves of one draw (split_in_halves).
+  // f = (3*d + 2*c + d*c) %% 7: posterior's result if each half is one draw (split_in_halves).
   expect_golden(outer(4, 3, [](int d, int c) { return (3 * d + 2 * c + d * c) % 7; }),
                 {0.87715026984727928, 4, k_na, 4, 4, 1.075730900224108});
 }

@@ -51,8 +51,8 @@ TEST(DiceProposals, ReflectAtTheEnds) {
 }
 
 TEST(DiceProposals, ChangeAllAndDieAreDraws) {
-  // Goal: an independence draw has the ratio of the densities. Method: draw all dice, with
-  // overrides in the state, and one die of three.
+  // Goal: for an independence draw, the q ratio is the ratio of the two states' densities. Method:
+  // draw all dice, with overrides in the state, and one die of three.
   const Parameters parameters = only(Kind::change_all, testing::all_random(3));
   State state = state_of(parameters, 0);
   set_override(state.overrides, {{1, 1}, {.height_m = 1e-3, .restitution = 0.4, .friction = 0.5}});

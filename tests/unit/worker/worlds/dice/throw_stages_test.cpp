@@ -68,8 +68,8 @@ TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
 }
 
 TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
-  // Goal: without goals for places, with too few throws, or with only random orientations, draws
-  // equal the prior's and have weight 1.
+  // Goal: without goals for places, with too few throws, or with only random orientations, the map
+  // draws the same throws as the prior, with weight 1.
   const DieStart start;
   DieStart fixed;
   fixed.position_sd_m = fixed.velocity_sd_mps = fixed.spin_sd_radps = {0, 0, 0};

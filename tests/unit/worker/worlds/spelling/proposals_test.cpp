@@ -249,9 +249,9 @@ TEST(Proposals, KindsHaveTheirShares) {
 }
 
 TEST(Proposals, DrawsBelongToTheDensity) {
-  // Goal: log p_w is the normalised density of the draws. Method: compare log p_w's mean over draws
-  // with minus the entropy's formula. Compare the offsets' deviation and the share of active balls,
-  // one half.
+  // Goal: log p_w is the normalised density of the draws. Method: compare the mean of log p_w over
+  // draws with the negative of the entropy, by its formula. Compare the offsets' deviation and the
+  // share of active balls, one half.
   const Prior prior{.vertices = 40, .balls = 10, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   double log_density = 0;
   double square = 0;

@@ -1,4 +1,5 @@
-// Tests that a candidate's outcome is the same from a known similar state as from scratch.
+// Tests that a candidate's simulation from a known similar state has the same outcome as one from
+// scratch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

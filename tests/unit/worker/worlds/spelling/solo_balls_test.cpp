@@ -113,7 +113,7 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
       other.active[ball] = 0;
       other.drops_m[ball] = {0, 0};
       EXPECT_FALSE(surrogate.simulate(other).possible);
-      // Simulate `state` again, from the outcome that a surrogate without anchors has for `other`.
+      // Simulate `state` from the outcome of `other` by a surrogate without anchors.
       expect_equal(surrogate.simulate_from(state, other, world.surrogate({}).simulate(other)),
                    outcome);
     }
