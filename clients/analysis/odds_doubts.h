@@ -4,7 +4,7 @@
 // stones and their jackknife use only the states that were found. In every unmixed ladder, the cold
 // levels still hold the states that reached them first. So log Z is usually too low, and neither
 // the errors nor the spread of ladders show it. Therefore an estimate has an error only if the
-// judged round shows that its ladders have mixed. Each of these facts casts a doubt:
+// judged round shows that its ladders have mixed. Each of these facts is a reason for doubt:
 //
 //   `no_value`: a ladder has no estimate, because it found no solution. Leaving the ladder out
 //     would bias the result.

@@ -11,8 +11,8 @@
 namespace sleight::analysis {
 namespace {
 
-/// Returns the number of simulations that a ladder with this many levels made. In `starts` of the
-/// scans, each level simulates one new draw.
+/// Returns the number of simulations that a ladder with this many levels made. `starts`: number of
+/// scans in which each level simulates one new draw.
 double on_ladder(double levels, double scans, double starts, double each) {
   return starts * levels + (scans - starts) * (1 + each * (levels - 1));
 }

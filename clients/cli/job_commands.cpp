@@ -238,7 +238,8 @@ int delete_jobs(const std::string& socket, const DeleteOptions& options) {
       terminal::complain("nothing deleted");
       return terminal::k_ok;
     }
-    // Delete the checked jobs one by one, even in groups, so that no other job is deleted.
+    // Delete the checked jobs one by one, even if a group was named, so that no other job is
+    // deleted.
     std::vector<rpc::Touched> touched;
     for (const rpc::JobView& job : jobs) {
       std::ranges::move(

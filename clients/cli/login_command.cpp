@@ -106,7 +106,7 @@ std::string digits_of_fingerprint(const std::string& text) {
       "status` on the service's machine");
 }
 
-/// Sets how to verify a service that the system's certificate authorities don't vouch for.
+/// Sets how to verify a service if the system's certificate authorities don't vouch for it.
 void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   if (!options.ca_file.empty()) {
     service.certificate = base::read_text_file(options.ca_file, k_pem_bytes_max);

@@ -1,8 +1,8 @@
 // Builds the page of a saved gallery: index.html, app.js and app.css. `sleight gallery --save` adds the data.
 //
 // The page also opens by double-click. Browsers don't load modules from files, so all code is one classic
-// script. The folder is SLEIGHT_GALLERY_SAVED_OUT, or `--outDir`, or dist-saved beside this file. Equal
-// sources build to equal bytes.
+// script. The folder is SLEIGHT_GALLERY_SAVED_OUT, or `--outDir`, or dist-saved beside this file. The same
+// sources always produce the same bytes.
 import { readFileSync } from "node:fs";
 import { defineConfig, type Plugin } from "vite";
 

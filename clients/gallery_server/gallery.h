@@ -54,8 +54,8 @@ class Gallery {
 
   /// The archive's snapshot; null if nothing has been read (yet), or the archive doesn't exist.
   std::shared_ptr<const Snapshot> snapshot(std::size_t archive) const;
-  /// The archive's snapshot if it has motions. If there is only an outline, waits up to 2 s for the
-  /// motions, then returns null.
+  /// The archive's snapshot, if it has motions. If there is only an outline, waits up to 2 s for
+  /// the motions, then returns null.
   std::shared_ptr<const Snapshot> whole_snapshot(std::size_t archive) const;
   /// Why a damaged or missing archive cannot be read, as sentences; else empty.
   std::string why_unreadable(std::size_t archive) const;

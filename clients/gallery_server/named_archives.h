@@ -1,6 +1,6 @@
 // The archives, folders and jobs named on a command line. Archives of jobs become files in a
-// temporary folder sleight-gallery-XXXXXX. The folder is locked by flock while its process lives.
-// If the process was killed, the same user's next gallery removes the folder.
+// temporary folder sleight-gallery-XXXXXX. The process keeps the folder locked by flock while it
+// lives. If the process was killed, the same user's next gallery removes the folder.
 #pragma once
 
 #include <functional>

@@ -10,7 +10,7 @@
 //   `levels`: numbers by a ladder's rounds and levels. Key of the head: kinds. Columns are "round",
 //     "level", "inverse_temperature", "swap_acceptance" (with the next cooler level, NaN at the
 //     last level), and each kind of proposal's acceptance, "acceptance.0" and so on.
-//   `rounds`: numbers of a ladder by round. Columns are "round", "round_trips",
+//   `rounds`: numbers by a ladder's rounds. Columns are "round", "round_trips",
 //     "predicted_round_trips", "restarts", "barrier".
 //   `index`: the level of each replica over time. Key of the head: replicas. Columns are "scan",
 //     "level.0" and so on, and "round" (first scans of rounds).

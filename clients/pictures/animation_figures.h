@@ -20,8 +20,8 @@
 
 namespace sleight::pictures {
 
-/// Maximum bodies whose paths are drawn. If there are more bodies, they are shown at several
-/// instants.
+/// Maximum number of bodies for which paths are drawn. If there are more bodies, they are shown at
+/// several instants.
 inline constexpr std::uint32_t k_ways_max = 6;
 
 struct ShownAnimation {

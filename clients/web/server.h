@@ -8,11 +8,11 @@
 // 1. A head that is too long or too slow is refused (431, 408), and its connection closed. A
 //    body is read only after its head has passed the guard.
 // 2. A connection has one request at a time; further requests wait in the system's buffers.
-// 3. Bodies of all requests together use at most `bodies_bytes_max`; a request beyond this limit is
-//    answered 503. If answers being sent use more than `answers_bytes_max`, the connection that has
-//    been receiving longest is closed.
+// 3. Bodies of all requests together use at most `bodies_bytes_max`; a request beyond this limit
+//    gets the answer 503. If answers being sent use more than `answers_bytes_max`, the connection
+//    that has been receiving longest is closed.
 // 4. If there are too many connections, the one that waits longest without having shown a valid
-//    cookie is closed. If no connection may be closed, the new one is answered 503.
+//    cookie is closed. If no connection may be closed, the new one gets the answer 503.
 // 5. A stream of events with more than `stream_bytes_max` unread bytes is closed. The browser
 //    reconnects and then receives the newest event of each name.
 //

@@ -10,8 +10,8 @@
 // moved the mean by less than 0.15.
 //
 // The plot uses the kept animations, which differ from each other and are few per lineage. Each
-// animation counts once, even if draws have weights. The mean's error treats lineages as
-// independent, because animations within a lineage are dependent.
+// animation counts once, even if draws have weights. Animations within a lineage are dependent, so
+// the mean's error treats only different lineages as independent.
 #pragma once
 
 #include <cstddef>

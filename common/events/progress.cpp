@@ -99,7 +99,7 @@ std::string search_line(const std::string& name, const Progress& progress) {
     line += fmt::format("  {} of {} relaxed  {}", grouped(finds.relaxed),
                         grouped(finds.relaxed_wanted), scans_in_words(progress));
   }
-  // A start's simulations are counted when the start ends, which may take long.
+  // A start's simulations are counted when the start ends, which may take a long time.
   line += progress.session_simulations == 0
               ? fmt::format("  first starts running for {}", clock_time(progress.elapsed_s))
               : fmt::format("  {} simulations  {}", grouped(progress.session_simulations),

@@ -11,7 +11,7 @@ namespace sleight::json {
 
 using Library = nlohmann::ordered_json;
 
-/// Converts values to and from the library's. Keys are unique in both types, so append members
+/// Converts values to the library's type and back. Keys are unique in both types, so append members
 /// without a look-up, which the types' operators would make.
 struct Conversion {
   static Library library(const Value& value) { return std::visit(Conversion(), value.value_); }

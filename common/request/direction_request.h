@@ -106,8 +106,8 @@ struct StopRule {
   /// Number of finds that ends a search. In worlds that act in stages, a search may precede the
   /// chains and end by this rule.
   std::optional<std::uint32_t> found{};
-  /// For sequential: required standard error of log P(satisfied), in nats, of the estimate from
-  /// free islands. A run with `odds` makes only islands, whose number is limited by `scans`
+  /// For sequential: required standard error, in nats, of log P(satisfied) as estimated from free
+  /// islands. A run with `odds` makes only islands, whose number is limited by `scans`
   /// (worker/sampling/odds_rule.h).
   std::optional<double> odds{};
   /// Number of takes: finds of a search, each relaxed by a separate chain. Excludes other rules.

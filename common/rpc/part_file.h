@@ -34,8 +34,8 @@ class PartFile {
   void append(base::BytesView piece);
 
   /// Moves the part to its place durably, and removes parts of other contents. Returns false and
-  /// removes the part if the content does not match the announced digest. The part is also removed
-  /// if `check`, which is called with the part's path, throws, or if another file at its place is
+  /// removes the part if the content does not match the announced digest. Calls `check` with the
+  /// part's path. The part is also removed if `check` throws, or if another file at its place is
   /// not replaced. REQUIRES: is_whole(), first call.
   [[nodiscard]] bool finish(const FetchCheck& check = {}, AtItsPlace other = AtItsPlace::replaced);
 

@@ -53,7 +53,7 @@ bool nobody_can_write(const std::string& path) {
 }
 
 /// Creates the file with the umask's permissions. SQLite would create a file that only its owner
-/// can write, and gives its other files the file's mode.
+/// can write, and gives its other files the database file's mode.
 void make_file(const std::string& path) {
   const int made = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (made >= 0) ::close(made);

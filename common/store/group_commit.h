@@ -2,8 +2,8 @@
 // group is closed after 50 ms or at 4 MB, whichever comes first.
 //
 // Invariants
-//   1. Results are committed in the order of put(), and events with or after all results put
-//      before.
+//   1. Results are committed in the order of put(). An event is never committed earlier than the
+//      results that were put before it.
 //   2. committed() counts scans whose commit has returned, without prior draws. Only committed
 //      scans may be reported as done.
 //   3. After a failed commit nothing more is written. The next put() or flush() throws the failure

@@ -22,8 +22,8 @@
 //   3. A failure is reported once per scan and kind, up to k_failures_told_max failures per run.
 //      Progress and summaries also count the failures beyond this maximum.
 //
-// Failure files aren't results: only the first failures to arrive get one (failure_files.h). Pure,
-// and not thread-safe.
+// Failure files aren't results: only the failures that arrive first get a file (failure_files.h).
+// Pure, and not thread-safe.
 #pragma once
 
 #include <compare>

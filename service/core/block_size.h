@@ -52,7 +52,7 @@ class BlockSize {
   static constexpr double k_narrowing = 0.7;
   static constexpr double k_widening = 1.01;
   static constexpr double k_growth = 8;
-  /// Minimum slack. A smaller slack would have no effect, and recovery from it would take long.
+  /// Minimum slack. A smaller slack would have no effect, and would grow again only slowly.
   double slack_min() const { return std::min(options_.least_s / options_.target_s, 1.0); }
   BlockSizeOptions options_;
   /// Average number of scans in a split ladder's blocks, regardless of the limit.

@@ -97,8 +97,8 @@ void LocalAttempts::look(const jobs::Look& look) {
   see(look.job, look.attempt);
 }
 
-/// Reports the attempt's state according to its folder. If the attempt's keeper runs, starts to
-/// await the keeper.
+/// Reports the attempt's state according to its folder. If the attempt's keeper is running, begins
+/// to wait for the keeper's end.
 void LocalAttempts::see(jobs::JobId job, jobs::Attempt attempt) {
   const std::string folder = parts_.folders.folder(job);
   const auto number = static_cast<std::uint32_t>(attempt.value);

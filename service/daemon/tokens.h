@@ -27,7 +27,7 @@ namespace sleight::daemon {
 
 /// How long revoked and expired tokens stay listed.
 inline constexpr double k_over_token_listed_s = 30.0 * 86400;
-/// Interval of saving the times of last use.
+/// Interval at which the times of last use are saved.
 inline constexpr double k_token_uses_saved_s = 60;
 
 /// A token as the file stores it.

@@ -1,5 +1,5 @@
-// Parses a server's messages on a connection: which calls it has answered, and how. Thread safety:
-// one thread.
+// Parses a server's messages on a connection, to find which calls the server has answered, and how.
+// Thread safety: one thread.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // Slow, plain answers to queries, and random queries. They test the fast answers.
 //
-// A body's centre is in a box during a piece exactly if it is in the box at one of these times: the
-// piece's ends, the times at which a coordinate crosses a bound, and the middles between successive
-// times. The slow answer tests all these times, for all pieces of the body.
+// A body's centre is in a box during a piece if and only if it is in the box at one of these times:
+// the piece's ends, the times at which a coordinate crosses a bound, and the middles between
+// successive times. The slow answer tests all these times, for all pieces of the body.
 #pragma once
 
 #include <cstdint>

@@ -78,9 +78,9 @@ class Cluster {
 };
 
 /// Maximum time of a run after the last fault. Each outstanding assignment returns or is assigned
-/// again within the longest lease. Then the available threads do the remaining work. This is at
-/// most the work of the whole run, and takes at least the time of one replica's scans in sequence.
-/// The factor of two covers copies, because short leases cause blocks to be assigned twice.
+/// again within the longest lease. Then the available threads do the remaining work, at most that
+/// of the whole run. The work takes at least the time of one replica's scans in sequence. The
+/// factor of two covers copies, because short leases cause blocks to be assigned twice.
 double liveness_bound_s(const Case& of);
 
 }  // namespace sleight::cluster

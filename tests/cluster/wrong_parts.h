@@ -14,7 +14,7 @@
 
 namespace sleight::cluster {
 
-/// A coordinator's wrong handling of deliveries. Not thread-safe.
+/// Handles deliveries as a wrong coordinator does. Not thread-safe.
 class WrongDeliveries {
  public:
   WrongDeliveries(Mistake mistake, std::uint64_t epoch) : mistake_(mistake), epoch_(epoch) {}

@@ -13,7 +13,7 @@
 //   1. An event's location follows from its tick: it is in the heap if its bucket isn't after the
 //      current one, else in its bucket's list, or far if it is after all buckets.
 //   2. The heap is empty only if the queue is empty.
-//   3. A bucket's bit in `occupied_` is set exactly if the bucket's list isn't empty.
+//   3. A bucket's bit in `occupied_` is set if and only if the bucket's list isn't empty.
 // A wrong width only costs time. Wide buckets leave the work to the heap, and narrow buckets make
 // epochs short. After a short epoch, buckets become at least four times as wide. Time: O(1)
 // amortised if events spread over time; the call that begins an epoch scans all slots. Memory: 64

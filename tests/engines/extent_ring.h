@@ -96,7 +96,8 @@ class ExtentRing {
   template <class Visit>
   void move_end(std::uint32_t body, std::uint64_t kind, std::int64_t by, const Visit& visit);
 
-  /// Returns whether two passing ends are the first point of one body and the last of another.
+  /// Returns whether two ends that pass each other are the first point of one body and the last
+  /// point of another.
   static bool telling(std::uint64_t a, std::uint64_t b) {
     return ((a ^ b) & k_last) != 0 && body_of(a) != body_of(b);
   }

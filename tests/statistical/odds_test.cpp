@@ -24,8 +24,8 @@ namespace sleight::statistical::odds_test {
 constexpr std::uint64_t k_seed = 602214;
 
 /// A world of letters, in pairs. Each letter is right or wrong. A factor in p_c for a pair with one
-/// right letter acts as a barrier. A state satisfies if all letters are right. A proposal changes
-/// at most one letter.
+/// right letter acts as a barrier. A state satisfies the constraint if all letters are right. A
+/// proposal changes at most one letter.
 struct Letters {
   using State = std::uint32_t;
   using Outcome = std::uint32_t;

@@ -59,7 +59,7 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
   const bool scans_are_draws = sampler.method != request::Method::simulated_tempering &&
                                sampler.method != request::Method::annealed_importance;
   const bool is_tempered = sampler.method == request::Method::parallel_tempering;
-  // The scans to archive also aren't known in advance if burn-ins are judged during the run.
+  // If burn-ins are judged during the run, the scans to archive aren't known in advance either.
   const bool starts_by_search = sampler.start == request::Start::search;
   return {.iterations_per_scan = sampler.iterations_per_scan,
           // Each tour has one draw.

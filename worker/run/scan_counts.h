@@ -28,7 +28,7 @@ struct ScanCounts {
     for (const plan::FailurePointer& failure : all)
       add(sampling::SimulationReport{.failure = failure});
   }
-  /// Appends the failed simulations to a unit's, up to the limit.
+  /// Appends the failed simulations to the unit's list, up to the limit.
   void tell_failed(std::uint64_t scan, std::vector<plan::FailedSimulation>& of_unit) const {
     for (const plan::FailurePointer& failure : failed) {
       if (of_unit.size() == plan::k_failed_told_max) return;

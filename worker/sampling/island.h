@@ -186,9 +186,9 @@ class Islands {
     }
   };
 
-  /// One choice per particle. Choices are drawn in proportion to weight times mass, systematically:
-  /// sort by sort, and particle by particle. `log_mass` is the log of the mean, over particles, of
-  /// weight times mass.
+  /// One choice per particle. Choices are drawn systematically, in proportion to weight times mass.
+  /// For this draw, masses are ordered by sort, then by particle. `log_mass` is the log of the
+  /// mean, over particles, of weight times mass.
   struct Chosen {
     std::vector<Choice> choices;
     double log_mass = k_log_zero;

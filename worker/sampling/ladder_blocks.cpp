@@ -151,7 +151,7 @@ std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
   return block;
 }
 
-/// Hands out the scans of ready replicas at a stretch of levels.
+/// Hands out the scans of the ready replicas whose levels are in the stretch.
 plan::Block LadderRun::block_of(std::span<const std::uint32_t> ready, const Stretch& stretch,
                                 const BlockEnd& end) {
   plan::Block block;

@@ -1,6 +1,6 @@
 // Adds prior draws to a plan. Archives store these draws beside a run's samples. Draws are numbered
 // over lanes (plan::k_prior_lanes, numbered_lanes.h). While the plan searches, prior draws only
-// fill idle time. Afterwards units of the plan and of the prior alternate. Not thread-safe.
+// fill idle time. After the search, the plan's units and prior draws alternate. Not thread-safe.
 #pragma once
 
 #include <algorithm>

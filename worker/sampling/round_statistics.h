@@ -7,8 +7,7 @@
 //   log P(satisfied) = log Z + log E_1[1{satisfied} / p_c].
 //
 // Errors are jackknife errors over k_batches equal parts of the round. These errors include
-// correlations between replicas and over time, as long as a part is longer than the correlation
-// time.
+// correlations between replicas and over time if a part is longer than the correlation time.
 #pragma once
 
 #include <array>

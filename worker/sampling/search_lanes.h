@@ -1,8 +1,8 @@
 // The starts of a search (stage_search.h) as units of work, their finds, and the search's end.
 //
-// Starts are numbered (plan::k_search_lanes). A find counts once all earlier starts are done, so
-// the counted finds don't depend on workers. No further starts are handed out if starts in progress
-// are expected to yield the missing finds, at the success rate so far. Not thread-safe.
+// Starts are numbered (plan::k_search_lanes). A find is counted only when all earlier starts are
+// done, so the counted finds don't depend on workers. No further starts are handed out if those in
+// progress are expected to yield the missing finds, at the success rate so far. Not thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -30,7 +30,7 @@ test("aligned animations agree at shared time 0", () => {
 });
 
 test("animations differ once their distance exceeds the tolerance", () => {
-  // Goal: the time where two animations start to differ equals the closed form. Method: after the hit, let
+  // Goal: the time at which two animations start to differ equals the closed form. Method: after the hit, let
   // one body continue at 1 m/s and the other at 2 m/s.
   const rows = (speed: number): Row[] => [
     { p: [0, 0, 1.25], a: [0, 0, G] }, { start: 0.5, cause: "hit", v: [speed, 0, 0] },

@@ -91,7 +91,7 @@ std::size_t place_of(const plan::UnitResult& result) {
 
 }  // namespace
 
-/// Compares exact draws moved by ten steps with enumeration.
+/// Moves exact draws by ten steps, then compares them with enumeration.
 std::vector<double> kernel_keeps(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   std::vector<double> p;
@@ -110,7 +110,8 @@ std::vector<double> kernel_keeps(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// Compares pairs of states before and after a second step from exact draws with enumeration.
+/// Makes two steps from exact draws. Compares the pairs of states before and after the second step
+/// with enumeration.
 std::vector<double> kernel_moves(const Mutant& mutant, std::uint64_t seed) {
   constexpr double k_beta = 0.7;
   const Ring ring = ring_of(mutant);

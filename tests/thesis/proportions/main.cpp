@@ -252,7 +252,7 @@ void show_burn_in(const Arguments& arguments) {
   }
 }
 
-/// Prints the differences between takes and draws of long chains, in standard deviations of a draw.
+/// Prints how takes differ from the draws of long chains, in standard deviations of a draw.
 void show_relaxed(const Arguments& arguments) {
   const auto balls =
       static_cast<double>(sleight::thesis::balls_of(request_of(arguments, "", "scans = 100")));

@@ -236,7 +236,7 @@ TEST(Property, AFailureOutsideCasesNamesItsTest) {
 
 TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
   // Goal: SLEIGHT_CASE selects one case and skips expectations about all cases. Method: run two
-  // loops, with a number that both have and with a number that one has.
+  // loops. Select a number that occurs in both loops, then a number that occurs in only one.
   const std::string test = "Planted.DISABLED_NoFailure";
   EXPECT_THAT(ended_test("SLEIGHT_SOAK=1", test).cases(),
               ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 101, 102, 103, 1000));

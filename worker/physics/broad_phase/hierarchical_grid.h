@@ -61,11 +61,12 @@ class HierarchicalGrid {
  private:
   static constexpr std::uint32_t k_levels = 16;
   static constexpr int k_bits_per_level = 2;
-  /// Level of boxes as long as options.size_m. Bounded levels cover 4^-6 to 4^8 times
+  /// Level of boxes with an edge of options.size_m. Bounded levels cover 4^-6 to 4^8 times
   /// options.size_m.
   static constexpr int k_level_typical = 6;
   static constexpr std::uint32_t k_level_unbounded = k_levels - 1;
-  /// Maximum cells that a query may visit on an axis before it compares with all boxes instead.
+  /// Maximum number of cells that a query may visit on an axis. A larger query is compared with all
+  /// boxes instead.
   static constexpr std::uint32_t k_span_max = 32;
   /// Number of slots whose hits are judged together: 8 blocks of 8 slots.
   static constexpr std::size_t k_batch = 64;

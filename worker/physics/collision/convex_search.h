@@ -27,10 +27,10 @@
 //      to rounding. The choice affects only which ticks are skipped, never what collides or when.
 //      So all searches find the same collision, however they are divided into looks, except in the
 //      cases that invariant 3 excludes.
-//   3. A look is skipped only under the bounds above, lowered by the rounding error of gaps at that
-//      distance from the origin. For touching pieces the bounds hold while the normal turns with
-//      the same face, whichever vertices touch. The bounds also hold while the normal turns with
-//      the same two edges, if the edges cross at a sine of 0.01 or more. For pieces within
+//   3. A look is skipped only under the bounds above, lowered by the rounding error of gaps at the
+//      pieces' distance from the origin. For touching pieces the bounds hold while the normal turns
+//      with the same face, whichever vertices touch. The bounds also hold while the normal turns
+//      with the same two edges, if the edges cross at a sine of 0.01 or more. For pieces within
 //      k_touch_m of each other, the bounds don't cover some turns of the normal: between two edges
 //      that are more nearly parallel, between two vertices, and, about the edge, between a vertex
 //      and an edge. Normals of spheres are covered. In the uncovered cases a collision may be late,

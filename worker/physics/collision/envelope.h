@@ -115,8 +115,8 @@ class Envelope {
     });
     return line_count_ > 1;
   }
-  /// Keeps only lines that come below the first line plus a margin within a time. Returns the kept
-  /// lines; the first line comes first.
+  /// Keeps the lines that, within a time, pass below the first line raised by a margin. Returns the
+  /// kept lines; the first line comes first.
   std::span<const Line> keep_near_until(double until_s, double margin_m) {
     for_each_below(until_s, margin_m, [&](const Line& other) { lines_[line_count_++] = other; });
     return {lines_.data(), line_count_};

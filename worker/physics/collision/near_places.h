@@ -67,7 +67,7 @@ class NearPlaces {
     place.room_m = room_m;
   }
 
-  /// Returns a pair's places; 0 unless both bodies keep a place up to and at `tick`.
+  /// Returns a pair's places; 0 unless both bodies keep a place at least until `tick`.
   PlacesOfPair of(BodyId a, BodyId b, Tick tick) const {
     const Place& first = of_body_[a];
     const Place& second = of_body_[b];

@@ -35,8 +35,8 @@ class Resting {
   TickCount rest_span() const { return logs_.rest_span; }
   double wake_speed_mps() const;
   /// Whether a collision is slow, given the contact's separation speed and the speeds of the body's
-  /// fastest point before and after the collision. A collision that separates faster than slow
-  /// bounces do isn't slow; otherwise bodies could freeze in the air.
+  /// fastest point before and after the collision. A collision isn't slow if it separates the
+  /// bodies faster than a slow bounce; otherwise bodies could freeze in the air.
   bool is_slow(double before_mps, double after_mps, double parting_mps) const;
 
   // Changes of a body's motion.

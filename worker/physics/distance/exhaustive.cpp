@@ -196,7 +196,8 @@ LocalClosest least_overlap(const PiecePair& pair) {
   const EdgeSeparation edges = best_edges(pair);
   LocalClosest result;
   result.normal = Vec3(1, 0, 0);
-  // On a tie up to rounding, prefer a face, whose normal is more accurate, and A's face to B's.
+  // On a tie up to rounding, prefer a face to edges, because its normal is more accurate, and
+  // prefer A's face to B's face.
   if (face_a.gap_m + pair.rounding_m >= std::max(face_b.gap_m, edges.gap_m) &&
       pair.a.face_count > 0) {
     result.gap_m = face_a.gap_m;

@@ -44,9 +44,9 @@ bool closest_of_features(const PiecePair& pair, Feature a, Feature b, LocalClose
 /// Returns whether the pieces are beyond the planes that certify a result of closest_of_features().
 bool certified(const PiecePair& pair, const LocalClosest& result);
 
-/// Returns whether a certified result is the only one, by margins far beyond rounding. If a result
-/// is the only one, every search finds its features, and so the same bits. Returns false for all
-/// pairs except a face and a vertex, or two edges, at which polyhedra generally meet.
+/// Returns whether a certified result is unique, by margins far beyond rounding. Every search finds
+/// the features of a unique result, and so computes the same bits. Returns false for all pairs
+/// except a face and a vertex, or two edges, at which polyhedra generally meet.
 ///
 /// Proof: let e = rounding_m and g the gap. If another pair's gap is within a few e of g, its line
 /// of closest points is within sqrt(2 e / g) of the normal. The other pair's points are therefore

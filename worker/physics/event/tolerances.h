@@ -56,9 +56,9 @@ inline constexpr double k_touching_s_max = 0x1p-16;
 
 /// Time after a collision in which the pair doesn't collide again, unless the bodies have since
 /// come half of the way to the depth k_sink_m. The refractory time applies only if slow contacts
-/// end (scene.h). Without this time, a squeezed body would bounce between its neighbours without
-/// time passing (inelastic collapse). A pair that approaches at 0.05 m/s uses up half of k_touch_m
-/// in this time.
+/// end (scene.h). Without this time, a squeezed body would bounce between its neighbours for ever
+/// while no time passes (inelastic collapse). A pair that approaches at 0.05 m/s uses up half of
+/// k_touch_m in this time.
 inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
 
 /// Bodies that approach faster than this collide despite k_refractory. Squeezed bodies' repeated
@@ -146,9 +146,10 @@ inline constexpr std::size_t k_plane_supports_max = 64;
 /// are more events.
 inline constexpr TickCount k_turning_contact_span = TickCount{1} << 28;
 
-/// Minimum time between changes of a body's friction. A body driven to a border from both sides,
-/// such as a sphere that spins up a slope to where the slope is slippery, would otherwise meet the
-/// border ever faster. With a larger value, the body has the wrong friction for longer.
+/// Minimum time between changes of a body's friction. Without this minimum, a body that is driven
+/// to a border from both sides would meet the border ever faster. An example is a sphere whose spin
+/// drives it up a slope to a slippery part. With a larger value, the body has the wrong friction
+/// for longer.
 inline constexpr TickCount k_border_ticks = 256;  // 0.24 us
 
 // ---- slips --------------------------------------------------------------------------------------
@@ -176,9 +177,10 @@ inline constexpr double k_slip_stops = 4;
 /// splits the slip into pieces.
 inline constexpr double k_slip_straight = 1e-9;
 
-/// In a valley, minimum time for which a contact that begins to slip does so in an approximate
-/// direction, if the exact one isn't found. With a larger value, friction acts in an inexact
-/// direction for longer. With a smaller value, there are more events.
+/// A contact in a valley begins to slip in an approximate direction if the exact direction isn't
+/// found. This is the minimum time for which it keeps the approximate direction. With a larger
+/// value, friction acts in an inexact direction for longer. With a smaller value, there are more
+/// events.
 inline constexpr double k_slip_begin_s = 1e-4;
 /// The search for the direction of a beginning slip: its rounds, its tolerance, and its rounds over
 /// both contacts, because each contact turns the slip's direction at the other one. With fewer
@@ -286,11 +288,12 @@ inline constexpr double k_near_corner = 0.003;
 /// Minimum cosine between normals for two corners to count as on the same face. With a smaller
 /// value, corners on neighbouring faces of a blunt body count as on the same face.
 inline constexpr double k_same_face_cosine = 0.98;
-/// Maximum points that carry a box on a spline surface: the outermost ones in this many directions.
+/// Maximum number of points that carry a box on a spline surface: the outermost ones in this many
+/// directions.
 inline constexpr std::size_t k_surface_points_max = 8;
 
-/// Tolerance of balance, as a share of the weight. With a larger value, bodies rest that would
-/// topple or slide. With a smaller value, rounding and bounces keep bodies awake.
+/// Tolerance of balance, as a share of the weight. With a larger value, bodies that should topple
+/// or slide come to rest. With a smaller value, rounding and bounces keep bodies awake.
 inline constexpr double k_balance_tolerance = 0.002;
 /// A body stands firmly if it would still stand with its centre moved to any side by this share of
 /// its reach; a cube on its edge does not. With a larger value, a body on a narrow base rests only
@@ -353,8 +356,8 @@ inline constexpr std::size_t k_at_rest_together_max = 256;
 /// Maximum draws of a body's start before the simulation fails.
 inline constexpr std::uint32_t k_start_attempts_max = 1000;
 
-/// Maximum ticks that one search may examine before it gives up with a typed error. A search
-/// usually examines some tens of ticks; a million means that a bound is wrong.
+/// Maximum number of ticks that one search may examine before it gives up with a typed error. A
+/// search usually examines some tens of ticks; a million means that a bound is wrong.
 inline constexpr std::uint32_t k_examined_ticks_max = 1'000'000;
 
 /// Maximum collisions of one body in a window of 2^20 ticks (1 ms) before the simulation fails with

@@ -10,7 +10,7 @@ void Surroundings::settle(const NearFeatures& near, const NearFeatures::Cell& ce
   const Four half = Four::of(std::array<double, 4>{half_m, half_m, half_m, 1});
   low_m_ = max(cell.low_m, centre_m - half);
   high_m_ = min(cell.high_m, centre_m + half);
-  // Converting to float changes a number by at most 2^-24 of it.
+  // Conversion to float changes a number by at most 2^-24 of its value.
   const double pad_m = k_place_pad_m + 0x1p-20 * (sum(fabs(centre_m)) + near.radius_m());
   const Four axes = Four::axes(1);
   const TouchBox centres{.low_m = floats_of(axes * (low_m_ - Four::all(pad_m))),

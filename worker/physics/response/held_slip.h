@@ -1,4 +1,4 @@
-// The direction in which friction acts on a slip for a while, and how long.
+// The direction in which friction acts on a slip for a while, and the duration.
 //
 // Thread safety: pure functions.
 #pragma once

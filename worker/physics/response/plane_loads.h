@@ -10,7 +10,8 @@
 
 namespace sleight::physics {
 
-/// A body lying on an area, in a frame that turns with it about the normal from the piece's start.
+/// A body that lies on an area. From the piece's start, the frame turns with the body about the
+/// normal.
 class LyingBody {
  public:
   using Directions = std::array<Vec3, k_plane_supports_max>;

@@ -14,7 +14,8 @@
 //   2. Derived data depend only on vertices and triangles: after move_vertices() they equal the
 //      data of a fresh build, bit for bit. The numbering of features and the topology never change.
 //   3. Edges are in ascending order of (lower, higher vertex). A failed move changes nothing.
-// Thread safety: const access from several threads is safe; moving vertices excludes all other use.
+// Thread safety: const functions may be called from several threads, but not while a thread moves
+// vertices.
 #pragma once
 
 #include <array>
@@ -35,7 +36,8 @@ using math::Vec3;
 /// Triangles with a height below this share of their longest side are refused, because their
 /// normals would have rounding errors of 1e-10.
 inline constexpr double k_mesh_sliver = 1e-6;
-/// Triangles whose longest side is at most this are refused: the side's square is no safe divisor.
+/// Triangles whose longest side is at most this are refused, because division by the side's square
+/// would be unsafe.
 inline constexpr double k_mesh_point_m = 1e-60;
 /// Faces at an angle with a smaller sine than this count as one plane, up to rounding.
 inline constexpr double k_mesh_flat_sine = 1e-12;

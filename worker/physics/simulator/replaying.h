@@ -38,7 +38,8 @@ class Replaying {
   Tick skip_quiet(Tick end);
   /// Processes the start of a body. Returns whether the body is replayed from now on.
   bool starts(BodyId body, const EventKey& event);
-  /// Returns the key of the history's next event of replayed bodies, or of the history's end.
+  /// Returns the key of the history's next event in which a replayed or awaited body takes part. If
+  /// there is none, returns a key after the history's end.
   EventKey next();
   /// Replays the next event if all its participants are replayed; otherwise makes its participants
   /// live. Returns whether the event was replayed; if so, the world's changed() lists the bodies

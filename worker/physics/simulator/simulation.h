@@ -63,8 +63,9 @@ class Simulation {
   ///
   /// `history` comes from an earlier simulation. With a history, only differences are simulated:
   /// bodies with other shapes, masses, materials or starts; bodies that come near changed static
-  /// geometry; and bodies that one of these touches or reads in a rest decision. All other bodies
-  /// are replayed. All results except counts() are the same, bit for bit, as without a history.
+  /// geometry; and bodies that such a body touches, or examines in a rest decision. All other
+  /// bodies are replayed. All results except counts() are the same, bit for bit, as without a
+  /// history.
   ///
   /// The history is ignored if it has other laws (gravity, surfaces, slow contacts, periods) or
   /// another number of bodies. Compounds count as the same only if they are the same object. To

@@ -61,8 +61,8 @@ class World {
   void place(BodyId body, const Segment& segment);
   void begin_segment(BodyId body, const Segment& segment, const EventKey& cause);
   // Bodies that start at rest (world_at_rest.cpp).
-  /// Finds what carries them. Returns an error if bodies can't rest as they start. REQUIRES:
-  /// nothing has happened yet.
+  /// Finds what carries them. Returns an error if a body that starts at rest can't rest there.
+  /// REQUIRES: nothing has happened yet.
   std::optional<SceneError> lay_down();
   Segment segment_at_rest(BodyId body) const;
   /// Puts a body to rest after its segment has begun. REQUIRES: lay_down().
@@ -198,7 +198,7 @@ class World {
   std::vector<AtRest> at_rest_;  ///< by body, at its start; empty if no body starts at rest
   std::optional<SceneError> failure_;
   bool has_modes_ = false;  ///< some bodies may have mode events
-  /// Nonempty only if all bodies are spheres that only fly, of one material without friction.
+  /// Nonempty only if all bodies are spheres of one frictionless material, and only fly.
   std::vector<double> plain_inverse_masses_per_kg_;
 };
 

@@ -3,8 +3,8 @@
 //
 // Frame: x to the right, z up. The origin is the ball's centre when the ball touches the table
 // below its start. The ball falls from (0, drop height). Each collision reflects the ball about
-// that collision's normal, with the normal component scaled by the restitution. The ball lands on
-// the collision after the last normal. There is no spin, as in the thesis.
+// that collision's normal, with the normal component scaled by the restitution. There is one
+// collision per normal, and the next collision is the landing. There is no spin, as in the thesis.
 //
 // The thesis leaves two cases open. A table only pushes, so a ball that already moves away from the
 // tilted table keeps its velocity. A ball that doesn't leave the table (vertical velocity not above

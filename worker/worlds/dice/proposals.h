@@ -21,10 +21,9 @@
 // ratio is at most log(4/9) - log share(c), since no weight of a bicubic B-spline exceeds (2/3)^2.
 // If the candidate doesn't touch the point, there is no reverse proposal.
 //
-// Throws are chaotic: a change early in a throw must be far smaller than a late change to have a
-// small effect on the end, and the right size differs from throw to throw. So a step's standard
-// deviation is the configured maximum, halved a uniformly drawn number of times, independently of
-// the state.
+// Throws are chaotic: for a small effect on the end, an early change must be far smaller than a
+// late one, and the right size differs from throw to throw. So a step's standard deviation is the
+// configured maximum, halved a uniformly drawn number of times, independently of the state.
 //
 // If a kind finds nothing to change, it proposes the present state.
 // Thread safety: pure functions.

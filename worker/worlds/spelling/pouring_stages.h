@@ -152,10 +152,10 @@ class StagedSpelling : public Spelling {
   sampling::Extension extend_as(const Guide& guide, const Ground& ground, const State& state,
                                 std::uint32_t stage, Prefix& prefix) const;
   /// Returns the guide for islands whose particles choose together. Particles that choose together
-  /// are resampled at each stage, so a ball that fills no bin needs a potential of about what it
-  /// may still contribute. Otherwise all prefixes with such a ball are lost, and so are all
-  /// animations in which a later ball pushes that ball into its bin. With two or three balls, such
-  /// animations are a tenth of all solutions.
+  /// are resampled at each stage, so the potential of a ball that fills no bin must be close to
+  /// what the ball may still contribute. Otherwise all prefixes with such a ball are lost, and so
+  /// are all animations in which a later ball pushes that ball into its bin. With two or three
+  /// balls, such animations are a tenth of all solutions.
   Guide for_odds(Guide guide) const;
   /// Number of sorts of alternatives: the sorts of DropOdds, then leaving the ball out.
   /// Alternatives are numbered like the pool's drops.

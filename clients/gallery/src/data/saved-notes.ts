@@ -43,7 +43,7 @@ export class SavedNotes {
     try {
       this.storage?.setItem(PREFIX + run, JSON.stringify(now));
     } catch {
-      // The storage is full or was disabled: from now on, notes last until the page closes.
+      // The storage is full or was disabled: from now on, notes are lost when the page closes.
       this.storage = null;
     }
     return kept;

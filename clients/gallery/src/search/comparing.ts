@@ -1,5 +1,5 @@
-// Distances between the animations of a set. Each distance is computed only once, also for different numbers
-// of groups.
+// Distances between the animations of a set. Each distance is computed only once, even if the number of
+// groups changes.
 
 import type { Matrix } from "./medoids";
 import { Resemblance } from "./resemblance";

@@ -218,7 +218,7 @@ TEST(OddsDoubts, IslandsNeedParticles) {
 }
 
 TEST(OddsDoubts, IslandsWithoutDoubtsAreKnown) {
-  // doubts_of_islands() returns no doubts exactly if IslandOdds::known() is true.
+  // doubts_of_islands() returns no doubts if and only if IslandOdds::known() is true.
   for (const std::uint64_t count :
        {std::uint64_t{0}, math::k_islands_min - 1, math::k_islands_min}) {
     for (const double share : {0.01, 0.1, 0.11, 1.0}) {

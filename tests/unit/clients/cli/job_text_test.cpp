@@ -70,8 +70,8 @@ rpc::JobView queued_job() {
 
 TEST_F(JobText, TableHasWhatPeopleAskFor) {
   // Goal: a job table has separate columns for the time left by scans and by solutions, and for
-  // finds and draws. The table shows queue places with reasons, and failures by kind. Method: show
-  // a running and a queued job.
+  // finds and draws. The table shows a queued job's place with the reason, and failures by kind.
+  // Method: show a running and a queued job.
   const std::vector<rpc::JobView> jobs{running_job(), queued_job()};
   EXPECT_EQ(job_table(jobs, {}),
             "ID  NAME    GROUP  STATE    PLACE              SCANS  FOUND  IN PROPORTION  SIMS/S  "

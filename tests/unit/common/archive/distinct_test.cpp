@@ -85,7 +85,7 @@ TEST(Distinct, EqualsTheDefinitionOnRandomRuns) {
   EXPECT_GT(truncated, runs / 20) << "the runs hardly ever meet keep_max";
 }
 
-/// A satisfying draw whose state has this key.
+/// A draw that satisfies the constraint and whose state has this key.
 plan::ScanRecord satisfied(std::uint64_t key) {
   return {.satisfied = true,
           .lineage = 4,

@@ -206,8 +206,8 @@ TEST(Lease, TextComesBack) {
 }
 
 TEST(Lease, AStrangeFileIsAHolderThatSaysNothing) {
-  // Goal: an invalid lease file of any content is observed like a dead holder's file, for at most
-  // one lease. Method: read short, foreign and hostile texts.
+  // Goal: whatever an invalid lease file contains, it is observed like a dead holder's file, for at
+  // most one lease. Method: read short, foreign and hostile texts.
   const std::string sound = of("a", 1).to_text();
   std::string endless = sound;
   endless.replace(endless.find("lease_s 60"), 10, "lease_s 1e9");

@@ -134,8 +134,8 @@ class NetworkStore : public testing::RunFolder {
 };
 
 TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
-  // Goal: readers in the writing process see committed results without shared memory while it
-  // commits more; the next session resumes the run. Method: a thread reads everything repeatedly.
+  // Goal: while a process commits results, its readers see earlier committed results, without
+  // shared memory. The next session resumes the run. Method: a thread reads everything repeatedly.
   {
     RunLock lock(folder());
     RunStore store(folder(), example_identity(1), &lock);

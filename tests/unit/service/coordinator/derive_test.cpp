@@ -105,7 +105,7 @@ TEST_F(DeriveArchive, IsTheRunsOwn) {
 TEST_F(DeriveArchive, HangsOnItsCutAlone) {
   // Goal: scans after a cut, including a ladder's later levels, don't change the cut's archive.
   // Method: request fewer scans of a long run, and compare with a run of just these scans. The
-  // ladders choose their levels, and the long run has more of them.
+  // ladders choose their levels, and the long run has more levels.
   const auto text = [](int scans) {
     return request_text("scans = " + std::to_string(scans), "", "parallel_tempering");
   };

@@ -183,7 +183,7 @@ class Scene {
   void take(const Keep& keep) {
     for (const plan::UnitResult& result : keep.results) {
       std::uint64_t& next = next_scan_[result.unit.replica];
-      // A replica that its ladder adds later starts at a later scan.
+      // If a ladder adds a replica later, the replica starts at a later scan.
       if (result.unit.starts) next = result.unit.first_scan.value;
       EXPECT_EQ(result.unit.first_scan.value, next);
       for (const plan::ScanRecord& record : result.scans)

@@ -298,7 +298,7 @@ TEST_F(SystemAttemptsTest, ThatLeaveNoEndHaveDied) {
   EXPECT_EQ(died.outside, jobs::Outside::taken);
 }
 
-/// Sets a time limit for files on a shared disk that exceeds the delays of a busy machine.
+/// Sets a time limit for files on a shared disk. This limit exceeds the delays of a busy machine.
 class SystemAttemptsOnASlowDisk : public SystemAttemptsTest {
  protected:
   SystemAttemptsOnASlowDisk() : SystemAttemptsTest(k_patience_s) {}

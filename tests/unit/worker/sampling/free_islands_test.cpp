@@ -143,8 +143,8 @@ TEST(FreeIslands, EndsWhereTheIslandsSay) {
     long_pilots += expected.pilot > 32 ? 1 : 0;
     FreeIslands plan({.seed = index, .log_error = log_error});
     if (dice.once_in(3)) {
-      // For each lane, consume results that a session with another end stored, some of them beyond
-      // this run's end.
+      // For some lanes, consume results stored by a session that had a different limit. Some of
+      // these results are beyond this run's end.
       for (std::uint32_t lane = 0; lane < plan::k_island_lanes; ++lane) {
         const auto scans = static_cast<std::uint32_t>(dice.below(3));
         if (scans == 0) continue;

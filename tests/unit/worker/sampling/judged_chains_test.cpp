@@ -68,8 +68,8 @@ End end_of(const JudgedChains& plan) {
 }
 
 /// Hands units to `workers` workers, whose results arrive in any order, until the plan is done or
-/// `results_max` results have arrived. A unit's `starts` is set exactly if its first scan is the
-/// first scan of its tour.
+/// `results_max` results have arrived. A unit's `starts` is set if and only if its first scan is
+/// the first scan of its tour.
 void work(JudgedChains& plan, const World& world, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;

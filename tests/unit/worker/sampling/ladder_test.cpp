@@ -55,7 +55,7 @@ TEST(FirstLadder, LiesCloserWhereItIsHot) {
 
 TEST(FirstLadder, IsAPowerOfEvenSteps) {
   // Goal: each level is (i / (levels - 1))^power, and the hottest level can be above 0. Method:
-  // compare with std::pow, and with equal steps by hand.
+  // compare with std::pow, and with equal steps computed by hand.
   EXPECT_EQ(first_ladder(5, 1), (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
   EXPECT_EQ(first_ladder(7), first_ladder(7, 6));
   for (const std::uint32_t power : {1U, 2U, 3U, 6U, 12U}) {

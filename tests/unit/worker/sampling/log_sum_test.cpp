@@ -48,8 +48,8 @@ TEST(LogSum, EqualsASumInWiderArithmetic) {
 }
 
 TEST(LogSum, HoldsWhatNoDoubleHolds) {
-  // Goal: numbers far beyond exp's range are summed correctly, rising and falling. Method: add 1e6
-  // and -1e6 twice each, in two orders. The two larger numbers determine the sum.
+  // Goal: numbers far beyond exp's range are summed correctly, in rising and in falling order.
+  // Method: add 1e6 and -1e6 twice each, in two orders. The two larger numbers determine the sum.
   for (const double first : {-1e6, 1e6}) {
     LogSum sum;
     sum.add(first);

@@ -280,10 +280,11 @@ struct Agreement {
   }
 };
 
-/// Compares the code with the reference at a step and at a quarter of it. The tolerance covers the
-/// reference's error: the effect of quartering, and gravity during one step where slip reverses.
-/// The tolerance also covers the error of keeping slip directions constant: `held` times the
-/// impulse of all friction. The spin's tolerance is 1/k of the velocity's.
+/// Compares the code with the reference, which uses a time step and then a quarter of that step.
+/// The tolerance covers the reference's error: the effect of quartering, and gravity during one
+/// step where slip reverses. The tolerance also covers the error of keeping slip directions
+/// constant: `held` times the impulse of all friction. The spin's tolerance is 1/k of the
+/// velocity's.
 void compare(const Trial& trial, int steps_per_sample, double held, Agreement& agreement) {
   const Samples coarse = stepped(trial, steps_per_sample);
   const Samples fine = stepped(trial, 4 * steps_per_sample);

@@ -146,9 +146,10 @@ TEST(EnergyHunt, FindsNoGainInOurs) {
 }
 
 TEST(EnergyHunt, FindsTheLossOfATerm) {
-  // Goal: each term of the law is necessary. Method: search the slow law, first complete and then
-  // with one fault at a time: without the coupling of Q to the normal, without either bound of the
-  // raised speed, or with friction against a slip that has turned. Only faulty laws gain much.
+  // Goal: each term of the law is necessary. Method: search the slow law with one fault at a time,
+  // then without faults. The faults: Q isn't coupled to the normal; one of the two bounds of the
+  // raised speed is missing; friction acts against a slip that has turned. Only faulty laws gain
+  // much.
   const auto faulty = [](Fault fault) {
     return [fault](const Case& made) { return slow_impact(made, fault); };
   };

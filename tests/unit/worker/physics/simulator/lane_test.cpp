@@ -143,9 +143,9 @@ class SteppedBall {
 
 TEST(Lane, BallsRunAsAnIntegrationSays) {
   // Goal: sliding over a friction map is right to 1e-6 m and 1e-6 m/s, including borders and the
-  // change to rolling. Method: compare random balls, throws and maps with Runge-Kutta one and two
-  // seconds after the first slide. SLEIGHT_SOAK runs more. The final speed has a closed form for
-  // any map: v = (v0 + k r w) / (1 + k).
+  // change to rolling. Method: for random balls, throws and maps, compare with a Runge-Kutta
+  // integration at one second and at two seconds after the first slide begins. SLEIGHT_SOAK runs
+  // more. The final speed has a closed form for any map: v = (v0 + k r w) / (1 + k).
   int borders = 0;
   for (const std::uint64_t n : property::cases(property::long_run() ? 200 : 60)) {
     random::Stream stream({.seed = 20'261'128, .purpose = random::Purpose::prior}, n);

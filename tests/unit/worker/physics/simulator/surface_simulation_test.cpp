@@ -66,7 +66,8 @@ double least_gap_m(const RecordedRun& run, std::uint32_t body, SplineSurface& su
   return least_m;
 }
 
-/// Greatest downward curvature of the surface within a die's size of a place, by definition.
+/// Returns the reference's greatest downward curvature of the surface within 5 mm of a place, in x
+/// and in y.
 double bump_near(const StaticSurface& surface, const Vec3& place_m) {
   double most = 0;
   for (int i = -5; i <= 5; ++i) {
@@ -177,7 +178,8 @@ TEST(SurfaceSimulation, EveryWayGivesTheSame) {
   }
 }
 
-/// Returns whether a die's centre is above its points near the surface, to `tolerance_m`.
+/// Returns whether a die's centre is above its points near the surface, up to an error of
+/// `tolerance_m`.
 bool is_balanced(const RecordedRun& run, SplineSurface& surface, std::span<const Vec3> points_m,
                  double near_m, double tolerance_m) {
   const Segment& segment = run.recording.segments({0}).back().segment;

@@ -58,7 +58,8 @@ inline std::shared_ptr<FunctionControls> heights_of(std::function<double(double,
   });
 }
 
-/// Infinitely many independent points: heights within +-height_m, restitution to 1, friction to 2.
+/// Infinitely many independent points: heights within +-height_m, restitution up to 1, friction up
+/// to 2.
 inline std::shared_ptr<FunctionControls> random_controls(std::uint64_t seed, double height_m) {
   return controls_of([seed, height_m](GridIndex index) {
     const auto i = static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.i));

@@ -67,7 +67,8 @@ void for_each_place(std::uint64_t seed, int per_reach, Take&& take) {
 
 TEST(SplineSurface, HasTheHeightsAndSlopesOfTheDefinition) {
   // Goal: heights and slopes are right at indices of both signs and up to a million. Method:
-  // compare with the reference's sums, within the rounding for the sizes of heights and indices.
+  // compare with the reference's sums. The tolerance is the rounding error for the sizes of heights
+  // and indices.
   int places = 0;
   for_each_place(1, 400, [&](const StaticSurface& surface, double x_m, double y_m) {
     SplineSurface spline(surface);

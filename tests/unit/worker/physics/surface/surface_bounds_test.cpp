@@ -193,8 +193,8 @@ TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
 TEST(SurfaceBounds, HoldWithHeightsThatDrownDifferences) {
   // Goal: bounds include rounding where nothing else matters. Method: use heights near 1 that
   // differ by their last bits, on flat, tilted and rough ground. Computed slopes are then rounding
-  // errors, and heights equal their points. Also use much lower points in the row and column that
-  // have the least weight at a patch's far corner.
+  // errors, and heights equal their points. In some cases, lower by much the row and the column of
+  // points that have the least weight at a patch's far corner.
   Dice dice(26, 0);
   for (int n = 0; n < 20'000; ++n) {
     const std::uint64_t seed = dice.below(1U << 30U);

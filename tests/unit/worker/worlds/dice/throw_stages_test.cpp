@@ -154,8 +154,8 @@ TEST(SignedMisses, AreAsLongAsDistances) {
 }
 
 TEST(ThrowMap, SpreadsWithinRoundingAreNone) {
-  // Goal: a component whose standard deviation is below its mean's rounding doesn't affect a
-  // throw's weight. Method: compare the same throws for a start without that component.
+  // Goal: a component doesn't affect a throw's weight if its standard deviation is smaller than its
+  // mean's rounding error. Method: compare the same throws for a start without that component.
   DieStart without;
   without.position_m.x() = -0.15;
   without.position_sd_m.x() = 0;

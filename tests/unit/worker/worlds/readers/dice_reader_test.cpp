@@ -115,8 +115,8 @@ TEST(DiceReader, NamesFitValues) {
 
 TEST(DiceReader, TheTableIsTheSimulators) {
   // Goal: heights from an archive's control points equal the simulator's, around every place where
-  // a die touches the table. Method: test random places within half a diagonal of the centres at
-  // contacts, in throws with overrides.
+  // a die touches the table. Method: use throws with overrides. At each contact, test random places
+  // within half a diagonal of the die's centre.
   const Parameters parameters = testing::all_random(2);
   const Dice world(parameters);
   const auto reader = make_state_reader(parameters);

@@ -127,8 +127,8 @@ TEST(PouringBuilder, FindsPouringsThatSpell) {
 }
 
 TEST(PouringBuilder, PrefixesAreWhatTheyCameTo) {
-  // Goal: a prefix's outcome, computed from the previous prefix, equals its own simulation. Method:
-  // test each prefix of five pourings.
+  // Goal: a prefix's outcome, computed from the previous prefix, equals the prefix's simulation
+  // from scratch. Method: test each prefix of five pourings.
   const Spelling world = world_of(hi());
   const Spelling fresh = world_of(hi());
   const LandingMap map(landings_of(world, k_seed, 20));

@@ -134,9 +134,9 @@ TEST(Traps, WhatIsOverAPartitionOrOutsideIsNot) {
 }
 
 TEST(Traps, LowerAndLeaningPartitionsHoldLess) {
-  // Goal: the lowest of the bin's own corners counts. Leaning partitions widen the box, and
-  // partitions that lean too far hold no ball. Other bins' corners don't matter. Method: lower each
-  // vertex of the box in turn, and move it sideways by a little and by a lot.
+  // Goal: among the bin's own corners, only the lowest one matters. Leaning partitions widen the
+  // box, and partitions that lean too far hold no ball. Other bins' corners don't matter. Method:
+  // lower each vertex of the box in turn, and move it sideways by a little and by a lot.
   OneBall ball;
   const auto& corners = ball.bins.corners(ball.bin);
   ASSERT_EQ(std::ranges::count(corners, k_no_vertex), 0);
