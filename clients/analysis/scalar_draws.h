@@ -29,7 +29,7 @@ inline constexpr std::uint64_t k_scalar_draws_max = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t k_block_draws_max = std::uint64_t{1} << 22;
 /// Maximum draws of all scalars together, which take about a minute.
 inline constexpr std::uint64_t k_all_draws_max = std::uint64_t{1} << 25;
-/// Minimum draws used of each scalar and of each chain, for any number of scalars.
+/// Minimum draws used for each scalar, and for each chain, however many scalars there are.
 inline constexpr std::uint64_t k_scalar_draws_min = 16384;
 inline constexpr std::uint64_t k_chain_draws_min = 256;
 /// Maximum chains used. With k_chain_draws_min draws each, the chains reach k_scalar_draws_max.

@@ -85,7 +85,7 @@ class Sketches {
     std::vector<FirstContact> first{};  ///< in the order of time
   };
 
-  /// Sum and maximum, over the times, of the distance between a body's places in two animations.
+  /// How far apart a body's places in two animations are: the sum over the times, and the maximum.
   struct Apart {
     double sum_m = 0;
     double greatest_m = 0;

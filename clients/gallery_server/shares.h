@@ -1,10 +1,10 @@
 // Estimates which share of a run's satisfied draws looks like a group's animations.
 //
 // Only distinct animations are kept, so a group's number of animations doesn't show how probable
-// such animations are. The draws do. A satisfied draw is assigned to the last animation kept in its
-// (chain, lineage) up to and including that draw. A draw whose animation wasn't kept resembled a
-// kept animation, or exceeded the limit per lineage. Draws of lineages without kept animations are
-// counted separately.
+// such animations are. The draws do. A satisfied draw is assigned to an animation of its (chain,
+// lineage): the last one kept up to and including that draw. A draw whose animation wasn't kept
+// resembled a kept animation, or exceeded the limit per lineage. Draws of lineages without kept
+// animations are counted separately.
 //
 // The error treats lineages as independent, because draws within a lineage are dependent. Let n_l
 // be the number of satisfied draws of lineage l, g_l the group's part, and p = sum g / sum n. The

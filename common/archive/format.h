@@ -64,8 +64,8 @@ inline constexpr std::string_view k_warning = "warning";
 /// Prefix of root attributes such as `failed_search_gave_up`, one for each kind of failure that
 /// occurred in the run's simulations.
 inline constexpr std::string_view k_failed_prefix = "failed_";
-/// Attribute of /animations: number of satisfying animations not kept because their motion couldn't
-/// be completed. Absent if 0.
+/// Attribute of /animations: number of animations that satisfied the constraint but aren't kept,
+/// because their motion couldn't be completed. Absent if 0.
 inline constexpr std::string_view k_failed_animations = "failed_animations";
 inline std::string failed_attribute(plan::FailureKind kind) {
   return std::string(k_failed_prefix) + std::string(plan::name_of(kind));

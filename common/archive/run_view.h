@@ -18,7 +18,7 @@ class RunView {
   /// Returns the cut: draws 0 .. draws()-1 are present for every chain. A draw is a scan's state at
   /// inverse temperature 1. In plain chains and tempered ladders, draws and scans coincide.
   virtual std::uint64_t draws() const = 0;
-  /// Calls `visit` with each draw 0 .. draws()-1 of one chain and the draw's number.
+  /// Calls `visit` with the number and the record of each draw 0 .. draws()-1 of one chain.
   virtual void for_each_draw(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const = 0;

@@ -28,7 +28,7 @@ StagedSpelling world_of(const spelling::Pattern& pattern, double log_lambda) {
   return StagedSpelling(parameters);
 }
 
-/// Hashes all bits of log Z and drawn states of the first `hashed` islands.
+/// Hashes all bits of the first `hashed` islands' log Z and drawn states.
 template <class World>
 void islands(benchmark::State& state, const World& world, std::uint64_t hashed,
              std::uint64_t expected) {

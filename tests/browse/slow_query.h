@@ -31,8 +31,8 @@ bool is_close_call(const Condition& condition, const Entry& entry);
 /// which have no text.
 std::optional<std::string> text_of(const Condition& condition, const Index& index);
 
-/// Returns a random condition on animations of the index. The condition is at most `depth` deep and
-/// met about half of the time. REQUIRES: at least one entry.
+/// Returns a random condition on animations of the index. The condition is at most `depth` deep,
+/// and is met about half of the time. REQUIRES: at least one entry.
 Condition random_condition(const Index& index, random::Stream& stream, int depth);
 
 }  // namespace sleight::browse::testing

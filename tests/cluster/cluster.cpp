@@ -6,7 +6,7 @@
 namespace sleight::cluster {
 namespace {
 
-/// `utilisation_amid` is measured between these shares of the scans.
+/// `utilisation_amid` is measured from the first of these shares of the scans to the second.
 constexpr double k_marks[] = {0.2, 0.8};
 /// Number of assignments between two checks of the run's progress.
 constexpr std::uint64_t k_note_every = 32;

@@ -80,7 +80,7 @@ TEST_P(Seeds, EachJobEndsOnce) {
 
 TEST_P(Seeds, FewJobsToo) {
   // Goal: the same invariants hold if any fault hits any step of a job. Method: simulate services
-  // with at most ten jobs, with ten times as many seeds.
+  // with at most ten jobs, and use ten times as many seeds.
   check_share({.jobs_max = 10}, 10 * seeds());
 }
 

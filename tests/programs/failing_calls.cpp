@@ -23,7 +23,7 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
   return real(thread, attributes, work, argument);
 }
 
-/// On rank 1, reports less than the required thread support of MPI.
+/// On rank 1, reports that MPI doesn't support threads.
 int MPI_Init_thread(int* argc, char*** argv, int required, int* provided) {
   using Function = int(int*, char***, int, int*);
   auto* const real = reinterpret_cast<Function*>(dlsym(RTLD_NEXT, "MPI_Init_thread"));

@@ -76,7 +76,7 @@ double p_value(double beta, std::uint64_t first_chain, const Move& move) {
 }
 
 TEST(FailuresInvariance, StepsKeepTheRestrictedTarget) {
-  // Goal: rejecting failing candidates leaves p_beta given success invariant. Method: move exact
+  // Goal: if failing candidates are rejected, p_beta given success is invariant. Method: move exact
   // draws by ten steps at several inverse temperatures, and compare counts with enumeration.
   for (const double beta : {0.2, 0.7, 1.0}) {
     const double p = p_value(beta, 0, [&](const auto& ring, const auto& streams, auto& sample) {

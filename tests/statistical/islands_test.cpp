@@ -213,7 +213,7 @@ TEST(ParticleSteps, IndependenceStepsKeepTheTarget) {
   });
 }
 
-/// A chain's treatment of its island after an accepted local move.
+/// What a chain does with its island after an accepted local move.
 enum class AfterLocalMove { forgets_z, keeps_z, takes_the_draw };
 
 /// Alternates an independence step with three local moves.

@@ -8,8 +8,8 @@
 
 namespace sleight::tests {
 
-/// One die that must rest at a place within a tolerance, with the six on top. `turned`: the
-/// direction of its two along the table is also required.
+/// One die that must rest at a place within a tolerance, with the six on top. `turned`: the face
+/// two must also point along x.
 inline worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool turned) {
   constexpr double k_degree = std::numbers::pi / 180;
   worlds::dice::Parameters parameters;

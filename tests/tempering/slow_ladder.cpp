@@ -26,7 +26,7 @@ struct EndVisit {
   bool coolest = false;
 };
 
-/// Counts each round's round trips and restarts from a replica's whole path.
+/// Counts a replica's round trips and restarts in each round, from its whole path.
 void count_trips(const std::vector<EndVisit>& visits, std::vector<RoundReport>& rounds) {
   const auto round_at = [&](std::uint64_t scan) -> RoundReport& {
     std::size_t round = rounds.size() - 1;

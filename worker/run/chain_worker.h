@@ -284,7 +284,8 @@ class ChainWorker final : public plan::UnitWorker {
     if (report.from_prior) walk.lineage = plan::lineage_from(unit.replica.replica, scan);
   }
 
-  /// Whether a scan's state satisfies. The last state of a relaxed find must also satisfy at rest.
+  /// Whether a scan's state satisfies the constraint. The last state of a relaxed find must also
+  /// satisfy it at rest.
   bool is_satisfied(std::uint64_t scan, const Sample& sample, Counts& counts) const {
     if (!world_.satisfied(sample.outcome)) return false;
     if constexpr (StagedWorld<W>) {

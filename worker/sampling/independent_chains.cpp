@@ -32,7 +32,7 @@ void IndependentChains::judge_rounds() {
 
 std::optional<plan::Unit> IndependentChains::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  // Choose the idle chain that is furthest behind, the lowest id among equals.
+  // Choose the idle chain that is furthest behind; among equals, choose the lowest id.
   if (idle_.empty()) return std::nullopt;
   const auto [consumed, id] = *idle_.begin();
   if (consumed >= stop_.horizon()) return std::nullopt;

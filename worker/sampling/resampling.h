@@ -6,10 +6,10 @@
 //
 // Conditional sequential Monte Carlo conditions on the first new particle descending from the first
 // old particle, because the retained path keeps place 0. The first arc's expected number of points
-// is count W_0. The offset is drawn given that the arc has a point, weighted by the arc's number of
-// points. Then one of these points is rotated to place 0. Source: Chopin and Singh, On particle
-// Gibbs sampling (Bernoulli 21, 2015), section 4.3.
-// Thread safety: pure functions of the stream.
+// is count W_0. The offset is drawn on the condition that the arc has a point, with the arc's
+// number of points as its weight. Then one of these points is rotated to place 0. Source: Chopin
+// and Singh, On particle Gibbs sampling (Bernoulli 21, 2015), section 4.3. Thread safety: pure
+// functions of the stream.
 #pragma once
 
 #include <cstdint>

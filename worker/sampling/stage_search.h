@@ -45,7 +45,7 @@ concept StageBuilder = std::copyable<typename B::Prefix> &&
              SearchEffort& effort, random::Stream& stream) {
   { builder.stages() } -> std::same_as<std::uint32_t>;
   { builder.limits() } -> std::same_as<SearchLimits>;
-  /// The prefix without stages, on a ground of the prior.
+  /// Returns a prefix without stages, on a ground drawn from the prior.
   { builder.start(stream) } -> std::same_as<typename B::Prefix>;
   /// Tries to extend a prefix of `stage` stages by the next stage. Empty if the try isn't
   /// promising.

@@ -84,7 +84,8 @@ concept ActsInStages = Target<T> && std::copyable<typename T::Prefix> &&
   { target.outcome_of(prefix) } -> std::same_as<typename T::Outcome>;
 };
 
-/// A target that lists choices by sorts that behave alike, so particles can choose together.
+/// A target that lists its choices by sort. Choices of one sort behave alike, so particles can
+/// choose together.
 template <class T>
 concept ListsChoices = ActsInStages<T> &&
     requires(const T& target, const typename T::Guide& guide, const typename T::Ground& ground,

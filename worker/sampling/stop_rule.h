@@ -45,7 +45,7 @@ class StopJudge {
   std::uint64_t end() const { return end_; }
   std::optional<std::uint64_t> solutions_wanted() const { return rule_.independent_solutions; }
 
-  /// Common rounds of all chains that end with after < scans <= until.
+  /// Common rounds of all chains. Each round's end, in scans, is above `after` and at most `until`.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
 
   /// Minimum number of scans of each chain if solutions end the run: the first round, or fewer if

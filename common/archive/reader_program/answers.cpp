@@ -118,7 +118,7 @@ class ForwardReader {
   }
 
  private:
-  /// Maximum number of elements that are read ahead, equal to some batches.
+  /// Maximum number of elements that are read ahead: a few batches.
   static constexpr std::uint64_t k_ahead_elements_max = 8 * k_batch_elements;
 
   Values read(const Question& question) const {

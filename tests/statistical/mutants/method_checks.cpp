@@ -66,7 +66,8 @@ std::vector<double> exp_of_row(const sampling::ChainPart& part, std::string_view
 
 }  // namespace
 
-/// Compares stepping stones and 1{satisfied} / p_c over exact draws with enumeration.
+/// Computes stepping stones, and the mean of 1{satisfied} / p_c, from exact draws. Compares them
+/// with values from enumeration.
 std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_scans = 20;
   const std::vector<double>& ladder = ladder_of_checks();
@@ -128,7 +129,8 @@ std::vector<double> ascents_weigh(const Mutant& mutant, std::uint64_t seed) {
 }
 
 /// If scans are independent exact draws, simulated tempering is a random walk over levels. Compares
-/// level and place after some scans with enumeration, with weights that are only roughly right.
+/// the frequencies of levels and places after some scans with enumeration. The weights are only
+/// roughly right.
 std::vector<double> levels_walk(const Mutant& mutant, std::uint64_t seed) {
   constexpr int k_moves = 6;
   const std::vector<double>& ladder = ladder_of_checks();

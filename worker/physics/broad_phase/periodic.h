@@ -6,7 +6,7 @@
 //
 //   - On a repeating axis, the ring is one period, and a box is rounded outwards to ring points.
 //   - On a non-repeating axis, the ring contains all floats in order (their bits, signs inverted),
-//     so the code is exact. The codes of NaNs separate the two infinities.
+//     so the code is exact. The codes of NaNs are between the codes of the two infinities.
 //
 // A box covers the points start, start + 1, ..., start + width of each ring. Two boxes overlap on
 // an axis if one of them contains the other's start. The test takes two subtractions and two

@@ -103,8 +103,8 @@ struct Stretch {
     const Vec3 half_m = 0.5 * (ends[1].place_m - ends[0].place_m);
     return math::dot(half_m, half_m);
   }
-  /// Returns the least value at a lattice point between the ends, by linear interpolation of
-  /// values[k] at the ends.
+  /// Interpolates linearly between the ends, which have values[0] and values[1]. Returns the least
+  /// value at a lattice point between the ends.
   double least_inside(const std::array<double, 2>& values) const {
     const double step = 1.0 / steps();
     const double change = values[1] - values[0];

@@ -169,7 +169,7 @@ class Look {
   bool others_clear_until(double until_s) const {
     return share_at(until_s) < 1 && descent_.room_m > pace_.past_mps * until_s;
   }
-  /// Returns a time for which all points that aren't stored stay clear.
+  /// Returns how long all other points, which aren't stored, stay clear.
   double others_failing_s() const {
     double until_s = pace_.past_mps > 0 ? descent_.room_m / pace_.past_mps : k_forever_s;
     for (std::size_t i = 0; i < descent_.by.size(); ++i) {

@@ -39,7 +39,7 @@ class RecentContacts {
   void reset(std::size_t bodies) { of_body_.assign(bodies, {}); }
   bool enabled() const { return !of_body_.empty(); }
 
-  /// Maximum stored partners of a body: more than can press on a body within a microsecond.
+  /// Maximum stored partners of a body. Fewer partners can press on a body within a microsecond.
   static constexpr std::size_t k_partners = 16;
   struct Entry {
     BodyId partner{UINT32_MAX};

@@ -36,7 +36,7 @@ void RestDecision::begin(RestLogs& logs, BodyId body, Tick now) {
 }
 
 std::optional<BodyId> RestDecision::asks() {
-  // Start with the body itself, which usually settles the decision.
+  // Start with the body itself, because its answer usually settles the decision.
   if (notes_[body_].round != round_) return body_;
   for (; asked_of_ < set_.size(); ++asked_of_, touch_ = 0) {
     const auto touches = log_of(set_[asked_of_]).touches();

@@ -9,8 +9,8 @@ namespace sleight::physics {
 using BodyId = base::Index<struct BodyTag>;
 /// A face, an edge or a vertex of static geometry, which spheres meet (static_geometry.h).
 using FeatureId = base::Index<struct FeatureTag>;
-/// A plane, a convex piece or a triangle, which other bodies meet. A plane has the same index as a
-/// feature and as a piece.
+/// A plane, a convex piece or a triangle, which other bodies meet. A plane's FeatureId and PieceId
+/// have the same index.
 using PieceId = base::Index<struct PieceTag>;
 /// Static geometry that a body meets: a feature if the body is a sphere, otherwise a piece or a
 /// surface (numbered after the pieces).

@@ -279,11 +279,11 @@ static_assert(k_touch_records_max <= 32);
 /// A new contact replaces one with the same partner within this share of the arm. With a larger
 /// value, two corners count as one. With a smaller value, a wandering contact fills the list.
 inline constexpr double k_same_place = 0.05;
-/// A corner carries its body too if it is within this share of the body's reach from what the body
-/// has just touched. A body that stands on three corners, two of which carry nearly all of its
-/// weight, lifts the third by some fifty times the height of a bounce. Without the third corner,
-/// the body would be out of balance most of the time. With a larger value, corners in the air count
-/// as carrying.
+/// A corner carries its body too if its distance to what the body has just touched is within this
+/// share of the body's reach. A body that stands on three corners, two of which carry nearly all of
+/// its weight, lifts the third by some fifty times the height of a bounce. Without the third
+/// corner, the body would be out of balance most of the time. With a larger value, corners in the
+/// air count as carrying.
 inline constexpr double k_near_corner = 0.003;
 /// Minimum cosine between normals for two corners to count as on the same face. With a smaller
 /// value, corners on neighbouring faces of a blunt body count as on the same face.

@@ -158,7 +158,7 @@ class Marbles {
     return partners_[ball] != k_none && replayed_[partners_[ball]] != nullptr;
   }
   bool is_resting(BodyId ball) const { return balls_[ball].segment.mode == MotionMode::resting; }
-  /// End of a ball's current motion, ignoring other balls; the present for a ball at rest.
+  /// Returns when a ball's current motion ends, ignoring other balls; now() for a ball at rest.
   Tick next_of(BodyId ball) const {
     const Marble& own = balls_[ball];
     return is_resting(ball) ? now_ : std::min({own.static_tick, own.supports.end, end_});

@@ -16,9 +16,9 @@
 // Regions. For a half-space, the bound is the parabola's maximum between two times.
 //
 // Invariants
-//   1. Before the returned time the ball doesn't collide with the feature, by touch, approach or
-//      region as examine (sphere_search.h) computes them, rounding included. A shorter path may use
-//      a longer path's margins.
+//   1. Before the returned time, examine (sphere_search.h) finds no collision of the ball with the
+//      feature: its touch, approach or region condition fails, rounding included. A shorter path
+//      may use a longer path's margins.
 //   2. Every margin is at least 4 times the bound's rounding error. With N the sum of all sizes
 //      added on the way (size_m, and size_m times the speed for c.v), a bound has fewer than 16
 //      roundings, each of 2^-53 N.
@@ -129,7 +129,7 @@ inline double stays_s(const Four& place, const Four& speed, const Four& pull, co
   const Four square = v * v;
   const Four at_ahead = square + twice * ahead;
   const Four root = sqrt(choose_if_less(at_ahead, zero, square - twice * behind, at_ahead));
-  // Avoid 0 / 0: a point at rest at a wall stays for no time.
+  // Avoid 0 / 0: the bound is 0 for a point at rest at a wall.
   const Four sum_of_speeds = max(v + root, Four::all(1e-300));
   return k_less * least(choose_if_less(at_ahead, zero, sum_of_speeds, ahead + ahead) /
                         choose_if_less(at_ahead, zero, zero - a, sum_of_speeds));
@@ -201,8 +201,8 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
   const double square = reach_m * reach_m;
   const double first_c_v = dot(way.c, path.velocity_mps);
   const double first_c_a = dot(way.c, path.pull_mps2);
-  // The centre never touches the corner, by the bound from the plane perpendicular to c. The bound
-  // is lowest at an end; if the centre turns before, the bound is underestimated.
+  // The bound from the plane perpendicular to c shows that the centre never touches the corner. The
+  // bound is lowest at an end; if the centre turns before, the bound is underestimated.
   if (way.c_c > square) {
     const double last_c_v = first_c_v + first_c_a * span_s;
     const double change =

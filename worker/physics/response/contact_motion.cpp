@@ -45,8 +45,8 @@ void slide(const RoundBody& body, const LastingContact& contact, const Vec3& pul
   motion.lasts_s = slip.lasts_s;
 }
 
-/// Maximum rolling resistance x against a direction d that friction transmits: |turning - x d| = mu
-/// N.
+/// Limits the rolling resistance to what friction can transmit. Against a direction d, the limit is
+/// the x with |turning - x d| = mu N.
 struct PassedOn {
   Vec3 turning;       ///< the friction that turns the sphere, without resistance
   double spare;       ///< (mu N)^2 - turning^2

@@ -27,9 +27,9 @@
 //      2^-50 of the energy and of |angular velocity| |angular momentum|, or 5e-14 of the energy if
 //      moments differ by 1e4. A scaled P is in the same cone and loses energy: dE(s) = s V.P +
 //      s^2/2 P.K P with dE(1) <= 0 implies dE(s) <= -(s - s^2) P.K P / 2. After the last of a fixed
-//      number of rounds, P is 0 and the impact `unresolved`. In 1e6 random cases with contacts from
-//      10 to 1e9 radii of gyration away, no impact was unresolved, and one in 2700 was scaled, by
-//      less than 1e-13. Without the scaling, an adversary who puts far centres in line with the
+//      number of rounds, P is 0 and the impact is `unresolved`. In 1e6 random cases with contacts
+//      from 10 to 1e9 radii of gyration away, no impact was unresolved, and one in 2700 was scaled,
+//      by less than 1e-13. Without the scaling, an adversary who puts far centres in line with the
 //      normal gains more than 1e-12.
 //   2. The bodies do not approach afterwards, up to rounding: the separation speed is w.
 //   3. |friction impulse| <= mu times the normal impulse >= 0.

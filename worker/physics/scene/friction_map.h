@@ -9,8 +9,8 @@
 // stays constant. The parabola crosses the sides of a rectangle at roots of quadratic equations. A
 // tree of boxes finds the rectangles that the path may enter before it leaves the current one.
 //
-// Invariant: the same rectangle applies from a path's start until border_s later, except for
-// rounding. Thread safety: const functions may run concurrently.
+// Invariant: one rectangle applies for border_s from a path's start, except for rounding. Thread
+// safety: const functions may run concurrently.
 #pragma once
 
 #include <cstddef>

@@ -28,7 +28,7 @@ Mat3 outer(const Vec3& a, const Vec3& b) {
   return m;
 }
 
-// Returns a part's moments about its own centre, because a distant origin would cancel digits.
+// Returns a part's moments about its own centre. Moments about a distant origin would lose digits.
 Moments moments_of(const ConvexPolyhedron& part) {
   Moments sum;
   const auto vertices = part.vertices_m();

@@ -37,9 +37,8 @@ double ess_tail(const Chains& draws);
 /// Returns the effective sample size for the mean. The draws must have a finite variance.
 double ess_mean(const Chains& draws);
 
-/// Returns the effective sample size of indicators that a draw is at most the quantile. NaN if all
-/// are true. Probability 1 counts as 1 - 0.5 / (number of all draws). REQUIRES: probability in [0,
-/// 1].
+/// Returns the effective sample size of the indicators (draw <= quantile). NaN if all are true.
+/// Probability 1 counts as 1 - 0.5 / (number of all draws). REQUIRES: probability in [0, 1].
 double ess_quantile(const Chains& draws, double probability);
 
 }  // namespace sleight::sampling

@@ -20,7 +20,8 @@ namespace sleight::sampling {
 double r_hat_bulk(const Chains& draws);
 
 /// Returns R-hat of the ranks of distances from the median, which is sensitive to differences of
-/// scale. The result is NaN if all distances are equal, as for two equally frequent values.
+/// scale. The result is NaN if all distances are equal, for example if draws have two equally
+/// frequent values.
 double r_hat_tail(const Chains& draws);
 
 /// Returns the greater of r_hat_bulk and r_hat_tail, or NaN if either is NaN. The R package

@@ -129,7 +129,7 @@ Outcome Dice::simulated(const State& state, const Wanted& wanted,
   if (!started) return stopped(started.error());
   physics::Simulation simulation = std::move(started).value();
 
-  // Run to each time of a goal, and until all dice rest.
+  // Simulate up to each goal's time, then until all dice rest.
   const physics::Tick limit = tick_of(parameters_.world.time_max_s);
   Views views;
   Outcome outcome{.end = End::time_limit};

@@ -15,8 +15,8 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Weight of the mean share in each bin's share, as a number of drops. With this weight, bins that
-/// no drop of the pool fills alone have a share above 0.
+/// Each bin's share is averaged with the mean share, which has the weight of this number of drops.
+/// With this weight, bins that no drop of the pool fills alone have a share above 0.
 constexpr double k_drops_of_the_mean = 3;
 /// Minimum mean share, for pools without any landing.
 constexpr double k_mean_share_min = 1e-5;

@@ -198,7 +198,8 @@ class StagedSpelling : public Spelling {
   void fill_pool(const Guide& guide, random::Stream& stream, Ground& ground,
                  std::span<const std::uint8_t> is_retained) const;
   Choices choices(const Guide& guide, const Ground& ground, const Prefix& prefix) const;
-  /// Visits each drop that can be chosen, with its place, its sort of DropOdds, g and v s g.
+  /// Visits each drop that can be chosen. The arguments are the drop's place, its sort (as in
+  /// DropOdds), g, and v s g.
   template <class Visit>
   void for_each_choice(const Guide& guide, const Ground& ground, const Prefix& prefix,
                        const Visit& visit) const;

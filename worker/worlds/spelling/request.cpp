@@ -409,8 +409,8 @@ void settle_odds(request::Settled& settled, std::uint32_t balls,
 }
 
 /// Settings for chains of islands. If solutions are requested, chains restart for each solution;
-/// otherwise they continue. Islands find too few helped balls, which have large weights; further
-/// steps of a tour add more.
+/// otherwise they continue. Islands find too few helped balls (pouring_stages.h), which have large
+/// weights. Further steps of a tour find more.
 void settle_islands(request::Settled& settled, std::uint32_t balls, const request::StopRule& stop,
                     request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;

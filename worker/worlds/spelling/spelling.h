@@ -169,8 +169,8 @@ class Spelling {
   std::uint32_t proposal_kinds() const { return k_kinds; }
 
   base::Bytes encode(const State& state) const { return spelling::encode(state); }
-  /// Bytes of the arrays of the state and of the outcome. The sum includes two arrays of the
-  /// surrogate's outcome, with an entry for each ball, which may be stored with the sample.
+  /// Bytes of the arrays of the state and of the outcome. The surrogate's outcome may be stored
+  /// with the sample, so the sum includes its two arrays, which have an entry for each ball.
   std::size_t owned_bytes(const State& state, const Outcome& outcome) const {
     return state.offsets_m.capacity() * sizeof(Vec3) + state.active.capacity() +
            state.drops_m.capacity() * sizeof(Vec2) +

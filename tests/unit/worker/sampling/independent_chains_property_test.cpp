@@ -204,8 +204,8 @@ void expect_end(Session& session, const Case& given, std::uint64_t end) {
 
 TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
   // Goal: the stop is a function of the results, independent of cuts and of the order of
-  // completion, and nothing is computed beyond it. Method: compare random results and rules, with
-  // several random sessions each, with the reference.
+  // completion, and nothing is computed beyond it. Method: draw random results and rules, run
+  // several random sessions for each, and compare the sessions with the reference.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(index);
     const Case given = random_case(dice);

@@ -127,7 +127,8 @@ TEST(SimulatedTempering, MovesByTheFormula) {
 
 TEST(SimulatedTempering, WalksOnWhereAStepOfLogZIsNotKnown) {
   // Goal: if the burn-in saw no density at a level, so that log Z is -infinity there, the walk
-  // skips this level but visits the levels above. Method: let the prior's step have no density.
+  // skips this level but visits the levels above. Method: set the step of log Z at the prior to
+  // -infinity.
   SimulatedTempering part(burn_in_of({-k_infinity, -1.5, -0.8}));
   for (std::uint64_t scan = 70; scan < 2070; ++scan) {
     const plan::Unit unit = part.next_unit(5000, 1).value();

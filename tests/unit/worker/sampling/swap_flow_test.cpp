@@ -78,7 +78,8 @@ std::vector<std::uint32_t> ready(const SwapFlow& flow) {
 TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
   // Goal: replicas move as if all levels ran scan after scan together, whichever level runs ahead.
   // Method: in 200 ladders of 2 to 9 levels, run a random level at each step. Each replica must be
-  // at the level that it has in lockstep. Some orders let a replica run four scans ahead.
+  // at the same level as if all levels ran together. Some orders let a replica run four scans
+  // ahead.
   std::uint64_t ahead_most = 0;
   for (std::uint64_t index = 0; index < 200; ++index) {
     SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));

@@ -85,10 +85,10 @@ Real contact_speed_scale(const Case& made, const Twist& a, const Twist& b);
 /// (energy after - energy before) / energy before.
 Real relative_gain(const Case& made, const ImpactOutput& out);
 
-/// The law of restitution.h by its definition. Friction acts against the slip if the slip doesn't
-/// reverse; otherwise the law is Chatterjee and Ruina's. P_I and P_II are solutions of linear
-/// equations with K. Bisection finds kappa and raised separation speeds. Can include deliberate
-/// faults.
+/// Computes the law in restitution.h from its definition. Friction acts against the slip if the
+/// slip doesn't reverse; otherwise the law is Chatterjee and Ruina's. P_I and P_II are solutions of
+/// linear equations with K. Bisection finds kappa and raised separation speeds. Can include
+/// deliberate faults.
 enum class Fault : std::uint8_t {
   none,
   uncoupled,   ///< leaves out the normal component of Q

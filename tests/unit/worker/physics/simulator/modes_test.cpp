@@ -145,7 +145,7 @@ std::shared_ptr<const ConvexPolyhedron> block(const Vec3& low_m, const Vec3& hig
 TEST(Modes, AMarbleRollsOffATable) {
   // Goal: at 0.5 m/s, above sqrt(g r) = 0.31 m/s, a marble leaves the edge level and flies on a
   // parabola. At 0.1 m/s, the marble rolls around the edge and converts height to speed. Method:
-  // test the flight's first velocity and the energy, both in few segments.
+  // test the flight's first velocity, the energy, and that there are few segments.
   for (const double speed_mps : {0.5, 0.1}) {
     Scene scene = scene_with({.restitution = 0.3, .friction = 0.6});
     scene.convexes.push_back(

@@ -51,7 +51,8 @@ class Overlaps {
   /// Moves a body away from its recorded place.
   void shift(std::uint32_t body, const Vec3& by_m) { shift_[body] = by_m; }
 
-  /// Least clearance of all pairs and static geometry at a tick. `who` names the pair.
+  /// Returns the least clearance at a tick, between bodies or between a body and static geometry.
+  /// `who` names the pair.
   double least(Tick tick, std::string& who) {
     placed_.assign(run_.scene.bodies.size(), {});
     double least_m = 1;

@@ -1,4 +1,4 @@
-// Runs with and without an earlier run's history, and their differences.
+// Compares runs that use an earlier run's history with runs that don't.
 //
 // Thread safety: pure functions.
 #pragma once

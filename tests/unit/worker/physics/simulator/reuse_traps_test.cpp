@@ -1,5 +1,5 @@
-// Tests cases in which reuse could go wrong: kicks, places, starts, sleeping bodies and decisions
-// about rest.
+// Cases in which reuse could go wrong: kicks, places, starts, sleeping bodies and decisions about
+// rest.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

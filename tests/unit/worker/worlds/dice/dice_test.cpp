@@ -142,8 +142,8 @@ TEST(Dice, ThatStillMoveSatisfyNothing) {
 
 TEST(Dice, AreSeenAtTheTimesOfGoals) {
   // Goal: goals can be measured for dice in flight, before their start and long after they come to
-  // rest. Method: compare a die at 0.03 s with its parabola. Test a second die that starts later,
-  // at the end and at 5.9 s.
+  // rest. Method: compare a die at 0.03 s with its parabola, and at 5.9 s with the end. Also test a
+  // second die before its start.
   Parameters parameters;
   parameters.world.dice.assign(2, DieStart{});
   parameters.world.dice[1].position_m.y() = 0.1;
@@ -185,8 +185,8 @@ void expect_same(const Outcome& a, const Outcome& b) {
 
 TEST(Dice, ReplaysMakeNoDifference) {
   // Goal: a candidate has the same outcome computed from a similar state as from scratch, for
-  // proposals of every kind. Method: run chains of one die and of four that accept every second
-  // candidate, 40 times longer with SLEIGHT_SOAK=1.
+  // proposals of every kind. Method: run chains of one die and of four dice. Chains accept every
+  // second candidate, and are 40 times longer with SLEIGHT_SOAK=1.
   const std::uint64_t longer = property::long_run() ? 40 : 1;
   for (const std::uint32_t dice : {1U, 4U}) {
     Parameters parameters = testing::all_random(dice);

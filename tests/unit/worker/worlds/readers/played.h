@@ -40,7 +40,8 @@ inline motion::Animation played(const archive::StateReader& reader, base::BytesV
   return animation.value();
 }
 
-/// Distance of two states by their compared data. Must agree with the quick function.
+/// Returns the distance of two states, computed from their compared data. Must agree with the quick
+/// function.
 inline double distance_by(const archive::StateReader& reader, base::BytesView a,
                           base::BytesView b) {
   const std::vector<double> left = reader.likeness(a);
