@@ -38,5 +38,5 @@ export const proportionHelp =
   "The number of animations in a group doesn't show how probable the group is.";
 
 export const shareHelp =
-  "Share: fraction of all satisfied draws that look like this group, with standard error. " +
+  "Share: fraction of all satisfying draws that look like this group, with standard error. " +
   "Kept animations have no shares, because an archive keeps only distinct animations.";
