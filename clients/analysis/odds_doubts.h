@@ -118,8 +118,8 @@ enum class IslandNumber : std::uint8_t {
 std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number,
                                      std::optional<double> particles = {});
 
-/// Returns the greatest factor of all doubts, which will likely remove all of them. REQUIRES: not
-/// empty.
+/// Returns the greatest of the doubts' factors. A run that is longer by this factor will likely
+/// remove all doubts. REQUIRES: not empty.
 struct Remedy {
   double longer = 1;
   bool at_least = false;

@@ -21,9 +21,9 @@ struct RunSizes {
 
 /// Returns the number of simulations in the whole run: proposals and draws from the prior. A scan
 /// is one draw at the prior's temperature, and iterations_per_scan proposals at each other
-/// temperature. A start is a draw at all temperatures. Draws of temperatures added between rounds
-/// count as scans, so the result is slightly too large. Unfinished ascents are left out. NaN:
-/// unknown.
+/// temperature. A start is a draw at all temperatures. If temperatures are added between rounds,
+/// their draws count as scans, so the result is slightly too large. Unfinished ascents are left
+/// out. NaN: unknown.
 double simulations_of(const archive::Source& source, const std::string& request_text,
                       const RunSizes& sizes);
 

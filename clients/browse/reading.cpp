@@ -274,8 +274,8 @@ std::span<const Entry> earlier_entries(const Index* earlier, bool is_finds) {
                   : std::span(earlier->entries.begin(), first_find);
 }
 
-/// Whether the earlier index has the same run, world and numbers, and only bodies and features of
-/// the scene.
+/// Whether the earlier index has the same run, world and numbers, and refers only to bodies and
+/// features that the scene has.
 bool is_usable(const Index& earlier, const Index& index) {
   const std::uint32_t bodies = index.scene.bodies();
   const auto fits = [&](const Entry& entry) {

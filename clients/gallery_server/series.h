@@ -5,8 +5,9 @@
 //
 //   `trace`: a number along a chain. Keys of the head: chain, chains, draws, unit, is_thinned.
 //     Columns with all points: "draw" and "value". Columns with marked draws: "change_all" (an
-//     accepted proposal that changes all variables), "fall" (a draw that doesn't satisfy, after
-//     one that does), "lineage" (the draw has another lineage than the previous draw).
+//     accepted proposal that changes all variables), "fall" (a draw that doesn't satisfy the
+//     constraint, after one that does), "lineage" (the draw has another lineage than the previous
+//     draw).
 //   `levels`: numbers by a ladder's rounds and levels. Key of the head: kinds. Columns are "round",
 //     "level", "inverse_temperature", "swap_acceptance" (with the next cooler level, NaN at the
 //     last level), and each kind of proposal's acceptance, "acceptance.0" and so on.

@@ -7,10 +7,9 @@
 // animation's beginning. The last frame is at the last multiple of 1 / fps up to the moment when
 // all bodies rest.
 //
-// Still parts are drawn once for all frames (clients/plot/film.h). One core (2.4 GHz, 2026-11-26,
-// `sleight export --fps 200`) renders per second about 200 PNG files of one ball, 110 of a die and
-// 50 of HI. For one ball, a die and HI, one core renders 150, 70 and 50 film frames per second,
-// including ffmpeg's work.
+// Still parts are drawn once for all frames (clients/plot/film.h). In one second, one core (2.4
+// GHz, 2026-11-26, `sleight export --fps 200`) renders about 200 PNG files of one ball, 110 of a
+// die, or 50 of HI. It renders 150, 70 or 50 film frames, including ffmpeg's work.
 //
 // Files appear complete or not at all: each is written under a temporary name and renamed. A folder
 // of frames must be new or empty. An existing file is replaced, as with every `-o`.

@@ -4,9 +4,10 @@
 // them. If a watcher is missing more events than the feed holds, the events are read from the
 // folder. So the feed's size is bounded, and nothing depends on its contents.
 //
-// Marks number the unnumbered events, so that a watcher gets the newest event of each kind once.
-// A feed's first mark is the wall clock's microseconds, so a later feed, even of another daemon,
-// usually has higher marks. For an unknown mark, a feed returns the newest event of every kind.
+// Each unnumbered event gets a mark, which is a number, so that a watcher gets the newest event of
+// each kind once. A feed's first mark is the wall clock's microseconds, so a later feed, even of
+// another daemon, usually has higher marks. For an unknown mark, a feed returns the newest event of
+// every kind.
 //
 // Thread safety: one thread.
 #pragma once

@@ -1,9 +1,10 @@
 // Attacks on the Cap'n Proto interface, one episode per connection: on the socket, and in TLS
 // before and after a login.
 //
-// An episode counts its attacks, and how many of them the server answered or ended the connection
-// for. Such attacks have reached the server's decoder. The server must answer each valid call, and
-// must close a connection that its peer has ended. The episode reports anything else as trouble.
+// An episode counts its attacks. It also counts the attacks after which the server answered or
+// ended the connection, because these have reached the server's decoder. The server must answer
+// each valid call, and must close a connection that its peer has ended. The episode reports
+// anything else as trouble.
 //
 // Thread safety: an episode belongs to one thread. Several threads may share a Tally and a Trouble.
 #pragma once

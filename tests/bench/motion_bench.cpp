@@ -40,7 +40,7 @@ Inertia inertia_of(InertiaSymmetry symmetry) {
   return {.mass_kg = 1, .principal_kgm2 = Vec3(1, 1.6, 2.1), .symmetry = symmetry};
 }
 
-/// Evaluates a second of flight, every `apart` ticks.
+/// Evaluates the orientation every `apart` ticks during a flight of one second.
 void orientations(benchmark::State& state, InertiaSymmetry symmetry, TickCount apart,
                   std::uint64_t expected) {
   const Inertia inertia = inertia_of(symmetry);

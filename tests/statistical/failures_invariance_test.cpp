@@ -102,8 +102,8 @@ TEST(FailuresInvariance, DrawsAgainAreDrawsOfTheRestrictedPrior) {
 }
 
 TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
-  // Goal: tempered transitions leave p_beta given success invariant, though their draws and steps
-  // may fail. Method: move exact draws by an excursion to the prior, and compare counts with
+  // Goal: p_beta given success is invariant under tempered transitions, though their draws and
+  // steps may fail. Method: move exact draws by an excursion to the prior, and compare counts with
   // enumeration.
   const std::vector<double> below{0.4, 0.1, 0};
   const double p =

@@ -88,8 +88,8 @@ void expect_unbiased(const Make& make, std::uint32_t chain) {
 TEST(Islands, EstimatesAreUnbiased) {
   // Goal: Z and P(satisfied) of islands are unbiased for any size, guide and resampling, and so is
   // Z times an indicator of the drawn state. Method: compare many islands of each setting with
-  // enumeration, within 4 standard errors. With 7 settings of three estimates, right code fails
-  // once in 750 runs of new seeds.
+  // enumeration, within 4 standard errors. With 7 settings of three estimates, correct code fails
+  // once in 750 runs with new seeds.
   expect_unbiased([](const auto& islands) { return islands.free(0); }, 0);
 }
 

@@ -89,10 +89,10 @@ TEST(Evidence, HasHonestErrorBars) {
   // Goal: an adapting ladder's log Z and log P(satisfied) are right, and their errors equal their
   // spread. Method: compute z-scores of the last round for 300 seeds, on an off-centre bullseye
   // with known values. With the jackknife's 20 parts, z has about Student's distribution with 19
-  // degrees of freedom (sd 1.06, kurtosis 3.4). 5 standard errors over 300 are 0.31 for the mean
-  // and, with sqrt(2.4 / 1200) = 4.5% each, 22% for the sd. Neighbouring parts of a round are
-  // slightly correlated, which makes errors too small. The test accepts errors that are up to 10%
-  // too small.
+  // degrees of freedom (sd 1.06, kurtosis 3.4). The test allows 5 standard errors for 300 seeds.
+  // This is 0.31 for the mean. For the sd it is 22%, because one standard error is sqrt(2.4 / 1200)
+  // = 4.5%. Neighbouring parts of a round are slightly correlated, which makes errors too small.
+  // The test accepts errors that are up to 10% too small.
   constexpr int k_repeats = 300;
   Bullseye world;
   world.target = 1.5;

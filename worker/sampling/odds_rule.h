@@ -48,7 +48,8 @@ class OddsRule {
   bool is_sized() const { return batch_islands_ > 0; }
   /// Number of the batch's first island. REQUIRES: is_sized().
   std::uint64_t pilot_islands() const { return pilot_.odds().islands; }
-  /// Odds from the batch once the rule is over and has a batch. Otherwise, odds from all islands.
+  /// If the rule is over and has a batch, returns the batch's odds. Otherwise, returns the odds
+  /// from all islands.
   math::IslandOdds odds() const { return is_over_ && is_sized() ? batch_.odds() : all_.odds(); }
 
  private:

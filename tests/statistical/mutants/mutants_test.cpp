@@ -89,7 +89,8 @@ INSTANTIATE_TEST_SUITE_P(Checks, CheapCheck, testing::ValuesIn(cheap_checks()), 
 
 TEST(Checks, FailByChanceOnceInAThousandRuns) {
   // Goal: the suite's total probability of a chance failure is within budget. Method: add up the
-  // thresholds of all p-values of the right code, and of their uniformity tests.
+  // thresholds for all p-values of the right code, and for the tests that these p-values are
+  // uniform.
   double sum = 0;
   std::size_t uncertain = 0;
   std::size_t shown_uniform = 0;

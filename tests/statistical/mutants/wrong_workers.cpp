@@ -1,4 +1,4 @@
-// Mistakes of workers, and in messages between a plan and its executor.
+// Mistakes made by workers, and mistakes in messages between a plan and its executor.
 #include <algorithm>
 #include <cmath>
 #include <map>

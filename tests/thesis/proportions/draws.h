@@ -37,7 +37,8 @@ Series satisfying_draws(const std::string& request_text, std::uint64_t first_sca
 /// Returns all takes of a request that requires at least one take.
 std::vector<Values> takes_of(const std::string& request_text);
 
-/// Returns, for each scan, the number of helped balls in each chain whose state satisfies.
+/// Returns, for each scan, the number of helped balls in each chain whose state satisfies the
+/// constraint.
 std::vector<std::vector<double>> helped_by_scan(const std::string& request_text);
 
 /// Results of a run until its own stop rule ends it: all counted solutions, and one satisfying

@@ -69,7 +69,8 @@ struct Tally {
 };
 using Tallies = std::array<Tally, k_kinds>;
 
-/// Runs a chain of Algorithm 2.1 with and without reuse in turn, as the machine's speed varies.
+/// Runs a chain of Algorithm 2.1 alternately with and without reuse, because the machine's speed
+/// varies.
 Tallies timed_chain(const worlds::spelling::Parameters& parameters, std::uint64_t seed,
                     std::uint64_t iterations) {
   constexpr std::uint64_t k_turn = 200;

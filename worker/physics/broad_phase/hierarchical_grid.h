@@ -95,7 +95,8 @@ class HierarchicalGrid {
     std::uint32_t number = 0;  ///< number of the level
     Extent extent;
   };
-  /// The contributions of an axis to the numbers of the cells that a query visits.
+  /// A cell's number is a sum with one part per axis. These are one axis's parts for the cells that
+  /// a query visits.
   struct Span {
     std::uint32_t count = 0;
     std::array<std::uint32_t, k_span_max> part;

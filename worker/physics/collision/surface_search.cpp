@@ -29,11 +29,11 @@ constexpr double k_a_bit_more = 1.1;
 constexpr double k_clear_ahead = 4;
 /// If points that aren't stored stay clear for less than this span, gather the near points again.
 constexpr double k_worth_s = 1e-4;
-/// Points are near if they may touch within this many spans of the present look.
+/// A point is near if it may touch within this many times the span of the present look.
 constexpr double k_looks_ahead = 3;
 constexpr double k_ahead_s_max = 2e-3;
-/// Points closer than k_near_m_min always count as near. If points further away than k_near_share
-/// of the box's reach would count as near, near points aren't used.
+/// Points closer than k_near_m_min always count as near. If the limit for near points is more than
+/// k_near_share of the box's reach, near points aren't used.
 constexpr double k_near_m_min = 5e-6;
 constexpr double k_near_share = 0.1;
 
@@ -409,7 +409,8 @@ std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing
   for (std::size_t e = 0; e < lattice.edges.size(); ++e) {
     const auto [one, other] = piece.edges[e].vertex;
     const double length_m = math::norm(piece.vertices_m[other] - piece.vertices_m[one]);
-    // The factor keeps a whole number of steps whole, however the length is rounded.
+    // The factor avoids an extra step if only rounding makes the length exceed a whole number of
+    // steps.
     const double steps = std::ceil(length_m / spacing_m * (1 - k_parallel));
     if (!(steps <= k_steps_max)) return std::nullopt;
     lattice.edges[e] = {{one, other}, std::max(1, static_cast<std::int32_t>(steps))};

@@ -203,8 +203,8 @@ bool is_caught(At& at, BodyId body, StaticId met, double approach_mps, double re
          math::norm(twist.velocity_mps) < k_edge_speeds * slow_mps;
 }
 
-/// Begins a sphere's next segment at a contact. The sphere stays on the features that carry it at
-/// `twist`; if none does, it flies with the twist `otherwise`.
+/// Begins a sphere's next segment at a contact. If features carry a sphere that moves with `twist`,
+/// it stays on them. Otherwise it flies with the twist `otherwise`.
 template <SpheresAtEvent At>
 void begin_on_faces(At& at, BodyId body, const MayStayOn& on, const Twist& twist,
                     const Twist& otherwise) {

@@ -175,8 +175,8 @@ Contacts RestDecision::supporting(BodyId body) const {
     return all;
   }
   // First try only the contacts that push up, so that a body lying on top doesn't count as holding;
-  // then try all. Require firm balance unless the body has been slow for long enough to have
-  // toppled otherwise.
+  // then try all. Require firm balance unless the body has been slow for k_patience rest times. A
+  // body without balance would have toppled in this time.
   const bool firmly = !own.round && (now_ - log.slow_since) / k_patience < logs_->rest_span;
   std::array<TouchRecord, k_touch_records_max> chosen;
   std::array<std::size_t, k_touch_records_max> places;

@@ -158,8 +158,8 @@ inline constexpr TickCount k_border_ticks = 256;  // 0.24 us
 /// smaller value, a slip that is pulled sideways turns ever faster as it ends, in some thirty
 /// pieces. With a larger value, slides stop early.
 inline constexpr double k_stick_bounces = 0.1;
-/// Absolute limit below which a slip ends: slides end at a whole tick, when the slip is about 1e-8
-/// m/s beyond 0.
+/// Absolute limit below which a slip ends. A slide ends at a whole tick, so its slip may be about
+/// 1e-8 m/s beyond 0.
 inline constexpr double k_stick_mps = 1e-6;
 
 /// Angle by which a slip's direction may turn before the motion is recomputed. The slip's relative
@@ -182,9 +182,9 @@ inline constexpr double k_slip_straight = 1e-9;
 /// value, friction acts in an inexact direction for longer. With a smaller value, there are more
 /// events.
 inline constexpr double k_slip_begin_s = 1e-4;
-/// The search for the direction of a beginning slip: its rounds, its tolerance, and its rounds over
-/// both contacts, because each contact turns the slip's direction at the other one. With fewer
-/// rounds, the search fails more often.
+/// Limits of the search for the direction of a beginning slip: rounds for one contact, tolerance,
+/// and rounds over two contacts. Two contacts need rounds because each one turns the slip's
+/// direction at the other. With fewer rounds, the search fails more often.
 inline constexpr int k_slip_begin_rounds = 40;
 inline constexpr double k_slip_begin_off = 1e-12;
 inline constexpr int k_slip_both_rounds = 8;

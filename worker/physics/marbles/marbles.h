@@ -3,9 +3,9 @@
 // Idea. Marbles omits parts of the simulator (simulation.h) that such scenes don't need: expiring
 // bounding volumes, lists of watched pairs, a queue, a recording and orientations. When a ball's
 // motion begins, its next collision with static geometry is fully determined at once. The path up
-// to that collision has a box, and only pairs of balls with overlapping boxes are predicted. The
-// next event is the minimum of one key per ball. In scenes in which balls spell words, Marbles is
-// three times as fast as a Simulation (docs/SIMULATOR, "Equal balls by themselves").
+// to that collision has a box, and only pairs of balls with overlapping boxes are predicted. Each
+// ball has one key, and the next event has the least key. In scenes in which balls spell words,
+// Marbles is three times as fast as a Simulation (docs/SIMULATOR, "Equal balls by themselves").
 //
 // Invariants
 //   1. All results equal those of a Simulation of the same scene, bit for bit: both apply the same
@@ -18,10 +18,10 @@
 //      other ball has touched it.
 //   4. Replayed balls aren't simulated, which changes no result ("What stays the same", below).
 //
-// What stays the same. A simulation that records stores a history of each ball (marble_history.h):
-// boxes and flights, meetings, and checkpoints from which the ball can resume. Another simulation
-// can use these histories if its scene differs only in some balls or some static geometry. A ball
-// with a history is replayed, at no cost, until the first of these events:
+// What stays the same. While recording, a simulation stores a history of each ball
+// (marble_history.h): boxes and flights, meetings, and checkpoints from which the ball can resume.
+// Another simulation can use these histories if its scene differs only in some balls or some static
+// geometry. A ball with a history is replayed, at no cost, until the first of these events:
 //   1. The ball meets changed static geometry, or its history contains a collision with static
 //      geometry that has changed.
 //   2. The ball was left alone in its history, and now would not be left in the same confinement.

@@ -350,7 +350,7 @@ Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner
     if (hits || judged >= k_early_ticks) {
       if (judged == 0 && stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick))
         return k_never;
-      // Test the region's sides only where the ball touches or comes closer slowly.
+      // Test the region's sides only if the ball touches, or if several ticks have been tested.
       double failing_s = hits ? 0 : corner_fails_for_s(corner, now, radius_m_, path.size_m);
       if (hits || judged >= k_steps_without_region)
         failing_s = std::max(failing_s, k_root_shrink * outside_for_s(sides, now));

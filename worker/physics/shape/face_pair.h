@@ -83,8 +83,8 @@ inline bool derive(const Corners& first_m, const Corners& second_m, MeshFace& fi
   side(0, a, ab);
   side(1, b, bc);
   side(2, c, ca);
-  // The greatest square's root is bitwise the greatest root. `area` is the longest side times the
-  // height on that side.
+  // The root of the greatest square equals the greatest root, bit for bit. `area` is the longest
+  // side times the height on that side.
   const Two longest = roots(greatest(greatest(dot(ab, ab), dot(bc, bc)), dot(ca, ca)));
   const Mask sound = (area > k_mesh_sliver * (longest * longest)) & (longest > k_mesh_point_m);
   return (sound[0] & sound[1]) != 0;

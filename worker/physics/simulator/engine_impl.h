@@ -23,8 +23,8 @@ inline constexpr std::size_t k_list_average = 48;
 inline constexpr std::size_t k_static_room = 96;
 /// Initial capacity for the static candidates that are tested with each new box.
 inline constexpr std::size_t k_candidate_room = 256;
-/// Minimum number of bodies for prefetching the next event's data. Fewer bodies fit in the
-/// second-level cache, and prefetching would slow a gas of 1,000 spheres by 5%.
+/// Minimum number of bodies for prefetching the next event's data. If there are fewer bodies, their
+/// data fits in the second-level cache. Prefetching would slow a gas of 1,000 spheres by 5%.
 inline constexpr std::uint32_t k_read_ahead_bodies = 4000;
 
 template <BroadPhase Boxes, EventQueue Queue>

@@ -1,5 +1,5 @@
-// Predictions of spheres in flight, the main work in gases. These predictions read as little memory
-// as possible, because with many bodies reading takes longer than computing.
+// Predictions of spheres in flight, the main work in gases. They read as little memory as possible,
+// because reading takes longer than computing if there are many bodies.
 #include <algorithm>
 #include <array>
 

@@ -31,7 +31,8 @@ namespace sleight::sampling {
 double ess_bulk(const Chains& draws);
 
 /// Returns the smaller effective sample size of the quantiles at 0.05 and 0.95, for the tails. The
-/// result is also NaN if a quantile is the greatest draw, as for most quantities with two values.
+/// result is also NaN if a quantile is the greatest draw. This is so for most quantities with two
+/// values.
 double ess_tail(const Chains& draws);
 
 /// Returns the effective sample size for the mean. The draws must have a finite variance.

@@ -60,7 +60,8 @@ Normals normals_of(const std::vector<std::vector<double>>& rows) {
   return n;
 }
 
-/// Conditions the numbers on the k-th number plus noise of the given standard deviation being 0.
+/// Conditions the numbers on this event: the k-th number plus noise of the given standard deviation
+/// is 0.
 void condition_on_zero(Normals& n, std::size_t k, double noise_sd) {
   const double variance = n.cov(k, k) + noise_sd * noise_sd;
   if (!(variance > 0)) return;

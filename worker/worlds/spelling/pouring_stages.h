@@ -104,8 +104,8 @@ struct PouringGround {
   std::vector<PoolDrop> pool;       ///< stratum by stratum
   std::vector<double> bin_share{};  ///< by bin: share of prior drops that fill it alone
   double mean_share = 0;            ///< over bins
-  /// By ball: place in the pool of the given state's drop. k_no_drop if the ball takes no part or
-  /// no state is given.
+  /// By ball: where the pool contains the ball's drop in the given state. k_no_drop if the ball
+  /// takes no part or no state is given.
   std::vector<std::uint32_t> retained{};
   std::vector<sampling::SimulationReport> failed{};  ///< lone balls of the pool that failed
 };

@@ -472,8 +472,8 @@ struct Moves {
   double ball_move_sd_mm = 2;
 };
 
-/// Finds lack helped balls, which are usually dropped above a neighbouring bin. So most proposals
-/// move a drop about as far as the next bin.
+/// A find has no helped balls, and helped balls are usually dropped above a neighbouring bin. So
+/// most proposals move a drop about as far as the next bin.
 Moves moves_that_relax(const WorldParameters& world) {
   constexpr double k_bins = 1.2;
   return {.change_all = 0,

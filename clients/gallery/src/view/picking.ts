@@ -55,7 +55,7 @@ export function featureUnder(
     const off = Math.hypot(wx - along * dx, wy - along * dy, wz - along * dz);
     if (along <= 0 || off > radius + REACH_PX * pixel * along) continue;
     const distance = along - Math.sqrt(Math.max(radius * radius - off * off, 0));
-    // A static feature in front by less than the body's size doesn't hide the body, which may rest on it.
+    // Static features hide a body only if they are in front by at least its size, because it may rest on them.
     if (distance >= nearest + 2 * radius && feature >= 0 && features[feature]?.kind !== "body") continue;
     if (features[feature]?.kind === "body" && distance >= nearest) continue;
     nearest = distance;

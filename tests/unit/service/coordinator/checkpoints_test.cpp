@@ -137,9 +137,9 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
 
 TEST_F(CheckpointsTest, CostlyOnesAreRare) {
   // Goal: deriving takes at most a hundredth of the workers' time, excluding new motions. Method:
-  // each checkpoint computes for 0.2 s, and motions take none or 0.15 s of this time. A checkpoint
-  // is due each second. But with two workers, the next one starts only after 50 times the time that
-  // the last one took without motions: at least 10 s or 2.5 s.
+  // each checkpoint computes for 0.2 s, of which motions take 0 or 0.15 s. A checkpoint is due each
+  // second. But with two workers, the next one starts only after 50 times the time that the last
+  // one took without motions: at least 10 s or 2.5 s.
   for (const double motions_s : {0.0, 0.15}) {
     std::atomic<double> cost_s = 0;
     Checkpoints checkpoints(

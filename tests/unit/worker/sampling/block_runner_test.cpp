@@ -86,7 +86,7 @@ std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<Sl
   return std::nullopt;
 }
 
-/// Number of lineages with a satisfying scan at inverse temperature 1 from `first` to before `end`.
+/// Number of lineages with a satisfying scan s at inverse temperature 1, first <= s < end.
 std::uint64_t solutions_between(const SlowLadder& ladder, std::uint64_t first, std::uint64_t end) {
   std::set<std::uint64_t> lineages;
   for (const auto& [place, result] : ladder.results) {

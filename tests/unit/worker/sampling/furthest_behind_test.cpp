@@ -40,8 +40,9 @@ struct Chains {
 TEST(FurthestBehind, IsWhoASearchFinds) {
   // Goal: among the chains that can give a unit, first() finds the one with the fewest scans, and
   // the lowest number if several are equal. If no chain can give a unit, first() finds none.
-  // least() and going() are also right. Method: compare with a search in 200 random histories of
-  // one to nine chains that move, give and run dry under a growing horizon.
+  // least() and going() return the right numbers. Method: compare with a search in 200 random
+  // histories of one to nine chains. While the horizon grows, chains advance, give units, and run
+  // out of units.
   int given = 0;
   int dry = 0;
   for (const std::uint64_t history : property::cases(200)) {

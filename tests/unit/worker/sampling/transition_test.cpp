@@ -61,7 +61,8 @@ double density(std::size_t state, double beta) {
   return k_prior[state] * (beta == 0 ? 1 : std::pow(constraint, beta));
 }
 
-/// Algorithm 2.1's acceptance as a probability. From zero density, only the prior counts.
+/// Algorithm 2.1's acceptance as a probability. If the state has zero density, only the prior
+/// counts.
 double acceptance(std::size_t from, std::size_t to, double q_ratio, double beta) {
   const double now = density(from, beta);
   if (now == 0) return std::min(1.0, k_prior[to] / k_prior[from] * q_ratio);
@@ -104,9 +105,10 @@ TEST(Transitions, OracleIsInDetailedBalance) {
 }
 
 TEST(Transitions, AreTheExactOnes) {
-  // Goal: a step has exactly the transition probabilities of Algorithm 2.1, and of the prior from
-  // zero density. Method: compare 200,000 steps from each state at three inverse temperatures with
-  // the exact row by chi-square. Impossible steps never happen.
+  // Goal: a step has exactly the transition probabilities of Algorithm 2.1. From a state with zero
+  // density, it has those of Algorithm 2.1 for the prior. Method: compare 200,000 steps from each
+  // state at three inverse temperatures with the exact row by chi-square. Impossible steps never
+  // happen.
   constexpr std::uint64_t k_steps = 200'000;
   const Ring ring;
   for (const double beta : {0.0, 0.5, 1.0}) {

@@ -159,8 +159,8 @@ std::string check_random_operations(std::uint32_t slots, Ticks ticks, std::uint3
   return pair.difference();
 }
 
-/// Sets keys like a simulation: no key before the least event. Waits average `mean_wait_ticks` but
-/// are thousands of times longer for some bodies. Now and then, bodies fall asleep or wake.
+/// Sets keys as a simulation does: never before the least event. Waits average `mean_wait_ticks`
+/// but are thousands of times longer for some bodies. Now and then, bodies fall asleep or wake.
 template <EventQueue Queue>
 std::string check_simulation(std::uint32_t slots, std::uint32_t mean_wait_ticks,
                              std::uint32_t steps, Dice& dice) {

@@ -171,7 +171,8 @@ struct Nearness {
   std::uint64_t differ = 0;
 };
 
-/// Compares features near random boxes. Unused slack may only add features out of reach.
+/// Compares features near random boxes. Slack that isn't used up may add features, but only
+/// features out of reach.
 void expect_near(const StaticGeometry& used, const StaticGeometry& fresh, const TriangleMesh& mesh,
                  bool closed, bool same_boxes, random::Stream& stream, Nearness& tally) {
   const auto corners_m = corners_of_features(mesh, closed);

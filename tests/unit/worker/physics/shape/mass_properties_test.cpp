@@ -134,7 +134,7 @@ TEST(InBodyFrame, makes_declared_moments_exactly_equal) {
     ASSERT_EQ(m[0], m[1]);
     ASSERT_EQ(m[1], m[2]);
     ASSERT_EQ(body.value().frame.orientation.w(), 1);
-    // The body's frame turns a prism along x to z.
+    // In the body's frame, a prism's axis is along z.
     const Parts top{moved(regular_prism(5, 1, 3).value(), turn, shift)};
     const auto spun = in_body_frame(top, 3, InertiaSymmetry::axial);
     ASSERT_TRUE(spun.ok());

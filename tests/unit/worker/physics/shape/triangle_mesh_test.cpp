@@ -161,8 +161,8 @@ MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
   // Goal: computing in vector registers changes no number, for any number of triangles. Method:
-  // compare sheets and balls with random corners, some far from the origin, with the plain
-  // computation: faces and edges, when built and after moves.
+  // make sheets and balls with random corners, some far from the origin, and move vertices. Compare
+  // faces and edges with the plain computation before and after each move.
   random::Stream stream({.seed = 23, .purpose = random::Purpose::prior}, 0);
   const auto random_place = [&](double size) -> Vec3 {
     const double x = stream.uniform();

@@ -251,8 +251,8 @@ Tick first_rest(const Recording& recording, BodyId body) {
 TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
   // Goal: invariants 2 to 4 of replay.h hold if one of two bodies changes shortly after they met,
   // while the other body decides about rest or rests on it. Method: in one of two scenes, kick
-  // either of two stacked cubes shortly before or after the upper cube comes to rest. The cube that
-  // isn't kicked must not stay replayed. Later, a hit on the lower cube wakes the upper cube.
+  // either of two stacked cubes shortly before or after the upper cube comes to rest. The other
+  // cube must go live too. Later, a hit on the lower cube wakes the upper cube.
   int compared = 0;
   const std::uint64_t seeds = property::long_run() ? 40 : 2;
   for (const std::uint64_t seed : property::seeds(seeds)) {

@@ -131,7 +131,7 @@ TEST(ThrowMap, SurvivesThrowsThatSayNothing) {
 
 TEST(SignedMisses, AreAsLongAsDistances) {
   // Goal: for places and velocities, the vector of signed misses is as long as the goal's distance.
-  // Misses of regions are measured from the regions' middles. Faces and times have no misses.
+  // The miss of a region is measured from the region's middle. Faces and times have no misses.
   const std::vector<Goal> goals{place_of(1, 0.1, -0.2),
                                 {.die = 0, .wanted = Region{{0, 0}, {0.2, 0.4}}, .sigma = 0.01},
                                 {.die = 0, .wanted = Velocity{{0.1, 0.2, 0.3}}, .sigma = 0.5},

@@ -13,8 +13,8 @@
 
 namespace sleight::worlds::testing {
 
-/// Motion of a state, which must end as the outcome predicted. Expects valid partners of hits and
-/// valid starts.
+/// Returns a state's motion. Expects that the motion ends in the state's outcome, and that starts
+/// and partners of hits are valid.
 inline motion::Animation played(const archive::StateReader& reader, base::BytesView state) {
   const archive::Motion motion = reader.play(state);
   EXPECT_EQ(motion.ends, archive::PlaysOut::yes);

@@ -54,8 +54,8 @@ TEST(Landings, OfBatchesAddUpInAnyOrder) {
 }
 
 TEST(LandingMap, IsADensityAndDrawsByIt) {
-  // Goal: the density integrates to 1, and draws follow it. Method: sum over cells, and compare
-  // 20,000 draws by ring around the middle, within 5 standard errors.
+  // Goal: the density integrates to 1, and draws follow it. Method: sum over cells. Count how many
+  // of 20,000 draws are in each ring around the middle, and compare within 5 standard errors.
   const Spelling world = world_of(hi());
   const Landings landings = landings_of(world, k_seed, 20);
   const LandingMap map(landings);

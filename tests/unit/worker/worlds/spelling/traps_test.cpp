@@ -264,7 +264,8 @@ std::uint64_t expect_held(const Traps& traps, const Bins& bins,
 
 TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
   // Goal: no ball leaves its trap's box. Method: in recorded animations, test a ball's segments
-  // until it hits another ball, each at its begin, end, highest point and a random time.
+  // until the ball hits another ball. Test each segment at its beginning, end and highest point,
+  // and at a random time.
   std::uint64_t held = 0;
   const std::uint64_t animations = animation_count() / 5;
   for (const std::uint64_t n : property::cases(animations)) {
