@@ -1,10 +1,10 @@
 // Reads the judged draws of an archive's scalars, one scalar of all chains at a time.
 //
 // Idea. A run may have thousands of scalars and billions of scans, so the amount of work is
-// bounded. Only every n-th draw of a scalar is used. More scalars mean fewer draws of each, but
-// always enough for the required effective sample size if draws were independent. The number of a
-// variable's entries is limited too. Omitted draws make effective sample sizes smaller, never
-// larger.
+// bounded. Only every n-th draw of a scalar is used. The more scalars a run has, the fewer draws of
+// each are used. These draws are always enough for the required effective sample size if they are
+// independent. The number of a variable's entries is limited too. Omitted draws make effective
+// sample sizes smaller, never larger.
 //
 // Rank-based measures (R-hat, effective sample sizes) need only an order, so draws without a finite
 // value can be used. Values of -inf, and NaN of entries that don't apply, become one value below

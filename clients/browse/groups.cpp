@@ -188,7 +188,8 @@ std::vector<std::size_t> medoids_of(std::span<const float> matrix, std::size_t s
                                     std::size_t k) {
   CHECK(k >= 1 && k <= size);
   std::vector<std::size_t> medoids = first_medoids(matrix, size, k);
-  // Exchanges need a second nearest medoid. For k = 1, the first choice is already the best.
+  // exchange() uses each point's second-nearest medoid, so it needs k > 1. For k = 1, the first
+  // choice is already the best.
   while (k > 1 && k < size && exchange(matrix, size, medoids)) {
   }
   std::ranges::sort(medoids);

@@ -17,7 +17,7 @@ int parent_signal() {
   return SIGRTMIN + 7;
 }
 
-/// Prefixes of the files behind a rank's shared memory in Open MPI 4 and 5.
+/// Prefixes of the names of the files that hold a rank's shared memory in Open MPI 4 and 5.
 constexpr const char* k_segment_names[] = {"vader_segment.", "sm_segment."};
 
 /// Removes the file named in a line of /proc/self/maps, if the name has one of these prefixes.

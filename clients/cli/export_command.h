@@ -15,8 +15,9 @@ struct ExportAnimationsOptions {
   std::string path;
   std::string format{};  ///< one of export_formats(); empty: the output's extension, or glb
   ExportChoice choice{};
-  /// Path of a file if the name has the format's extension. Otherwise path of a folder with a file
-  /// per animation (png: a folder per animation), created if missing. Empty: tables go to stdout.
+  /// If the name has the format's extension, the path of a file. Otherwise the path of a folder,
+  /// which is created if missing and gets one file per animation (png: one folder per animation).
+  /// Empty: tables go to stdout.
   std::string output{};
   bool together = false;             ///< .glb: all animations as clips of one file
   std::optional<double> fps{};       ///< .glb: keys on whole frames only; films: default k_film_fps

@@ -6,7 +6,7 @@
 // resembled a kept animation, or exceeded the limit per lineage. Draws of lineages without kept
 // animations are counted separately.
 //
-// The error treats lineages as independent, because draws within a lineage are dependent. Let n_l
+// Draws within a lineage are dependent, so the error treats only lineages as independent. Let n_l
 // be the number of satisfied draws of lineage l, g_l the group's part, and p = sum g / sum n. The
 // error is
 //

@@ -119,7 +119,7 @@ class FrameArtist {
   FrameArtist(const FrameArtist&) = delete;
   FrameArtist& operator=(const FrameArtist&) = delete;
 
-  /// Returns the still parts of all frames.
+  /// Returns the parts that don't move, which are the same in all frames.
   plot::Figure still() const { return figure_of(still_panel()); }
   /// Returns the moving parts of a frame.
   plot::Figure moving(double t_s) const {

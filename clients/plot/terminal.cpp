@@ -93,7 +93,8 @@ class DotPainter {
       if (disc.filled) canvas_.line(corner(i), corner(k_disc_corners - i), disc.color);
     }
   }
-  /// Draws only the outline: dots have no lighter shade on which other series would be visible.
+  /// Draws only the outline. Dots have no lighter shade, so a filled rectangle would hide other
+  /// series.
   void operator()(const Rectangle& rectangle) const {
     if (!is_drawable(rectangle.low) || !is_drawable(rectangle.high)) return;
     const Point a = to_dots(rectangle.low);

@@ -17,7 +17,7 @@
 
 namespace sleight::archive {
 
-/// Maximum segments of an animation, some hundred times the segments of twenty dice.
+/// Maximum segments of an animation: about a hundred times as many as a throw of twenty dice has.
 inline constexpr std::uint64_t k_segments_max = 1'000'000;
 /// Maximum parts, and maximum control points, of an animation.
 inline constexpr std::uint64_t k_own_rows_max = 1'000'000;

@@ -2,10 +2,10 @@
 // because an "impossible" state must not reach an archive. A CHECK is never used for expected
 // failures such as bad input, a full disk or a lost process (see result.h and error.h).
 //
-// To make bugs reproducible, a program's main function records as notes the data that repeat its
-// run: the command line, the request, the seed. The notes and the bug listener are this library's
-// only global state. The notes and the listener affect only the output after a failed check in any
-// thread or an uncaught exception.
+// To make bugs reproducible, a program's main function records the command line, the request and
+// the seed as notes. They suffice to repeat the run. The notes and the bug listener are this
+// library's only global state. The notes and the listener affect only the output after a failed
+// check in any thread or an uncaught exception.
 #pragma once
 
 #include <fmt/format.h>

@@ -252,8 +252,8 @@ enum class Answer : std::uint8_t {
 /// Goals from the command line that replace a request's [stop].
 struct Asked {
   /// Kind of answer. Empty: the kind that [stop] requests (finds, takes or independent solutions).
-  /// If [stop] requests no kind: takes if the sampler is left open, finds for a search, and
-  /// otherwise independent solutions.
+  /// If [stop] requests no kind, the run looks for takes if the sampler is left open, for finds in
+  /// a search, and otherwise for independent solutions.
   std::optional<Answer> answer{};
   std::uint32_t number = k_solutions_asked_for;
 };

@@ -45,8 +45,8 @@ inline constexpr std::size_t k_sets_max = 100;
 base::Result<std::vector<std::vector<KeySet>>, std::vector<Diagnostic>> expand_sets(
     std::span<const std::string> texts);
 
-/// Like expand_sets, but for a single request. A range is an error that names the commands that
-/// accept ranges.
+/// Like expand_sets, but for a single request. A range is an error. The error names the commands
+/// that accept ranges.
 base::Result<std::vector<KeySet>, std::vector<Diagnostic>> plain_sets(
     std::span<const std::string> texts);
 

@@ -62,7 +62,8 @@ class ToldEvents {
   LogPlace place_;
 };
 
-/// Returns all events from `number` on in log and store, at most `numbered_max` of them numbered.
+/// Returns the events from `number` on, from the log and the store. At most `numbered_max` of the
+/// events are numbered.
 std::vector<events::RunEvent> events_told(const std::string& folder, std::uint64_t number,
                                           std::size_t numbered_max);
 

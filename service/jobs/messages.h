@@ -154,7 +154,7 @@ struct LaunchFailed {
   std::string words{};
 };
 
-/// The folder that a Remove named no longer exists.
+/// After a Remove: the job's folder no longer exists.
 struct Removed {
   JobId job;
 };

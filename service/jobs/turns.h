@@ -9,7 +9,7 @@
 // with the fewest decayed core-seconds is next, including core-seconds that its running jobs will
 // use soon. Between equal users, their jobs' priority decides, then age. The user's first job is
 // the one with the highest priority, then the oldest. Once per patience_s, the user's
-// longest-waiting job is first instead, if it has waited for patience_s.
+// longest-waiting job comes first instead, if it has waited that long.
 //
 // While there is a next job, hand_out() does this:
 //   1. The job needs its user's share of cores, within the limits of what it must and can have.

@@ -164,7 +164,7 @@ TEST_P(SpellingInvariance, SoloStepsKeepExactDrawsExact) {
   EXPECT_GT(p, 1e-4) << "seed " << k_seed;
 }
 
-/// A wrong kernel that anchors all balls that fill a bin, without the reverse move's probability.
+/// A wrong kernel: it anchors all balls that fill a bin, and omits the reverse move's probability.
 struct Stubborn : Spelling {
   using Spelling::Spelling;
   Anchor draw_anchor(const State& state, const Outcome& outcome,

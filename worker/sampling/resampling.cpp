@@ -53,7 +53,8 @@ std::vector<std::uint32_t> resampled_with_first(std::span<const double> shares,
   const double length = static_cast<double>(shares.size()) * shares[0];
   const double whole = std::floor(length);
   const double fraction = length - whole;
-  // Weigh an offset by its points in the arc, each of which may be rotated to place 0.
+  // Weigh an offset by its number of points in the arc, because any of them may be rotated to place
+  // 0.
   const double with_more = fraction * (whole + 1) / length;
   const double offset = stream.uniform() < with_more ? fraction * stream.uniform()
                                                      : fraction + (1 - fraction) * stream.uniform();

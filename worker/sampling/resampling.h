@@ -4,12 +4,11 @@
 // offset select the ancestors. Then the list of ancestors is rotated by a random number of places.
 // So each new particle descends from particle m with probability W_m.
 //
-// Conditional sequential Monte Carlo conditions on the first new particle descending from the first
-// old particle, because the retained path keeps place 0. The first arc's expected number of points
-// is count W_0. The offset is drawn on the condition that the arc has a point, with the arc's
-// number of points as its weight. Then one of these points is rotated to place 0. Source: Chopin
-// and Singh, On particle Gibbs sampling (Bernoulli 21, 2015), section 4.3. Thread safety: pure
-// functions of the stream.
+// In conditional sequential Monte Carlo, the retained path keeps place 0. So the first new particle
+// must descend from the first old particle. The first arc's expected number of points is count W_0.
+// The offset is drawn on the condition that the arc has a point, with the arc's number of points as
+// its weight. Then one of these points is rotated to place 0. Source: Chopin and Singh, On particle
+// Gibbs sampling (Bernoulli 21, 2015), section 4.3. Thread safety: pure functions of the stream.
 #pragma once
 
 #include <cstdint>

@@ -51,8 +51,8 @@ class CheapCheck : public testing::TestWithParam<Check> {};
 
 TEST_P(CheapCheck, HasUniformPValues) {
   // Goal: the p-values of the cheaper half of the checks are calibrated. Method: compare p-values
-  // of the right code over many seeds with the uniform distribution. Checks that are `certain` pass
-  // with each of ten seeds.
+  // of the right code over many seeds with the uniform distribution. Checks marked `certain` must
+  // pass with each of ten seeds.
   const Check& check = GetParam();
   const std::uint64_t seeds = check.certain ? 10 : uniformity_seeds();
   std::vector<std::vector<double>> p(check.count);
@@ -106,7 +106,7 @@ TEST(Checks, FailByChanceOnceInAThousandRuns) {
 }
 
 TEST(Mutants, AreCaught) {
-  // Goal: each check can fail, for its own mistakes. Method: run each mutant's checks with the
+  // Goal: each check detects at least one mutant. Method: run each mutant's checks with the
   // threshold that right code must stay above. At most one mutant survives.
   const std::vector<Mutant> mutants = all_mutants();
   std::set<std::string> names;

@@ -19,7 +19,7 @@ plot::Figure filled_figure(const std::string& title, const Chain& chain);
 plot::Figure log_p_figure(const std::string& title, const Chain& chain,
                           const Statistics& statistics);
 
-/// Returns a text with two orders side by side, seen from above. A designated bin shows the number
+/// Returns two orders as text, side by side and seen from above. A designated bin shows the number
 /// of its ball (from 1, in the order of drops), or `--` if empty.
 std::string order_text(const worlds::spelling::Pattern& pattern,
                        const std::pair<Order, Order>& orders);

@@ -146,7 +146,7 @@ void count_parts(const plan::Draws& draws, std::vector<Where>& counted, Satisfyi
   });
 }
 
-/// Finds the first satisfying scans of lineages that began after a burn-in.
+/// Finds the first satisfying scan of each lineage that began after a burn-in.
 void count_lineages(std::uint64_t before, std::vector<Where>& counted, Satisfying& satisfying) {
   std::erase_if(satisfying, [&](const auto& entry) { return entry.first.first < before; });
   std::set<std::pair<std::uint32_t, std::uint64_t>> lineages;

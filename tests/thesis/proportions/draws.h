@@ -47,7 +47,7 @@ std::vector<std::vector<double>> helped_by_scan(const std::string& request_text)
 struct Counted {
   bool has_run = false;
   std::vector<Values> solutions;
-  std::vector<Values> any_scan;  ///< one; none if no draw satisfies
+  std::vector<Values> any_scan;  ///< one; none if no draw is satisfied
 };
 Counted counted_solutions(const std::string& request_text);
 

@@ -55,8 +55,9 @@ struct Counted : World {
   std::uint64_t* count_;
 };
 
-/// Runs Algorithm 2.1, and restarts it from the prior after each first hit. Solutions divided by
-/// all simulations estimates the inverse mean simulations to a hit.
+/// Runs Algorithm 2.1, and restarts it from the prior after each first hit. The number of solutions
+/// divided by the number of all simulations estimates 1/m, where m is the mean number of
+/// simulations before a hit.
 template <class World, class Parameters>
 Score restarted_chains(const Parameters& parameters, std::uint64_t seed,
                        std::uint64_t simulations) {

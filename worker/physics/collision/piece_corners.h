@@ -12,8 +12,8 @@
 
 namespace sleight::physics {
 
-/// Calls found(point, in world coordinates) for a polyhedron's corners. For a round piece, calls it
-/// for points within about `near_m` of the piece's furthest extent along `direction`.
+/// Calls found(point, in world coordinates) for a polyhedron's corners. For a round piece, calls
+/// `found` for points within about `near_m` of the piece's furthest extent along `direction`.
 template <class Found>
 void for_each_corner(const MovingPiece& of, const Vec3& direction, double near_m,
                      const Found& found) {

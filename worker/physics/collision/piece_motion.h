@@ -37,7 +37,7 @@ inline double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
 }
 
 /// Returns a time for which no gap can shrink fast enough for a collision, because all relative
-/// speeds are too low. This time is long for hovering pieces, even if rounding hides whether they
+/// speeds are too low. For hovering pieces this time is long, even if rounding hides whether they
 /// touch.
 inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   const auto turning_mps = [](const MovingPiece& piece) {

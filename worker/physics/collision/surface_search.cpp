@@ -48,8 +48,8 @@ class Look {
         pace_(pace),
         tick_(tick) {}
 
-  /// Returns a time before which no point collides, at most the time for which the pace holds.
-  /// If a point collides now, returns 0, and contact() is that point.
+  /// Returns a time before which no point collides. It is at most the time for which the pace
+  /// holds. If a point collides now, returns 0, and contact() is that point.
   double failing_s() { return lowest_corner_counts() ? best_s_ : failing_of_all_s(); }
   /// Uses points stored by earlier looks, and stores points for later looks.
   double failing_s(NearPoints& near) {

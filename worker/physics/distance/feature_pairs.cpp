@@ -63,7 +63,7 @@ bool is_inside(const Vec3& from_start, const Vec3& along, double margin_m) {
   return part >= margin && square - part >= margin;
 }
 
-// Returns the error of a unit vector along a coordinate difference of this length.
+// Returns the error of a direction that is computed from two points at this distance.
 double angle_error(const PiecePair& pair, double length_m) {
   return k_angle_rounding + pair.rounding_m / length_m;
 }

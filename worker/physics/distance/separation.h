@@ -13,7 +13,8 @@ namespace sleight::physics {
 std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction);
 
 /// Finds the furthest vertex by climbing from neighbour to neighbour, for many vertices and a good
-/// start. The vertex's reach is the greatest up to rounding; on a tie the vertex may differ.
+/// start. Up to rounding, no vertex reaches further. On a tie, the result may differ from
+/// furthest_vertex's.
 std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std::uint16_t start);
 
 /// Returns a bound of the gap along a unit axis of the world: the least dot(axis, B) minus the

@@ -215,8 +215,9 @@ inline constexpr double k_edge_piece_before_turn = 0.4;
 
 // ---- bodies that lie on a plane -----------------------------------------------------------------
 
-/// Minimum and maximum duration of a piece in which slips turn. With larger values, a slip turns by
-/// a larger angle within one piece. With smaller values, there are more events.
+/// Minimum and maximum duration of a piece of motion in which slips change direction. With larger
+/// values, a slip turns by a larger angle within one piece. With smaller values, there are more
+/// events.
 inline constexpr double k_slide_piece_s_min = 0x1p-11;
 inline constexpr double k_slide_piece_s_max = 0x1p-7;
 /// Maximum duration of a piece in which one support hardly slips while others do, so that its
@@ -232,8 +233,8 @@ inline constexpr double k_full_friction_slip = 0.25;
 /// slips end. At 0, a straight-sliding body turns by the spin left over from its last bounce.
 inline constexpr double k_no_spin_slip = 0.01;
 
-/// A body of revolution touches along a line only if the sine between its axis and the normal is at
-/// least this.
+/// A body of revolution touches along a line only if the sine of the angle between its axis and the
+/// normal is at least this.
 inline constexpr double k_line_sine_min = 0.1;
 /// Supports are on a line if they are within this share of their distance from the centre. If this
 /// share is smaller than rounding, a lying cylinder doesn't roll. With a larger value, narrow faces

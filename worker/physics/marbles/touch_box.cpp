@@ -84,7 +84,8 @@ struct Corners {
   Floats high;
 };
 
-/// Extent along each axis of the unit vectors from a feature to a centre in its region.
+/// Minimum and maximum of each coordinate of the unit vectors that point from a feature to the
+/// centres in its region.
 struct Spread {
   Floats low;
   Floats high;

@@ -12,11 +12,11 @@
 //
 // A step's polynomial is also evaluated inside the step.
 //
-// The step is the greatest power of two of ticks with h |w|max max(1, c) <= 1/4. Here |w|max is the
-// greatest angular speed on the polhode (rotation_bounds.h), and c the greatest coefficient of
-// Euler's equations, at most 1 for real masses. The poles of w(t) are then at least six steps from
-// the real axis. Truncating after order 16 costs less than 7e-17, the greatest sum of omitted terms
-// found among 4,000 bodies, including plates, needles and flips.
+// The step h is a power of two in ticks, the greatest with h |w|max max(1, c) <= 1/4. Here |w|max
+// is the greatest angular speed on the polhode (rotation_bounds.h), and c the greatest coefficient
+// of Euler's equations, at most 1 for real masses. The poles of w(t) are then at least six steps
+// from the real axis. Truncating after order 16 costs less than 7e-17, the greatest sum of omitted
+// terms found among 4,000 bodies, including plates, needles and flips.
 //
 // Invariants
 //   1. Step k depends only on the flight and k, because it is always reached from the flight's

@@ -36,7 +36,7 @@ struct SceneChanges {
   ChangedPlaces places{};
   std::size_t same_controls =
       0;  ///< number of equal controls before the first difference, in event order
-  /// Changed bodies and controls do nothing before this tick in either scene.
+  /// In neither scene does a changed body or control have an effect before this tick.
   Tick first = k_never;
 };
 

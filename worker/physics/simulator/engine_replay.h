@@ -14,7 +14,8 @@ template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::starts_as_before(BodyId body, const EventKey& event) {
   const bool same = replaying_.starts(body, event);
   if (same) {
-    // End the searches of static geometry for the start, which is known to be free.
+    // The body's start is known to be free, so end its searches for collisions with static
+    // geometry.
     for (StaticEdge& edge : statics_[body])
       predictions_.end_search(edge.search);
     if (options_.algorithm != Algorithm::all_pairs) {

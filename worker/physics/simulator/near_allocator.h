@@ -1,4 +1,5 @@
-// Arrays with random access by events: aligned to cache lines, and large arrays on huge pages.
+// Arrays that events access at random places. They are aligned to cache lines, and large arrays are
+// on huge pages.
 //
 // A simulation of many bodies reads some tens of cache lines per event from all over its arrays. On
 // pages of 4 KiB, each read would also cost a page-table walk. So large arrays request huge pages

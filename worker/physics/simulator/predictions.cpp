@@ -7,8 +7,8 @@
 namespace sleight::physics {
 namespace {
 
-/// Maximum ticks that a search tests before it waits until the next one is due; most pairs change
-/// their motion before then. Affects speed only.
+/// Maximum number of ticks that a search tests in advance. Then it waits until the next tick is
+/// due, because most pairs change their motion before that. Affects speed only.
 constexpr int k_looks_ahead = 32;
 
 /// Replaces a feature's number to mark that the search exceeded its limit.

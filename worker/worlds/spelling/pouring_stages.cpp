@@ -60,9 +60,9 @@ std::uint8_t sort_of(const PoolDrop& drop, const std::vector<std::uint8_t>& full
   return static_cast<std::uint8_t>(1 + (kind - 1) * k_ranges + range);
 }
 
-/// Odds for drops chosen for all particles together, sort by sort. The best number of drops of a
-/// sort is proportional to the square root of its odds: n draws with odds p have a variance
-/// proportional to p / n.
+/// Returns the odds for choosing drops of each sort for all particles together. The best number of
+/// drops of a sort is proportional to the square root of its odds: n draws with odds p have a
+/// variance proportional to p / n.
 DropOdds flattened(const DropOdds& odds) {
   const auto root = [](double x) { return std::sqrt(x); };
   DropOdds flat{.own_bin = root(odds.own_bin)};

@@ -55,8 +55,8 @@ namespace sleight::worlds::spelling {
 /// would go alone, what is below its drop, and the distance of the nearest empty bin. Any values
 /// above 0 give correct results; the defaults are the frequencies in islands of HI.
 struct DropOdds {
-  /// By distance from the drop to the middle of the nearest empty bin, in bins: below 1, 1.5, 2.5,
-  /// more.
+  /// Values by the distance from the drop to the middle of the nearest empty bin, in bins: below 1,
+  /// below 1.5, below 2.5, and the rest.
   using ByDistance = std::array<double, 4>;
   double own_bin = 0.95;                     ///< alone, the ball fills the empty bin below it
   ByDistance beside{0.96, 0.8, 0.54, 0.45};  ///< alone: another empty bin; not above a full bin

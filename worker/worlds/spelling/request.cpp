@@ -37,7 +37,7 @@ std::uint64_t particles_max(std::uint64_t balls) {
   return k_island_bytes_max / (2 * prefix_bytes(balls));
 }
 
-/// Minimum of rest_speed and rest_time as multiples of bounce_end.
+/// Minimum of rest_speed, and of rest_time, in multiples of bounce_end.
 constexpr double k_bounce_ends_min = 2;
 
 struct Lengths {

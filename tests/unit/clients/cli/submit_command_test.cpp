@@ -20,7 +20,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Returns fake functions, whose normalised text lists the inputs.
+/// Returns fake functions. The normalised text that they return lists their inputs.
 RequestTexts texts() {
   return {.normalised = [](std::string_view text, std::string_view file,
                            std::span<const request::KeySet> sets,

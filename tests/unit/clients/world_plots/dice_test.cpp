@@ -111,8 +111,8 @@ class SmallArchive final : public archive::StoredArchive {
 
 TEST(DicePlausibility, AreScoresAndCosts) {
   // The two animations' scores of x are (0, 1) and (-1, 2), and the scores of velocity are 1 and
-  // -2. The scores' squares sum to 2 and 9 for 3 components, so the start's cost is half of 5.5 -
-  // 3. The table's squares sum to 2 and 8 for 4 points, so its cost is half of 5 - 4.
+  // -2. The scores' squares sum to 2 and 9 for 3 components, so the start's cost is (5.5 - 3)/2.
+  // The table's squares sum to 2 and 8 for 4 points, so its cost is (5 - 4)/2.
   const DicePlausibility all = dice_plausibility(SmallArchive(), small_prior(), {});
   EXPECT_EQ(all.animations, 2U);
   ASSERT_EQ(all.start.size(), 2U);
@@ -197,7 +197,8 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
     EXPECT_NEAR(cost.error, cost.spread / root, 0.1 * cost.spread / root);
   }
   EXPECT_DOUBLE_EQ(found.table_cost.spread, std::sqrt(15));
-  // Each panel's bars have area 1 and nearly equal the curve's mean over them.
+  // Each panel's bars have a total area of 1. A bar's height is close to the curve's mean over the
+  // bar.
   const plot::Figure figure = plausibility_figure(found, prior);
   ASSERT_EQ(figure.panels.size(), 3U);
   for (const plot::Panel& panel : figure.panels) {

@@ -43,7 +43,7 @@ inline double error_in_bounds(double result, Exact& exact, double k) {
     }
   }
   mpfr_sub(difference.get(), difference.get(), exact.get(), MPFR_RNDN);
-  // Scale error and bound by 2^-(exponent of an ulp) so that neither underflows.
+  // Scale the error and its bound by 2^-(exponent of an ulp), so that neither underflows.
   const mpfr_exp_t ulp_exponent =
       mpfr_zero_p(exact.get()) ? k_smallest : std::max(mpfr_get_exp(exact.get()) - 53, k_smallest);
   mpfr_mul_2si(difference.get(), difference.get(), -ulp_exponent, MPFR_RNDN);

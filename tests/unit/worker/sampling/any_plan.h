@@ -136,8 +136,8 @@ class AnySession {
 std::uint64_t scans_at_stop(const StopRule& stop, std::uint64_t round_scans, std::uint64_t before,
                             const ScanRuns& runs);
 
-/// Expects that a plan, queried every `step` scans, reports exactly the solutions counted by its
-/// parts of draws, with log_p = log_p_of(chain, scan). A part's solutions appear at the part's end.
+/// Expects that a plan, queried every `step` scans, reports exactly the counted solutions of its
+/// DrawParts, with log_p = log_p_of(chain, scan). A part's solutions appear at the part's end.
 void expect_told_as_counted(
     const plan::Plan& plan, std::uint64_t step,
     const std::function<double(std::uint32_t chain, std::uint64_t scan)>& log_p_of);

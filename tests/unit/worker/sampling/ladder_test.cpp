@@ -103,8 +103,8 @@ TEST(LocalBarrier, IsTheSlope) {
 
 TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
   // Goal: the barrier grows equally between new levels. Method: respace fine ladders with known
-  // curves to fewer and to more levels. One curve has an infinite slope at 0. A monotone cubic
-  // through 200 points is accurate enough.
+  // curves, both to fewer and to more levels. One curve has an infinite slope at 0. A monotone
+  // cubic through 200 points is accurate enough.
   const std::vector<double> ladder = uneven(200);
   for (const auto& barrier : {square_root, logarithm, bend}) {
     for (const std::uint32_t levels : {2U, 3U, 8U, 33U, 250U}) {

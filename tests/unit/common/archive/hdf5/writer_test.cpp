@@ -168,7 +168,7 @@ TEST_F(Writer, FailuresOfTheFileSystemLeaveAWholeFile) {
 }
 
 TEST_F(Writer, AFileHasItsAllocatedLength) {
-  // Goal: a file contains space that HDF5 allocates at its end and doesn't write, and a failure to
+  // Goal: a file includes the space at its end that HDF5 allocates but doesn't write. A failure to
   // extend the file is reported. Method: allocate a dataset early and never fill it.
   const hsize_t bytes = 100000;
   const auto write = [&](base::FileSystem& files) {

@@ -203,7 +203,7 @@ void run_all_scenes(Moves moves, std::uint64_t count) {
 TEST(MarbleHistories, ReplayingMakesNoDifference) {
   // Goal: replay changes no bit (invariant 4), both in heaps that rest and wake and in sparse
   // falls. Method: in random scenes, change some balls' starts a dozen times. Simulate each scene
-  // from scratch and, in up to three portions, with the previous scene's histories.
+  // from scratch. Simulate it again with the previous scene's histories, in up to three portions.
   run_all_scenes(Moves::balls, scene_count());
 }
 

@@ -54,7 +54,7 @@ void expect_invariants(const Case& made) {
   const Real after = dot(contact_velocity(made, out.a, out.b), n);
   EXPECT_GE(after, -rounding);
   if (made.law.separation_speed_floor_mps == 0) {
-    // The guard can take 1e-13 of the impulse.
+    // The guard can reduce the impulse by 1e-13 of its size.
     expect_near(after, -made.law.restitution * before, rounding - 1e-12L * before);
   }
 

@@ -151,7 +151,7 @@ TEST(InBodyFrame, makes_declared_moments_exactly_equal) {
                          rotated(spun.value().frame.orientation, Vec3(0, 0, 1))),
                 0, 1e-13);
   }
-  // An upright prism and a cube declared axial keep their frame.
+  // An upright prism keeps its frame. So does a cube that is declared axial.
   const auto upright =
       in_body_frame(Parts{regular_prism(6, 1, 3).value()}, 1, InertiaSymmetry::axial);
   EXPECT_LT(norm(rotated(upright.value().frame.orientation, Vec3(1, 0, 0)) - Vec3(1, 0, 0)), 1e-12);

@@ -198,8 +198,8 @@ TEST(SpellingReader, LikenessIsADistance) {
 
 TEST(SpellingReader, WedgedBallsDontPlayOut) {
   // Goal: a state that was decided early but whose balls never come to rest is not stored, and a
-  // request for it is harmless. Method: use balls that almost fill their bins. Some satisfying
-  // states come to rest, and some don't. States that come to rest can be recorded.
+  // request for it is harmless. Method: use balls that almost fill their bins. Some states that
+  // satisfy the request come to rest, and some don't. States that come to rest can be recorded.
   Parameters parameters;
   parameters.pattern = pattern_of_rows("#.").value();
   parameters.world.ball_diameter_m = 0.01998;
