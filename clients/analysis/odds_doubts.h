@@ -35,10 +35,10 @@
 //     missing from the mean and its error.
 //   `few_particles`: islands of fewer than 16 particles usually miss the large weights that
 //     dominate the mean, and the islands then resemble each other.
-//   `not_sized`: the number of islands depended on their results, because the run ended at a number
-//     of solutions (which come from large islands), or before the odds were precise enough. The
-//     number is sound if `scans` or `rounds` fixed it in advance, or if `odds` chose it from
-//     earlier islands, which aren't counted.
+//   `not_sized`: the number of islands depended on their results. The run ended at a number of
+//     solutions (which come from large islands), or before the odds were precise enough. The number
+//     is sound if `scans` or `rounds` fixed it in advance, or if `odds` chose it from earlier
+//     islands, which aren't counted.
 // Thread safety: pure functions.
 #pragma once
 

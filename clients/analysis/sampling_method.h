@@ -22,8 +22,8 @@ std::string method_word(std::string_view request_text);
 /// Whether the ladders in /tempering belong to a burn-in, whose scans aren't draws.
 bool burns_in(std::optional<request::Method> method);
 
-/// Whether the archive has only draws after a burn-in by islands or from a search. All draws of
-/// such an archive are judged, and the archive doesn't contain the number of simulations.
+/// Whether all draws of the archive come after a burn-in, either by islands or from a search. All
+/// draws of such an archive are judged, and the archive doesn't contain the number of simulations.
 bool draws_are_burnt_in(const archive::Source& source, std::optional<request::Method> method);
 
 /// Returns the scans per tour if each draw ends a separate tour. Returns nothing if chains never

@@ -35,7 +35,7 @@ namespace sleight::browse {
 
 /// Equally spaced times at which bodies are compared, in addition to the time at rest.
 inline constexpr std::size_t k_equal_times = 64;
-/// Number of the compared times, rest included, at which bodies are matched.
+/// Number of compared times at which bodies are matched, including the time at rest.
 inline constexpr std::size_t k_matching_times = 9;
 
 struct Resemblance {

@@ -101,7 +101,7 @@ std::string host_name() {
   return name.data();
 }
 
-/// Tries the default port, then any: a second gallery may run beside the first.
+/// Tries the default port, then any port, because a second gallery may run beside the first.
 std::unique_ptr<web::Server> served(const CommandOptions& options, web::ServerOptions how,
                                     const web::Server::Handler& handler) {
   const auto with_port = [&](std::uint16_t port) {

@@ -177,7 +177,7 @@ class Assembler {
     return document_.scene.features[shown.feature].kind == FeatureKind::body;
   }
 
-  /// Whether the scale is animated, because some clip shows the thing only part of the time.
+  /// Whether the scale is animated. It is if some clip shows the thing only part of the time.
   bool comes_and_goes(const Shown& shown) const {
     for (std::size_t clip = 0; clip < shown.in.size(); ++clip) {
       if (!shown.in[clip] || (is_body(shown) && keys_[clip][shown.feature].enters_s > 0))

@@ -20,8 +20,8 @@ namespace {
 // Minimum span relative to the magnitude, for which doubles represent ten distinct ticks.
 constexpr double k_relative_span_min = 1e-12;
 constexpr double k_margin = 0.05;  // relative to the span, on sides that the series don't fill
-// Labels have powers of ten for greater exponents, and for more decimals, because "1.5×10⁶" is
-// shorter than plain digits then.
+// Labels have powers of ten if the exponent or the number of decimals exceeds these limits, because
+// "1.5×10⁶" is then shorter than plain digits.
 constexpr int k_plain_exponent_max = 5;
 constexpr int k_plain_decimals_max = 5;
 

@@ -1,7 +1,7 @@
 // A source that combines many small reads into few large ones. A read from a reader process costs
 // as much as reading thousands of values (remote/remote_source.h).
 //
-// For sequential reads of a dataset, such as one animation's motion after the other, this source
+// If reads of a dataset are sequential, such as reads of one motion after another, this source
 // reads a block in advance. Values and errors are the same as without reading ahead. The intact
 // parts of a damaged file remain readable.
 //

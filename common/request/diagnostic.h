@@ -28,7 +28,7 @@ struct Place {
   friend auto operator<=>(const Place&, const Place&) = default;
 };
 
-/// Place of a value that is not from a file.
+/// Place of a value that doesn't come from a file.
 inline constexpr Place k_no_place{.line = 0, .column = 0};
 
 struct Diagnostic {

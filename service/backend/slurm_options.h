@@ -24,8 +24,8 @@ struct SlurmWishes {
   bool says_memory = false;  ///< so the job's own memory isn't requested
 };
 
-/// Combines the defaults with the job's options, which take precedence. In `more`, the defaults
-/// precede the job's words. Throws base::Error(usage) that names the wrong option.
+/// Combines the defaults with the job's options, which take precedence. In `more`, the defaults'
+/// words come before the job's words. Throws base::Error(usage) that names the wrong option.
 SlurmWishes slurm_wishes_of(const Options& defaults, const Options& options);
 
 }  // namespace sleight::backend

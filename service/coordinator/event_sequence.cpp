@@ -49,7 +49,7 @@ void EventSequence::consumed(const plan::ReplicaKey& replica, base::ScanIndex fi
 
 void EventSequence::remember(Waiting& waiting, const FailurePlace& place) const {
   waiting.insert(place);
-  // Drop the last failure if more failures wait than may still be reported.
+  // If more failures wait than may still be reported, drop the last one.
   if (waiting.size() > k_failures_told_max - told_.failures)
     waiting.erase(std::prev(waiting.end()));
 }

@@ -1,6 +1,6 @@
 // Chooses the size of blocks from the measured cost of scans. Blocks are long enough that handing
-// them out costs little, and short enough that all workers have some and a stop is quick. Changes
-// no result. Not thread-safe.
+// them out costs little, and short enough that every worker gets blocks and a stop is quick.
+// Changes no result. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -38,8 +38,8 @@ class BlockSize {
   /// coordinator couldn't keep up otherwise.
   plan::BlockLimits limits(const Threads& threads, std::uint64_t scans_max) const;
   /// Reports a completed block. `moving`: number of the block's scans that made proposals. Starts
-  /// count only until a scan's cost is known, because they cost almost nothing, or as much as a
-  /// scan if they are islands. Invalid times (possible from other ranks) are ignored.
+  /// are counted only until a scan's cost is known. A start costs almost nothing, or as much as a
+  /// scan if it is an island. Invalid times (possible from other ranks) are ignored.
   void measured(std::uint64_t scans, std::uint64_t moving, double cost_s);
   /// Report that a thread found no work although the plan continues, or that a thread found work.
   void starved() { slack_ = std::max(slack_ * k_narrowing, slack_min()); }

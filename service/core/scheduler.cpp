@@ -79,7 +79,7 @@ void Scheduler::take(Delivered& input) {
     block = std::move(task->second.block);
     done(task->first);
   }
-  // A block that this delivery hasn't completed now waits again, or is dropped after a stop.
+  // If this delivery hasn't completed the block, the block waits again, or is dropped after a stop.
   end_lease(delivery.assignment);
   take_back(delivery.assignment);
   if (block) accept(input.worker, *block, std::move(delivery.results));

@@ -243,7 +243,7 @@ void Jobs::put_into_queue(const Job& job) {
   }
 }
 
-/// Updates the time since which the user waits with nothing running.
+/// Updates the time since which the user has waited without a running job.
 void Jobs::note_idle(UserId user) {
   Account& account = accounts_.of(user);
   if (account.cores > 0 || !queue_.users().contains(user)) {

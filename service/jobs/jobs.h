@@ -126,8 +126,8 @@ class Jobs {
   std::vector<Effect> step(const Input& input);
 
   /// Returns why a submit would be refused now, after `before_it` other new jobs of the same user.
-  /// None if the submit would be accepted, or if its key names an existing job. Callers use this
-  /// function to submit either all of several jobs or none.
+  /// Returns nothing if the submit would be accepted, or if its key names an existing job. Callers
+  /// use this function to submit either all of several jobs or none.
   std::optional<Refusal> refusal_of(const Submit& input, std::uint64_t before_it = 0) const;
 
   const Job* find(JobId id) const;

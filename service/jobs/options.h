@@ -22,8 +22,8 @@ struct Options {
 
   // Whose turn it is
   double half_life_s = 3600;  ///< of the core-seconds that a user has had
-  /// Core-seconds that a user's running jobs will use within this time count as used already.
-  /// Without this rule, two equal users would take turns with all cores.
+  /// The core-seconds that a user's running jobs will use within this time are counted as already
+  /// used. Without this rule, two equal users would take turns with all cores.
   double horizon_s = 10;
   /// A user that has waited this long with nothing running is next. Once in this time, a user's
   /// longest-waiting job precedes the user's other jobs, if it has waited at least this long.

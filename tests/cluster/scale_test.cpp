@@ -154,7 +154,7 @@ TEST(Scale, OneLadderAgainstWorkers) {
   // the theoretical bounds. Method: simulate clusters of 1 to 64 workers. A ladder of N levels has
   // at most N units at once. W workers take at least sum(c) / W, and at least the time of the
   // swaps' critical path. Each scan of a pair waits for the slower level, so S scans take longer
-  // than S E[max(c1, c2)]. For costs log-uniform over a factor r, with q = log r:
+  // than S E[max(c1, c2)]. If costs are log-uniform over a factor r, and q = log r:
   //   E[c] / E[max(c1, c2)] = (r - 1) / (2 (r - (r - 1) / q)).
   constexpr Size k_size{.workers = 1, .ladders = 1, .levels = 32, .scans = 600};
   constexpr double k_r = k_cost_spread;

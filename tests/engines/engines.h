@@ -5,8 +5,8 @@
 //   AllPairs        A reference that compares all bodies. No engine uses it.
 //   HeapQueue       A heap with four children per node.
 //   CalendarQueue   Buckets of time, as the literature on event-driven dynamics recommends.
-//                   Moving events between buckets costs more in our engine than the few
-//                   levels that a change passes in other queues.
+//                   In our engine, moving events between buckets costs more than moving a changed
+//                   event through a few levels of another queue.
 // Thread safety: pure functions.
 #pragma once
 

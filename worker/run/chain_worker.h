@@ -43,7 +43,7 @@ inline constexpr std::uint64_t k_hot_thin = 16;
 
 struct ChainWorkerOptions {
   std::uint32_t iterations_per_scan = 1;
-  /// Interval of returned states, in scans from the first draw. Satisfied states are always
+  /// Interval of returned states in scans, counted from the first draw. Satisfied states are always
   /// returned.
   std::uint64_t thin = 1;
   std::uint64_t first_draw = 0;

@@ -149,7 +149,7 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
 }
 
 /// Like the overload above, with the streams of `iteration`. REQUIRES: each iteration of a replica
-/// at most once.
+/// is used at most once.
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     const ChainStreams& streams, std::uint64_t iteration,

@@ -1,6 +1,6 @@
 // Weights of a step from one inverse temperature to another, for each method with such steps. The
 // log weight is always (beta' - beta) l with l = log p_c, the log ratio of a state's densities at
-// beta' and beta. Methods differ in which state's l they use and in additional terms.
+// beta' and beta. Methods differ in the state whose l they use, and in additional terms.
 // Thread safety: pure functions. temperature_steps.cpp contains the formulas alone, so that a test
 // program can link wrong formulas instead (tests/unit/worker/sampling/replaced_formulas.h).
 #pragma once

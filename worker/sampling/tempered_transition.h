@@ -26,7 +26,8 @@
 
 namespace sleight::sampling {
 
-/// Maximum number of steps of one excursion, because excursions have disjoint iteration numbers.
+/// Maximum number of steps of one excursion. Each scan reserves this many iteration numbers, so the
+/// numbers of excursions are disjoint.
 inline constexpr std::uint64_t k_excursion_steps_max = std::uint64_t{1} << 20U;
 
 struct Excursion {

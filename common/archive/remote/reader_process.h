@@ -62,7 +62,7 @@ class ReaderProcess {
   bool has_unasked_words() const;
 
   /// Ends the process, unless it exits by itself at once, and returns the reason why it ended.
-  /// REQUIRES: last call, except for the destructor.
+  /// REQUIRES: no other function is called afterwards, except for the destructor.
   ReaderEnd end();
 
   pid_t id() const { return id_; }

@@ -106,8 +106,8 @@ class RemoteSource final : public Source {
     throw base::Error(failure_);
   }
 
-  /// Throws if a limit gives this process, and so the reader, less memory than a reader may use,
-  /// because the file may then not be the cause of the failure.
+  /// Throws if a limit gives this process, and so the reader, less memory than a reader may use.
+  /// The file may then not be the cause of the failure.
   void fail_for_want_of_memory() const {
     rlimit limit{};
     if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_max >= limits_.address_space_bytes)

@@ -229,8 +229,8 @@ std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// Verifies that an excursion that returns from the prior begins a lineage. A state that plain
-/// steps alone don't produce comes from the prior.
+/// Verifies that an excursion that returns from the prior begins a lineage. A state has come from
+/// the prior if it differs from the result of plain steps.
 std::vector<double> excursions_descend(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});

@@ -41,9 +41,9 @@ std::vector<Values> takes_of(const std::string& request_text);
 /// constraint.
 std::vector<std::vector<double>> helped_by_scan(const std::string& request_text);
 
-/// Results of a run until its own stop rule ends it: all counted solutions, and one satisfying
-/// draw, chosen at random by the seed. The plan's draws name the counted solutions. Without the
-/// plan's draws, each lineage's first satisfying scan counts.
+/// Results of a run that ends by its own stop rule: all counted solutions, and one satisfying draw,
+/// chosen at random by the seed. The plan's draws name the counted solutions. Without the plan's
+/// draws, each lineage's first satisfying scan counts.
 struct Counted {
   bool has_run = false;
   std::vector<Values> solutions;

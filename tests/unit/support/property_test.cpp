@@ -247,8 +247,8 @@ TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
 
 TEST(Property, SanitizersRunTheFirstQuarter) {
   // Goal: with sanitizers, a loop runs a quarter of its cases. SLEIGHT_CASE can still select any
-  // case, and long runs have all. Method: use a loop of a hundred cases; builds without sanitizers
-  // run all.
+  // case, and long runs run all cases. Method: use a loop of a hundred cases; builds without
+  // sanitizers run all.
   const std::string test = "Planted.DISABLED_ManyCases";
   const std::vector<std::uint64_t> whole = ended_test("SLEIGHT_SOAK=1", test).cases();
   ASSERT_EQ(whole.size(), 101U);
@@ -282,7 +282,7 @@ TEST(Property, AFailureCanBeAskedFor) {
   EXPECT_NE(of.status, 0);
   EXPECT_EQ(of.command(), fmt::format("SLEIGHT_CASE=5 {} --gtest_filter=Planted.DISABLED_NoFailure",
                                       path_in_project(whole_path())));
-  // A case that no test has is reported.
+  // The program reports a case number that no test has.
   const Ended none = ended_test("SLEIGHT_FAIL_CASE=200", "Planted.DISABLED_NoFailure");
   EXPECT_NE(none.status, 0);
   EXPECT_THAT(none.output, tests::HasFacts("SLEIGHT_FAIL_CASE: |no test|200"));

@@ -2,10 +2,10 @@
 //
 // Idea. A grid query spends its time on memory and mispredicted branches, not on arithmetic. So a
 // cell stores sketches of its bodies' boxes. A sketch has 8 bits per axis for the start and 8 bits
-// for the width, in units on a ring of 2^8 units (periodic.h explains rings). Eight sketches fit
-// one cache line, and some 12 SSE2 instructions compare them with a query. Body ids are stored
-// separately, because a query in a gas finds at most one body per four blocks. Sketches are rounded
-// outwards; the caller compares the exact boxes of the bodies found.
+// for the width. Both are in units of a ring that has 2^8 units (periodic.h explains rings). Eight
+// sketches fit one cache line, and some 12 SSE2 instructions compare them with a query. Body ids
+// are stored separately, because a query in a gas finds at most one body per four blocks. Sketches
+// are rounded outwards; the caller compares the exact boxes of the bodies found.
 //
 // Cells are numbered modulo a power of two, so several cells may share a number. Sharing a number
 // costs time and changes no result, but a query that lists a cell number twice finds its bodies

@@ -116,7 +116,8 @@ inline GapAndRate gap_at_distance(double distance_m, double from_dot_velocity, d
 /// Returns gap and rate of a sphere and a round object: a vertex, an edge or another sphere. For
 /// another sphere, `radius_m` is the sum of both radii. `from_m` leads from the object to the
 /// sphere's centre. `velocity_mps` is the centre's velocity relative to the object. For an edge,
-/// pass only the components of both vectors perpendicular to the edge. REQUIRES: `from_m` is not 0.
+/// pass only those components of both vectors that are perpendicular to the edge. REQUIRES:
+/// `from_m` is not 0.
 inline GapAndRate gap_to_round(const Vec3& from_m, const Vec3& velocity_mps, double radius_m) {
   return gap_at_distance(math::norm(from_m), math::dot(from_m, velocity_mps), radius_m);
 }

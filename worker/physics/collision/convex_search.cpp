@@ -68,8 +68,8 @@ double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& se
   return from_s;
 }
 
-/// Returns twice the time, plus a tick, in which the line minus fall h^2 / 2 rises to the touch
-/// distance; infinite if it doesn't rise so far.
+/// Let h be the time at which line(h) - fall h^2 / 2 has risen to the touch distance. Returns 2 h
+/// plus a tick, or k_forever_s if it doesn't rise so far.
 double comes_out_s(const Line& line, double fall) {
   const double deep_m = k_touch_m - line.place_m;
   const double discriminant = line.rate_mps * line.rate_mps - 2 * fall * deep_m;
@@ -222,7 +222,7 @@ double furthest_from(const MovingPiece& piece, const Vec3& point_m) {
 /// frame, the second derivative of n.x is n.(x'' - 2 W x x' + W x (W x (x - O))).
 AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& point_m,
                       const Vec3& angular_velocity_radps) {
-  // The frame moves with A if A is fixed, otherwise at the mean of both velocities.
+  // If A is fixed, the frame has A's velocity; otherwise, it has the mean of both velocities.
   const bool a_fixed = !std::isfinite(a.reach_m);
   const Vec3 frame_mps = a_fixed ? a.velocity_mps : Vec3(0.5 * (a.velocity_mps + b.velocity_mps));
   const double far_a_m = furthest_from(a, point_m);
@@ -262,8 +262,8 @@ struct Shadows {
   }
 };
 
-/// Two pieces' separation along an axis, to which the vertices' places are still to be added, and
-/// bounds on its fall.
+/// Two pieces' separation along an axis, and bounds on its fall. The vertices' places must still be
+/// added.
 struct Separation {
   Line base;
   double fall_mps2;

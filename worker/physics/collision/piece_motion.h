@@ -13,10 +13,10 @@
 
 namespace sleight::physics {
 
-/// These search margins affect speed, and by how much a touching pair's collision may be late
-/// (SIMULATOR.md, "Where it falls short"). Pieces are well apart when a guessed axis shows a gap
-/// above this share of the smaller piece's radius. Below this gap, the exact line of the closest
-/// points is worth computing.
+/// These search margins affect speed. They also affect how late the collision of a touching pair
+/// may be (SIMULATOR.md, "Where it falls short"). Pieces are well apart when a guessed axis shows a
+/// gap above this share of the smaller piece's radius. Below this gap, the exact line of the
+/// closest points is worth computing.
 inline constexpr double k_well_apart = 0.02;
 
 /// A skip at least this long is not extended with a second axis. In heaps, where speed matters

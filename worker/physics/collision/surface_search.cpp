@@ -17,9 +17,9 @@ using namespace surface_points;
 
 /// A face counts as a parallelogram if rounding leaves a gap of at most this share of its size.
 constexpr double k_parallel = 1e-9;
-/// The search margins below affect only speed. A part isn't split if it is clear for this share of
-/// the time for which the other parts are clear. If that time is short, the part is split anyway,
-/// because a collision is then near.
+/// The search margins below affect only speed. The other parts are clear for some time. A part that
+/// is clear for this share of that time isn't split. If that time is short, the part is split
+/// anyway, because a collision is then near.
 constexpr double k_long_enough = 0.7;
 constexpr double k_long_s = 3e-4;
 /// A point gets a second, tighter bound. It covers this many times the time that the first bound

@@ -51,10 +51,10 @@ bool certified(const PiecePair& pair, const LocalClosest& result);
 /// Proof: let e = rounding_m and g the gap. If another pair's gap is within a few e of g, its line
 /// of closest points is within sqrt(2 e / g) of the normal. The other pair's points are therefore
 /// within g / 16 of the given points, and the given points are inside their features by more than
-/// that. Suppose that GJK weighs a vertex that isn't on these features and whose plane falls away
-/// by an angle f. Then the origin's foot is outside by g f, some hundred e, so GJK drops the
-/// vertex. If GJK mistakes the pieces for overlapping, face normals and products of edges decide,
-/// and they include this normal.
+/// that. Suppose that GJK gives weight to a vertex that isn't on these features. Let f be the angle
+/// by which the vertex's plane falls away. Then the origin's foot is outside by g f, some hundred
+/// e, so GJK drops the vertex. If GJK mistakes the pieces for overlapping, face normals and
+/// products of edges decide, and they include this normal.
 bool only_one(const PiecePair& pair, const LocalClosest& result);
 
 /// Computes `out` for a face and another face or edge that is parallel up to rounding. The gap is

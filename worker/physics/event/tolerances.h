@@ -141,9 +141,9 @@ inline constexpr double k_sunk_m = 5e-7;
 /// the face.
 inline constexpr std::size_t k_plane_supports_max = 64;
 
-/// Maximum length of a segment in which a body in contact rotates unevenly (0.25 s). With a larger
-/// value, bounds on its rotation, which hold for this long, are wider. With a smaller value, there
-/// are more events.
+/// Maximum length of a segment in which a body in contact rotates unevenly (0.25 s). Bounds on the
+/// rotation hold for this long, and are wider with a larger value. With a smaller value, there are
+/// more events.
 inline constexpr TickCount k_turning_contact_span = TickCount{1} << 28;
 
 /// Minimum time between changes of a body's friction. Without this minimum, a body that is driven
@@ -332,8 +332,8 @@ inline constexpr double k_carries_share = 1e-3;
 
 // ---- waking -------------------------------------------------------------------------------------
 
-/// A body wakes from an impact that would give it this many times the rest speed, more than slow
-/// neighbours can give. With a smaller value, slow neighbours wake it. With a larger value, the
+/// A body wakes from an impact that would give it this many times the rest speed. Slow neighbours
+/// can't give it that much. With a smaller value, slow neighbours wake it. With a larger value, the
 /// body absorbs more momentum.
 inline constexpr double k_wake_over_rest = 4;
 /// A resting body bears impacts that push it as hard as this many times its weight; in most heaps

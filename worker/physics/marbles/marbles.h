@@ -24,7 +24,7 @@
 // geometry. A ball with a history is replayed, at no cost, until the first of these events:
 //   1. The ball meets changed static geometry, or its history contains a collision with static
 //      geometry that has changed.
-//   2. The ball was left alone in its history, and now would not be left in the same confinement.
+//   2. In its history, the ball was left alone, but its confinement would now differ or be missing.
 //   3. The ball's history contains a meeting with a ball that isn't replayed now.
 //   4. In its history, the ball recently met a ball whose replay has since ended. Rest decisions
 //      will read that other ball.

@@ -202,7 +202,8 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
   const double first_c_v = dot(way.c, path.velocity_mps);
   const double first_c_a = dot(way.c, path.pull_mps2);
   // The bound from the plane perpendicular to c shows that the centre never touches the corner. The
-  // bound is lowest at an end; if the centre turns before, the bound is underestimated.
+  // bound is lowest at an end of the span. If the centre turns back within the span, the bound is
+  // underestimated.
   if (way.c_c > square) {
     const double last_c_v = first_c_v + first_c_a * span_s;
     const double change =

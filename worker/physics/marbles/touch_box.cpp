@@ -98,8 +98,9 @@ struct Spread {
   const Floats furthest = across(along);
   const Spread around{.low = -furthest, .high = furthest};
   if (sides.size() != 4) return around;
-  // The region ends at rays perpendicular to the sides' normals, each on the other normal's side.
-  // If the normals are nearly parallel, the right side is unclear, so the full circle is used.
+  // The region ends at rays perpendicular to the sides' normals. Each ray is on the side of the
+  // other normal. If the normals are nearly parallel, the right side is unclear, so the full circle
+  // is used.
   const Floats first = direction_of(sides[2].space.normal);
   const Floats second = direction_of(sides[3].space.normal);
   const Floats along_yzx = yzx(along);

@@ -133,7 +133,7 @@ class Valley {
     Vec3 force;
     std::array<Vec3, 2> friction;
   };
-  /// Both loads and, if a contact sticks, its friction along the line and across the valley.
+  /// The two loads and, if a contact sticks, its friction along the line and across the valley.
   struct Units {
     std::array<Unit, LinearSystem::k_most> unit;
     std::size_t count = 2;
@@ -155,7 +155,8 @@ class Valley {
     }
     return all;
   }
-  /// Returns a contact's surface acceleration by a unit force: the force minus r times its turning.
+  /// Returns the acceleration of the surface at a contact due to a unit: the force minus r (angular
+  /// acceleration x normal).
   Vec3 surface_acceleration(const Unit& unit, std::size_t at) const {
     Vec3 sum = unit.force;
     for (std::size_t i = 0; i < 2; ++i) {

@@ -28,9 +28,9 @@ struct ChangedPlaces {
 };
 
 struct SceneChanges {
-  /// Whether everything may differ. The reason is a changed number of bodies, changed laws, a
-  /// changed meaning of indices, or bodies that start at rest together with a change of these
-  /// bodies or of static geometry.
+  /// Whether everything may differ. This is so if the number of bodies, the laws or the meaning of
+  /// indices changed. It is also so if some bodies start at rest, and these bodies or static
+  /// geometry changed.
   bool laws = false;
   std::vector<std::uint8_t> bodies{};  ///< by body: whether the body or its start has changed
   ChangedPlaces places{};

@@ -219,7 +219,7 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
   }
   PairsSink sink{*this};
   boxes_.move_all(all_boxes_, sink);
-  // The next event may have been void; boxes still last only until its tick.
+  // If the next event has become void, the boxes still last only until its tick.
   if (queue_.least().key.tick > next && next < end) {
     queue_.set(slot_of(OwnSlot::new_boxes),
                {.tick = next, .kind = EventKind::update, .lower = k_nobody, .higher = k_nobody});

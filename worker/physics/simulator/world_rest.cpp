@@ -1,5 +1,5 @@
-// Rest events and mode events, and the search for corners that carry a body besides recorded
-// touches.
+// Rest events and mode events. Also searches for corners that carry a body in addition to its
+// recorded touches.
 #include <algorithm>
 #include <array>
 #include <limits>

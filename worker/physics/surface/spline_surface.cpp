@@ -13,7 +13,7 @@ constexpr std::size_t k_points = 256;
 constexpr std::size_t k_patches = 128;
 /// Relative widening of bounds for the rounding of differences and of evaluation.
 constexpr double k_bound_margin = 1e-9;
-/// Widening of bounds relative to the heights, whose differences may cancel.
+/// Widening of bounds relative to the heights, because differences of heights may cancel.
 constexpr double k_height_rounding = 64 * 0x1p-53;
 
 using Points = std::array<std::array<double, 4>, 4>;  ///< by i, then by j

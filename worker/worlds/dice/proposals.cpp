@@ -21,7 +21,7 @@ Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
   return static_cast<Kind>(random::draw_by_share(shares, stream));
 }
 
-/// Returns the factor of steps: 2 to a power between -halvings and 0, times the scale.
+/// Returns the factor of steps: the scale times 2 to a power between -halvings and 0.
 double drawn_factor(const ProposalParameters& p, double scale, random::Stream& stream) {
   const std::uint64_t halvings =
       random::UniformInteger{.count = std::uint64_t{p.halvings} + 1}.draw(stream);

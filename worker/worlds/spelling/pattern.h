@@ -35,8 +35,8 @@ base::Result<Pattern, std::string> pattern_of_rows(std::string_view rows);
 /// bins around the word. An error names the first character without a picture.
 base::Result<Pattern, std::string> pattern_of_word(std::string_view word, Font font);
 
-/// Returns the picture in the middle of a larger grid; one bin nearer to the left or the top if it
-/// can't be centred exactly. REQUIRES: the picture fits.
+/// Returns the picture in the middle of a larger grid. If it can't be centred exactly, it is one
+/// bin nearer to the left or the top. REQUIRES: the picture fits.
 Pattern centred(const Pattern& pattern, std::uint32_t columns, std::uint32_t rows);
 
 /// Returns the thesis's HI: ten bins of seven by five (figure 2.7).

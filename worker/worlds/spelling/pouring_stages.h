@@ -139,8 +139,8 @@ class StagedSpelling : public Spelling {
   std::uint32_t helped_balls(const State& state, const Outcome& outcome) const;
 
   std::uint32_t stages() const { return balls(); }
-  /// Returns a sentence for display: how long solutions in the model's proportions took for similar
-  /// words.
+  /// Returns a sentence for display. It says how long earlier runs for similar words took to draw
+  /// solutions in the model's proportions.
   std::string past_effort() const;
   /// Returns a name such as "ball 3 of 16".
   std::string stage_name(std::uint32_t stage) const;

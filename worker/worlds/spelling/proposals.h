@@ -18,7 +18,7 @@
 //
 // If a kind finds nothing to change, it proposes the present state.
 //
-// The above holds for Kernel::correct. Kernel::thesis does what A.2.2 and A.2.1 print, which is
+// The above holds for Kernel::correct. Kernel::thesis follows A.2.2 and A.2.1 as printed, which is
 // biased:
 //
 //   `change_all` draws offsets as lengths N(0, vertex_sd) in uniform directions, although p_w
@@ -30,8 +30,8 @@
 //   `enable_balls` has log q ratio = -m log a.
 //
 // So a^m and a^-m are exchanged, and the powers of 1-f are missing. The thesis kernel's results
-// depend on the unit of a, here the square metre. With a below 1, balls are enabled and hardly ever
-// disabled again. In square millimetres, no ball would stay enabled.
+// depend on the unit of a, here the square metre. If a is below 1, balls are enabled and hardly
+// ever disabled again. In square millimetres, no ball would stay enabled.
 // Thread safety: pure functions.
 #pragma once
 

@@ -195,7 +195,7 @@ void expect_caught(const IslandMutant<M>& mutant, const std::vector<IslandCheck<
 }
 
 TEST_P(IslandMutants, AreCaught) {
-  // Goal: each check can fail, for its own mistakes. Method: run each mistake's check on it.
+  // Goal: each check catches its own mistakes. Method: run each mistake's check on it.
   expect_caught(GetParam(), island_checks());
 }
 

@@ -269,8 +269,8 @@ TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
 }
 
 TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
-  // In a round sized by earlier islands, one island holds 0.4 of the sum of estimates. Four times
-  // as many islands are needed, which halves the error.
+  // Earlier islands determined the round's size. One island holds 0.4 of the sum of estimates. Four
+  // times as many islands are needed, which halves the error.
   IslandTables tables;
   tables.values.assign(240, -210);
   tables.values[100] = -210 + std::log(160);

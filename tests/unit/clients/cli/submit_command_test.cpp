@@ -98,7 +98,7 @@ TEST(Submit, ARangeMakesAGroup) {
 
 TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
   // Goal: before anything is sent, a bad request gives the same errors as `sleight check`. The
-  // errors' places include the option -n.
+  // place in each error includes the option -n.
   const auto bad = submission_of(
       {.request_path = "hi.toml", .asked = request::Asked{.number = 7}, .asked_by = "-n 7"},
       {"hi.toml", "bad"}, texts());

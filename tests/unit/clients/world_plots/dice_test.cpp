@@ -125,8 +125,8 @@ TEST(DicePlausibility, AreScoresAndCosts) {
   EXPECT_DOUBLE_EQ(all.start_cost.spread, std::sqrt(1.5));
   EXPECT_DOUBLE_EQ(all.table_cost.mean, 0.5 * (5 - 4));
   EXPECT_DOUBLE_EQ(all.table_cost.spread, std::sqrt(2));
-  // The two animations' costs are -1/2 and 3 for the start, -1 and 2 for the table, and -3/2 and 5
-  // together. The error of a mean of two values is half their difference.
+  // The two animations' costs are -1/2 and 3 for the start, and -1 and 2 for the table. The sums
+  // are -3/2 and 5. The error of a mean of two values is half their difference.
   EXPECT_DOUBLE_EQ(all.start_cost.error, 1.75);
   EXPECT_DOUBLE_EQ(all.table_cost.error, 1.5);
   EXPECT_DOUBLE_EQ(all.cost.mean, 1.75);

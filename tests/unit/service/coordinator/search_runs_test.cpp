@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// Runs are stopped less often by this factor with sanitizers, which slow sessions tenfold.
+// Factor by which stops are rarer with sanitizers, because sessions then take ten times as long.
 #ifdef SLEIGHT_SANITIZED
 constexpr std::uint64_t k_rarer = 8;
 #else

@@ -152,7 +152,7 @@ TEST(BlockSize, HungerMakesBlocksShorter) {
 }
 
 TEST(BlockSize, AWellFedRunHasNoCredit) {
-  // Goal: the first starvation shrinks blocks, even after many fed blocks.
+  // Goal: the first starvation shrinks blocks, even if threads found work many times before.
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)

@@ -191,7 +191,7 @@ TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
 }
 
 TEST(HeldSamplesDeathTest, MisuseIsABug) {
-  // Goal: it is a bug to run from a held sample if the unit starts or has no scans.
+  // Goal: a run from a held sample fails a CHECK if the unit begins at scan 0 or has no scans.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const ChainWorker<Ball2d> worker(Ball2d({}), {});
   EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 0, 1)), "check failed");

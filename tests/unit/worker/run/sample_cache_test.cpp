@@ -90,9 +90,9 @@ class PlainCache {
 
 constexpr std::uint64_t k_steps = 20'000;
 
-/// Makes random puts and takes of samples of random sizes. Returns the first step at which the
-/// cache differs from the plain list in results, reported use or number of live samples, or k_steps
-/// if none. `use` becomes the use that the plain list counts.
+/// Makes random puts and takes of samples of random sizes. Compares the cache with the plain list:
+/// results, reported use and number of live samples. Returns the first step at which they differ;
+/// k_steps if they never differ. `use` becomes the use that the plain list counts.
 template <class Cache>
 std::uint64_t first_difference(plan::CacheUse& use) {
   const std::size_t besides = bytes_besides<PlainCache::Sample>();

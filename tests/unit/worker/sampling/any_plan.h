@@ -95,8 +95,8 @@ class AnySession {
   void run_serially();
   /// Runs units of random lengths that complete in random order, for at most `steps` steps.
   void run_randomly(Dice& dice, std::uint64_t steps = UINT64_MAX);
-  /// Runs blocks of random sizes on two workers, with states given or held. Consumes the members'
-  /// results separately, in random order.
+  /// Runs blocks of random sizes on two workers. States are given to the workers or held by them.
+  /// Consumes the members' results separately, in random order.
   void run_in_blocks(Dice& dice, BlockShapes& shapes, std::uint64_t steps = UINT64_MAX);
   /// A function that runs blocks in place of BlockRunner::run, to test faulty runners.
   using RunBlock = std::function<std::vector<plan::UnitResult>(

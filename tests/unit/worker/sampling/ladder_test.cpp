@@ -69,7 +69,8 @@ TEST(FirstLadder, IsAPowerOfEvenSteps) {
 }
 
 TEST(LevelsFor, AreTwiceTheBarrierAndOne) {
-  // Goal: levels_for returns known numbers, and bounds for barriers that no ladder can serve.
+  // Goal: levels_for returns known numbers. For barriers that no ladder can serve, it returns the
+  // maximum.
   EXPECT_EQ(levels_for(0), 2U);
   EXPECT_EQ(levels_for(0.5), 2U);
   EXPECT_EQ(levels_for(0.51), 3U);

@@ -63,7 +63,7 @@ struct GuessedRing : RingPart {
                         const Outcome& /*of_from*/) const {
     return state;
   }
-  /// Higher density if the anchored parts still exist.
+  /// Returns a higher density if the anchored parts still exist.
   double log_constraint(const Outcome& outcome) const {
     return k_guess[outcome] + 0.8 * std::popcount(anchor & k_parts[outcome]);
   }
@@ -118,7 +118,7 @@ Row target_at(double beta) {
   return weights;
 }
 
-/// p-value for the distribution of exact draws after one move each.
+/// Makes exact draws, moves each once, and returns the p-value of their distribution.
 template <class World, class Move>
 double p_of(const World& world, double beta, const Move& move) {
   constexpr std::uint64_t k_draws = 100'000;

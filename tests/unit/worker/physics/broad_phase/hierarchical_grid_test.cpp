@@ -58,8 +58,8 @@ Box somewhere(Dice& dice, double room_m, double edge) {
 TEST(HierarchicalGrid, HoldsTenThousandInOneCell) {
   // Goal: a cell with far more bodies than fit in a block stays correct. Method: put the low
   // corners of 10,000 boxes of one level within a hundredth of a cell, with few overlaps. Move some
-  // of these boxes within the cell, out of it and back. Both structures compare up to 10,000
-  // squared, or 1e8, pairs per pass.
+  // of these boxes within the cell, out of it and back. Both structures compare up to 1e8 pairs
+  // (10,000 squared) per pass.
   constexpr std::uint32_t k_bodies = 10000;
   Twins twins({.bodies = k_bodies, .size_m = 100});
   Dice dice(11);

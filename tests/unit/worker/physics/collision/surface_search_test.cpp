@@ -167,8 +167,9 @@ void bounce(Meeting& meeting, Tick tick, Dice& dice) {
 
 TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   // Goal: invariants 1 and 2 of surface_search.h hold. Method: let random boxes fly, fall, slide,
-  // turn and bounce close to random surfaces. At each look, compare verdict and contact with all
-  // points, a fresh search and contact_of. At some skipped ticks, examine all points.
+  // turn and bounce close to random surfaces. At each look, compare the verdict and the contact
+  // with a test of all points. Also compare some verdicts with a fresh search, and all contacts
+  // with contact_of. At some skipped ticks, examine all points.
   Tally tally;
   const std::uint64_t count = property::long_run() ? 10'000 : property::of_tier(140, 700);
   for (const std::uint64_t n : property::cases(count)) {

@@ -121,7 +121,8 @@ TEST(RoundDistance, IsTheGreatestSeparation) {
     const Closest turned = closest_round(b, placed.b, a, placed.a);
     worst_m = std::max(worst_m, std::fabs(turned.gap_m - closest.gap_m));
     ASSERT_NEAR(turned.gap_m, closest.gap_m, error_m) << n;
-    // Long runs search only some pairs, since a search takes a thousand times as long as a gap.
+    // Long runs search only some pairs, since a search takes a thousand times as long as computing
+    // a gap.
     if (!property::long_run() || n % 100 == 0) {
       const double oracle_m = testing::oracle_gap_m(a, placed.a, b, placed.b, closest.normal);
       worst_m = std::max(worst_m, oracle_m - closest.gap_m);

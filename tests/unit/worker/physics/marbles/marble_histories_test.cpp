@@ -325,8 +325,9 @@ Scene weightless(std::uint32_t balls) {
 }
 
 TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
-  // Goal: a ball that a collision made slow enough to be suspended is simulated again if the object
-  // that it hit has moved. Method: let a ball hit a wall and become slow, then move the wall away.
+  // Goal: if a collision made a ball slow enough to be suspended, and the object that it hit has
+  // moved, the ball is simulated again. Method: let a ball hit a wall and become slow, then move
+  // the wall away.
   Scene scene = weightless(1);
   scene.bodies[0].start.twist.velocity_mps = {1, 0, 0};
   auto mesh = std::make_shared<TriangleMesh>(*scene.meshes[0].mesh);

@@ -46,8 +46,9 @@ TEST(ContactMotion, BallThrownWithoutSpin) {
 }
 
 TEST(ContactMotion, RollsAndSlidesOnSlopes) {
-  // Goal: from rest on a slope, a ball rolls with 5/7 g sin up to tan = mu (1 + k)/k. On steeper
-  // slopes, it slides with g (sin - mu cos) and spin 5/2 mu g cos / r. Method: test both sides.
+  // Goal: from rest on a slope with tan <= mu (1 + k)/k, a ball rolls with acceleration 5/7 g sin.
+  // On steeper slopes, it slides with acceleration g (sin - mu cos) and angular acceleration 5/2 mu
+  // g cos / r. Method: test both sides.
   const double mu = 0.2, r = 0.02;
   const double steepest_rad = std::atan(3.5 * mu);
   for (const double slope_rad : {0.01, 0.3, steepest_rad - 1e-6, steepest_rad + 1e-6, 1.2}) {
@@ -98,8 +99,8 @@ TEST(ContactMotion, MomentumAboutTheContactIsGravitys) {
 }
 
 TEST(ContactMotion, RollingResistanceStopsIt) {
-  // Goal: a rolling ball stops after time v/(c g) and distance v^2/(2 c g). On slopes it stays up
-  // to tan = (1 + k) c and accelerates on steeper ones. Method: compare closed forms on both sides.
+  // Goal: a rolling ball stops after time v/(c g) and distance v^2/(2 c g). It stays on slopes with
+  // tan <= (1 + k) c, and accelerates on steeper ones. Method: compare closed forms on both sides.
   const double c = 0.02, r = 0.025, v = 0.7;
   Trial trial{.body = {.radius_m = r},
               .contacts = {{.normal = Vec3::UnitZ(), .friction = 0.4, .rolling_friction = c}},

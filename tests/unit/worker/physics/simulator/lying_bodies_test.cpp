@@ -127,7 +127,8 @@ TEST(LyingBodies, FrictionOfAMapBrakesFromItsBorderOn) {
 
 TEST(LyingBodies, APinRollsInItsCircle) {
   // Goal: a lying pin rolls as a cone of 7.3 degrees without loss, with at most 100 events a second
-  // at 0.4 m/s. Method: put a pin down level and rolling. Test the circle's radius and the speed.
+  // at 0.4 m/s. Method: start with a level, rolling pin on the floor. Test the circle's radius and
+  // the speed.
   Scene scene = floor_scene(0.12, {.restitution = 0.3, .friction = 0.5});
   const RoundSolid pin = bowling_pin(1.55).value();
   scene.bodies.push_back(

@@ -334,7 +334,8 @@ TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
 }
 
 TEST(SurfaceSimulation, FarChangesAreReplayed) {
-  // Goal: a history saves work. Method: change a control point far away, and under the last touch.
+  // Goal: a history saves work. Method: change a control point far away, and one under the last
+  // touch.
   Scene scene = throw_of(1);
   const testing::RunResult earlier = testing::run(scene, 2);
   Simulation simulation = Simulation::start(scene, {}).value();

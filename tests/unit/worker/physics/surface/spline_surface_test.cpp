@@ -135,8 +135,8 @@ TEST(SplineSurface, WeightsAreTheDefinitions) {
 }
 
 TEST(SplineSurface, TakesPlacesThatRoundIntoTheNextCell) {
-  // Goal: a place just below a grid line, where the place in the cell rounds to 1, keeps all values
-  // in range. Method: test places closer to 0 than any bit of a cell.
+  // Goal: all values stay in range just below a grid line, where the place in the cell rounds to 1.
+  // Method: test places closer to 0 than any bit of a cell.
   const StaticSurface surface = surface_of(random_controls(7, k_height_m), 0.01);
   SplineSurface spline(surface);
   const SurfacePlace at_zero = spline.at(0, 0);
