@@ -170,7 +170,7 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
          .at_least = true});
   }
   if (all.ladders == 0) return doubts;
-  // A log estimate has an error of one over the square root of the draws' effective size.
+  // The error of a log estimate is 1 / sqrt(effective size of the draws).
   double worth = 0;
   for (const LogEstimate& chain : chains) {
     if (std::isfinite(chain.value)) worth += 1 / (chain.error * chain.error);

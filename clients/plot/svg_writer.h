@@ -1,7 +1,8 @@
 // Appends the few SVG elements that figures need to a string.
 //
 // The same calls produce the same bytes: neither locale nor clock has an effect. Numbers have at
-// most two decimals, a fiftieth of what is visible at double size. Not thread-safe.
+// most two decimals. The second decimal is a fiftieth of the smallest length that is visible at
+// double size. Not thread-safe.
 #pragma once
 
 #include <span>

@@ -295,7 +295,7 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
               "identifies the chain's visit to the prior from which the state descends"}};
   AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
                               in_proportion, sink);
-  // Writing requests each kept animation's motion again (see remembering_reader.h).
+  // The writer requests each kept animation's motion a second time (remembering_reader.h).
   const std::vector<KeptAnimation> all_kept = selector.finish();
   Counted written(hear, WritingProgress::Part::animations, all_kept.size());
   for (const KeptAnimation& kept : all_kept) {

@@ -71,8 +71,8 @@ enum class PlaysOut : std::uint8_t {
   failed      ///< the simulator can't complete the motion
 };
 
-/// A satisfying state's motion, simulated to its end, although its outcome may have been decided
-/// early.
+/// The motion of a state that satisfies the constraint, simulated to its end, even if the outcome
+/// was decided early.
 struct Motion {
   PlaysOut ends = PlaysOut::yes;
   /// All segments, with each body's segments in order of time, and bodies in any order. Empty

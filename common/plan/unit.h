@@ -128,7 +128,8 @@ struct ScanRecord {
   std::uint64_t overlapping_starts = 0;
   /// Estimates of islands (island_estimate.h), or values that judge a burn-in (burn_in_judge.h).
   std::vector<double> method_values{};
-  /// The state, for scans that are archived (every `thin`-th) or satisfied; otherwise empty.
+  /// The state, if the scan is archived (every `thin`-th) or its state satisfies the constraint;
+  /// otherwise empty.
   base::Bytes state{};
   friend bool operator==(const ScanRecord&, const ScanRecord&) = default;
 };

@@ -26,7 +26,7 @@ NormalisedSection& section_of(DirectionRequest& request, std::string_view name) 
   return *at;
 }
 
-/// Returns whether results of islands decide when this rule of [stop] ends a run.
+/// Returns whether this rule of [stop] depends on the results of islands.
 bool hangs_on_islands(std::string_view rule) {
   return rule == "independent_solutions" || rule == "odds";
 }

@@ -51,7 +51,7 @@ class AuditLog {
   void flush();
 
  private:
-  /// The lines that a user can still cause with one kind of call.
+  /// How many lines a user can still cause with one kind of call.
   struct Share {
     double lines = k_audit_burst;
     double since_s = 0;      ///< time for which `lines` holds

@@ -5,10 +5,12 @@
 // (`ms`). CPU times include the start and the new history.
 //
 //   - Row `keep` times a simulation that keeps its history.
-//   - In rows `all`, everything differs: with a useless history of another scene, or without one.
-//   - In rows `early`, one body starts differently, or is kicked, at the beginning. In scenes that
-//     mix, the whole motion is simulated again.
-//   - In rows `half` and `late`, the change comes half-way, or after nine tenths of the time.
+//   - In rows `all`, everything differs. The simulation gets the useless history of another scene,
+//     or none.
+//   - In rows `early`, one body starts differently, or is kicked, at the beginning. In scenes whose
+//     bodies mix, the whole motion is simulated again.
+//   - In rows `half`, the change comes after half of the time, and in rows `late` after nine
+//     tenths.
 //
 // In rows that replay, both ways keep their histories, as a chain of proposals does. In `all`
 // neither way keeps its history. The verified hash is the recording's digest, which is the same for

@@ -5,9 +5,9 @@
 //
 // The program writes into the folder: index.bin, the file that a saved page searches;
 // questions.jsonl and answers.jsonl, one JSON object per line. The program also damages each random
-// query's text by removing, inserting or exchanging characters. Most damaged texts are errors;
-// their places and messages must be equal too. The program groups sets of animations, and searches
-// each set for animations that resemble some of its members.
+// query's text by removing, inserting or exchanging characters. Most damaged texts are invalid. The
+// errors' places and messages must be equal too. The program groups sets of animations, and
+// searches each set for animations that resemble some of its members.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -19,7 +19,7 @@ class WrongDeliveries {
  public:
   WrongDeliveries(Mistake mistake, std::uint64_t epoch) : mistake_(mistake), epoch_(epoch) {}
   void given(const schema::Assignment& assignment);
-  /// Replaces the delivery by the one that the wrong coordinator takes it for.
+  /// Changes the delivery into what the wrong coordinator takes it for.
   void take(schema::Delivery& delivery);
 
  private:

@@ -68,8 +68,8 @@ class ExtentRing {
     move_end(body, k_last, by.last, visit);
   }
 
-  /// Moves the ends of all present bodies at once by insertion sort, with visit(a, b) for each
-  /// pass. `travel_of(body)` returns a body's ArcTravel.
+  /// Moves the ends of all present bodies at once by insertion sort. Calls visit(a, b) when
+  /// opposite ends of bodies a and b pass each other. `travel_of(body)` returns a body's ArcTravel.
   template <class TravelOf, class Visit>
   void move_all(const TravelOf& travel_of, const Visit& visit);
 

@@ -50,7 +50,7 @@ class SimBackend {
   void take_place(std::uint64_t nth);
   /// Cancels the n-th running or waiting job, as a person would in the batch system.
   void cancel_by_hand(std::uint64_t nth);
-  /// Kills the n-th keeper that holds a folder, or all, with their programs.
+  /// Kills the n-th keeper that holds a folder, or all such keepers, and their programs.
   void kill(std::uint64_t nth, bool all);
 
   bool anything_runs() const;

@@ -61,7 +61,7 @@ std::size_t place_of(const plan::ScanRecord& record) {
   return static_cast<std::size_t>(record.outcome.front());
 }
 
-/// A chain's part that continues a given burn-in from an exact draw.
+/// A part of a chain that starts from an exact draw and continues a given burn-in.
 template <class Part>
 class StartedPart {
  public:

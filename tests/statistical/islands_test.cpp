@@ -112,7 +112,7 @@ TEST(Islands, AFifthOfTheToyIsRescued) {
 
 TEST(Islands, AHardPotentialLeavesOutWhatIsRescued) {
   // Goal: if psi = 0, islands estimate the mass of the states that they reach, and draw no other
-  // state. Method: compare 10,000 islands with enumeration of the states whose walker never falls.
+  // state. Method: compare 10,000 islands with a list of all states whose walker never falls.
   const Toy toy;
   const Guide guide{.log_fallen = sampling::k_log_zero};
   const std::vector<double> masses = toy.masses(1);

@@ -22,7 +22,7 @@ std::vector<plan::ScanRecord> explore(RoundReport& round, std::span<const std::u
   return made;
 }
 
-/// Pairs (i, i + 1) with i + scan even swap temperatures, each with probability min(1, ratio). The
+/// If i + scan is even, the pair (i, i + 1) swaps temperatures with probability min(1, ratio). The
 /// hotter level's number selects the pair's random numbers, as a replica's number does for other
 /// purposes.
 void communicate(const LadderOptions& options, std::span<const double> ladder, std::uint64_t scan,

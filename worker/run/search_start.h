@@ -43,7 +43,8 @@ concept StagedWorld = sampling::ActsInStages<W> &&
 /// Maximum number of starts of one chain at one scan.
 inline constexpr std::uint64_t k_starts_max = 256;
 
-/// Returns the find of the `number`-th start of a lane or chain. Empty if the search gave up.
+/// Searches for the `number`-th start of a lane or chain, and returns the find. Empty if the search
+/// gave up.
 template <StagedWorld W>
 std::optional<sampling::Sample<W>> search_start(const W& world, const typename W::Guide& guide,
                                                 const sampling::ChainStreams& streams,

@@ -194,7 +194,7 @@ class Islands {
     double log_mass = k_log_zero;
   };
   Chosen chosen(const Making& making, std::uint32_t stage) const requires ListsChoices<T> {
-    // Compute each particle's mass in each sort, as a share of all weight.
+    // Compute each particle's mass in each sort, multiplied by the particle's share of all weight.
     const std::vector<double> shares = making.weights.shares();
     const std::size_t sorts = target_->sorts();
     const std::size_t particles = options_.particles;

@@ -19,7 +19,7 @@
 
 namespace sleight::sampling {
 
-/// The power of first_ladder that makes the hottest of a dozen levels hot enough for narrow
+/// Exponent for first_ladder(). It makes the hottest of a dozen levels hot enough for narrow
 /// constraints. A ladder that starts too hot wastes a level. A ladder that starts too cold costs
 /// rounds: a gap that rejects all swaps counts as a barrier of 1, so each respacing only about
 /// halves the gap.

@@ -177,7 +177,7 @@ std::span<const IndexProcess::Moment> moments_from(const LadderRun& ladder,
   return {first, all.end()};
 }
 
-/// Adds each replica's level at a bounded number of scans.
+/// Adds each replica's level to the report, for a limited number of scans.
 void add_index_process(std::span<const LadderRun* const> ladders, std::uint64_t first_scan,
                        plan::Report& report) {
   std::size_t moments = 0;

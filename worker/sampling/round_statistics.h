@@ -1,5 +1,5 @@
 // Statistics of one round of a ladder: swap rejection rates, and estimates of log Z and of the
-// probability that a throw satisfies.
+// probability that a throw satisfies the constraint.
 //
 // With l = log p_c and E_beta the mean at beta (stepping stones, Xie et al. 2011):
 //

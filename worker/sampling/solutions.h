@@ -1,5 +1,5 @@
-// Independent solutions of one chain: each lineage that has satisfied at inverse temperature 1,
-// with its first satisfied scan. Not thread-safe.
+// Independent solutions of one chain: each lineage that has satisfied the constraint at inverse
+// temperature 1, with the first scan in which it did so. Not thread-safe.
 #pragma once
 
 #include <compare>

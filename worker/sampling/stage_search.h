@@ -1,6 +1,6 @@
 // Search: builds a solution stage by stage, for a world that acts in stages.
 //
-//   Start from a ground of the prior.
+//   Start from a ground drawn from the prior.
 //   Until all stages are accepted:
 //     Try the next stage, and accept a try that is promising.
 //     After too many tries at one stage, take the last stage back.

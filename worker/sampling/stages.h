@@ -69,7 +69,7 @@ concept ActsInStages = Target<T> && std::copyable<typename T::Prefix> &&
   { target.stages() } -> std::same_as<std::uint32_t>;
   { target.draw_ground(guide, stream) } -> std::same_as<typename T::Ground>;
   { target.ground_given(guide, state, stream) } -> std::same_as<typename T::Ground>;
-  /// Reports of the simulations that made the ground, at least of failed simulations.
+  /// Reports of the simulations that made the ground. May omit successful simulations.
   { target.simulations_of(ground) } -> std::convertible_to<std::span<const SimulationReport>>;
   { target.no_stages(guide, ground) } -> std::same_as<typename T::Prefix>;
   /// Extends a prefix of `stage` stages (from 0) by one stage.

@@ -215,7 +215,8 @@ void run_all(const std::vector<std::function<void()>>& tasks, std::size_t can_be
   }
 }
 
-/// Prints how far chains have moved from their starts: helped balls of satisfying states by scan.
+/// Prints how far chains have moved from their starts: for each scan, the mean number of helped
+/// balls in states that satisfy the constraint.
 void show_burn_in(const Arguments& arguments) {
   std::string keys = "method = \"sequential\"\nburn_in_rounds = 1\nround_scans = 1\n";
   for (const std::string& key : arguments.keys)

@@ -76,7 +76,7 @@ TEST(Planted, DISABLED_LongRun) {
 }
 
 TEST(Planted, DISABLED_OutsideCases) {
-  // Goal: provide a failure outside cases. Method: fail after a loop.
+  // Goal: provide a failure that belongs to no case. Method: fail after a loop.
   for (const std::uint64_t n : cases(9))
     say(n);
   ADD_FAILURE();

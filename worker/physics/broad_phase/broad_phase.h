@@ -76,7 +76,7 @@ static_assert(OverlapSink<NoOverlapSink> && PairSink<NoPairSink>);
 /// `remove`    REQUIRES: the body is present. Reports that each of its overlaps ends.
 /// `move_all`  Replaces the boxes of all present bodies at once, like a synchronous simulator
 ///             (thesis, Algorithm 3.4). REQUIRES: one box per id. Absent bodies' boxes are ignored.
-/// `box`       Returns the box last passed for the body. REQUIRES: the body is present.
+/// `box`       Returns the body's newest box. REQUIRES: the body is present.
 /// Boxes have low <= high. Boxes may be points, and may be infinite.
 template <class T>
 concept BroadPhase = std::constructible_from<T, const BroadPhaseOptions&> &&

@@ -17,7 +17,7 @@ namespace {
 using envelope::Envelope;
 using envelope::Line;
 
-/// These search margins affect only speed, and by how much a collision may be late
+/// These search margins affect only the speed and how late a collision may be found
 /// (piece_motion.h). Maximum corners of the envelope per look; a look may stop at any corner.
 constexpr int k_corners_max = 12;
 /// A gap computed from earlier looks' results differs from the gap computed from scratch by less

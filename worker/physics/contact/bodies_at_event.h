@@ -69,9 +69,9 @@ concept SpheresAtEvent = std::derived_from<T, Event> &&
 
   // goes_live() notes that b may change from now on for reasons that its history doesn't contain.
   at.goes_live(b);
-  // reads() notes, for histories, that the event's result for b depends on the other body's state.
+  // For histories, reads() notes that the event's result for b depends on the other body's state.
   at.reads(b, other);
-  // learns() notes, for histories, that b's contact state changes by more than a touch.
+  // For histories, learns() notes that b's contact state changes by more than a touch.
   at.learns(b);
 };
 

@@ -24,10 +24,10 @@
 //
 // Invariants
 //   1. For separate pieces, gap_m is right to some 1e-15 of the coordinates in A's frame, however
-//      small the gap. The coordinates' size counts as both outer radii plus the distance of the
-//      frames. point_b_m - point_a_m = gap_m * normal to the same accuracy. The normal is right to
-//      1e-15 if a face is involved. Without a face, the normal is right to 1e-15 / sine of the
-//      edges' angle, or to 1e-15 * coordinates / gap.
+//      small the gap. The coordinates' size is the sum of both outer radii and the distance
+//      of the frames. point_b_m - point_a_m = gap_m * normal to the same accuracy. The normal is
+//      right to 1e-15 if a face is involved. Without a face, the normal is right to 1e-15 / sine of
+//      the edges' angle, or to 1e-15 * coordinates / gap.
 //   2. For overlapping pieces (gap_m <= 0), -gap_m is the depth, the length of the shortest shift
 //      along `normal` that separates the pieces. If the depth is small against the features,
 //      `normal` is the contact normal. One of the two points is on its piece's feature; the other

@@ -155,8 +155,8 @@ inline constexpr TickCount k_border_ticks = 256;  // 0.24 us
 // ---- slips --------------------------------------------------------------------------------------
 
 /// A slip ends when its speed is below this share of the speed of the slowest bounces. With a
-/// smaller value, a slip that is pulled sideways turns ever faster as it ends, in some thirty
-/// pieces. With a larger value, slides stop early.
+/// smaller value, a slip that is pulled sideways turns ever faster before it ends, which takes some
+/// thirty pieces. With a larger value, slides stop early.
 inline constexpr double k_stick_bounces = 0.1;
 /// Absolute limit below which a slip ends. A slide ends at a whole tick, so its slip may be about
 /// 1e-8 m/s beyond 0.
@@ -236,8 +236,8 @@ inline constexpr double k_no_spin_slip = 0.01;
 /// A body of revolution touches along a line only if the sine of the angle between its axis and the
 /// normal is at least this.
 inline constexpr double k_line_sine_min = 0.1;
-/// Supports are on a line if they are within this share of their distance from the centre. If this
-/// share is smaller than rounding, a lying cylinder doesn't roll. With a larger value, narrow faces
+/// Supports are on a line if they are within this share of their distance from the centre. With a
+/// value below rounding errors, a lying cylinder doesn't roll. With a larger value, narrow faces
 /// count as lines.
 inline constexpr double k_line_width = 1e-6;
 /// A body that lies on a line is a cylinder, and rolls straight on, if its axis rises from the line
@@ -314,7 +314,8 @@ inline constexpr std::size_t k_held_together_max = 32;
 inline constexpr int k_held_rounds_max = 8192;
 inline constexpr int k_held_rounds_judged = 64;
 /// In a set that isn't held, members with at least this share of the worst member's imbalance don't
-/// rest. With a smaller value, members that could rest without the worst one stay awake with it.
+/// rest. With a smaller value, more members stay awake, although they could rest if only the worst
+/// one stayed awake.
 inline constexpr double k_misses_much = 0.5;
 
 /// Maximum gap or overlap between a body that starts at rest and its supporters. With a smaller
@@ -336,8 +337,8 @@ inline constexpr double k_carries_share = 1e-3;
 /// can't give it that much. With a smaller value, slow neighbours wake it. With a larger value, the
 /// body absorbs more momentum.
 inline constexpr double k_wake_over_rest = 4;
-/// A resting body bears impacts that push it as hard as this many times its weight; in most heaps
-/// it carries less. With a larger value, a wall absorbs the momentum of a ball that presses into
+/// A resting body bears an impact if the push is at most this many times its weight. In most heaps,
+/// bodies carry less. With a larger value, a wall absorbs the momentum of a ball that presses into
 /// it.
 inline constexpr double k_bears_gravities = 16;
 /// A body that woke, or stays, is in its place while it has moved by less than this share of its

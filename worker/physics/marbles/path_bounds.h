@@ -161,8 +161,8 @@ inline double face_not_before_s(const PathPart& path, const SphereFeature& face)
   // The centre never approaches.
   const double last_rate_mps = rate_mps + pull_mps2 * path.span_s;
   if (rate_mps > path.floor_mps && last_rate_mps > path.floor_mps) return k_forever_s;
-  // The centre never touches the plane: without a turn in between the gap is lowest at an end, and
-  // it is positive at both ends. touch_m includes a rounding margin.
+  // The centre never touches the plane: the gap has no minimum between the ends, and is positive at
+  // both ends. touch_m includes a rounding margin.
   const double excess_m = above_m - path.touch_m;
   if (excess_m > 0 && (pull_mps2 <= 0 || last_rate_mps <= 0) &&
       excess_m + 0.5 * (rate_mps + last_rate_mps) * path.span_s > 0)
@@ -187,7 +187,7 @@ inline CornerWay corner_way(const PathPart& path, const SphereFeature& corner) {
 
 /// Touch distance plus rounding errors. c has the rounding error of coordinates. c.c has a rounding
 /// error relative to its own size, which along the path is at most 2 (travel_m^2 + c_c). The
-/// distance has the error of c.c divided by the diameter.
+/// distance's error is the error of c.c, divided by the diameter.
 inline double corner_reach_m(const PathPart& path, const CornerWay& way, double radius_m) {
   const double square = path.travel_m * path.travel_m + way.c_c;
   return (radius_m + k_touch_m) + detail::k_sum_ulps * (path.size_m + 2 * square / radius_m);

@@ -24,7 +24,7 @@ namespace sleight::physics {
 
 /// Returns the rotation from the body's frame to the world's. REQUIRES: t <= rotation_horizon, and
 /// for a general body t >= begin. Cost: 40 ns spherical, 60 ns axial. A general body's cost grows
-/// with t - begin, by 0.4 us per eighth to quarter radian.
+/// with t - begin: 0.4 us per step of 1/8 to 1/4 radian.
 Quat orientation_at(const FreeFlight& flight, const Inertia& inertia, Tick t);
 
 /// Returns the angular velocity in the world's frame. REQUIRES and cost: as for orientation_at.

@@ -15,10 +15,10 @@
 //   - Three faces: The centre stays, and friction's power brakes the spin about its present axis.
 //
 // Here k = I / (m r^2) (2/5 for a solid ball), g_t is the part of gravity along the face, and N is
-// the load per mass. (Any text on mechanics derives this for one face; 5/7 and 2/7 for a ball
-// thrown without spin follow.) Rolling resistance decelerates a sphere rolling on one face by c N.
-// In general, the deceleration follows from the power that this resistance takes. Rolling
-// resistance also brakes spin about the normal of one face, by the moment c N r.
+// the load per mass. (Any text on mechanics derives this for one face. For a ball thrown without
+// spin, the fractions 5/7 and 2/7 follow.) Rolling resistance decelerates a sphere rolling on one
+// face by c N. In general, the deceleration follows from the power that this resistance takes.
+// Rolling resistance also brakes spin about the normal of one face, by the moment c N r.
 //
 // A slip can turn, as for a ball thrown across a slope. The motion is then computed in pieces, in
 // which the slip turns by a 32nd of a radian (up to half a radian where the error is small:

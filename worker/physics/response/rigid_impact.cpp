@@ -165,10 +165,10 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
     return {shares.normal_impulse_ns * n, shares.normal_impulse_ns, ImpactRegime::sliding};
   }
 
-  // The tangential columns by modified Gram-Schmidt, deflating y along the way (Bjoerck, "Solving
-  // linear least squares problems by Gram-Schmidt orthogonalization", BIT 7, 1967). K's eigenvalues
-  // are at least 1/m_A + 1/m_B, so R's diagonal elements are at least the square root of this sum.
-  // If rounding loses a column, this bound replaces its diagonal element.
+  // Compute the tangential columns by modified Gram-Schmidt, and deflate y in the same steps
+  // (Bjoerck, "Solving linear least squares problems by Gram-Schmidt orthogonalization", BIT 7,
+  // 1967). K's eigenvalues are at least 1/m_A + 1/m_B, so R's diagonal elements are at least the
+  // square root of this sum. If rounding loses a column, this bound replaces its diagonal element.
   const Tangents t = tangents_of(n);
   double inverse_mass = 0;
   for (const Side& side : sides)

@@ -333,8 +333,8 @@ bool wide(const std::vector<std::vector<std::uint16_t>>& loops, const Hull& hull
 }
 
 // Returns whether every point is below every face, and every corner of a face is inside its other
-// sides. The second condition may fail at sides as short as the tolerance, whose direction is
-// arbitrary.
+// sides. The second condition may fail at sides as short as the tolerance, because their directions
+// are arbitrary.
 bool sound(const ConvexPolyhedron& polyhedron, const Hull& hull) {
   const double slack_m = 8 * hull.tolerance_m;
   for (const Face& face : polyhedron.faces()) {

@@ -8,8 +8,8 @@
 // The hull is exact on a grid of 2^-52 of the extent (the longest side of the bounding box). Points
 // are rounded to the grid, and the sign of every volume is computed exactly in integers, so
 // rounding never misleads the construction. Triangles then merge into one polygon if their corners
-// are within k_hull_coplanar times the extent of the largest triangle's plane. The vertices keep
-// the given coordinates, bit for bit.
+// are near the plane of the largest triangle, within k_hull_coplanar times the extent. The vertices
+// keep the given coordinates, bit for bit.
 //
 // Invariants
 //   1. Vertices are in the order of the given points. Points inside the hull, a face or an edge, or

@@ -8,8 +8,8 @@
 //
 // Invariants
 //   1. A mesh has passed all checks. All vertices are finite, and no triangle is thinner than
-//      k_mesh_sliver. Every edge is in at most two triangles, which run it in opposite directions,
-//      so neighbours have the same outside. In a closed mesh, every edge is in exactly two
+//      k_mesh_sliver. Every edge is in at most two triangles, which list its vertices in opposite
+//      orders, so neighbours have the same outside. In a closed mesh, every edge is in exactly two
 //      triangles.
 //   2. Derived data depend only on vertices and triangles: after move_vertices() they equal the
 //      data of a fresh build, bit for bit. The numbering of features and the topology never change.

@@ -33,8 +33,8 @@ class Replaying {
   // These functions REQUIRE active().
   /// Before this tick, only the history's events happen.
   Tick quiet_until() const { return replay_->quiet_until; }
-  /// Replays all events before quiet_until(), and up to and at `end`. Returns the last tick
-  /// replayed. REQUIRES: no other events were processed.
+  /// Replays all events up to and including tick `end` that are before quiet_until(). Returns the
+  /// last tick replayed. REQUIRES: no other events were processed.
   Tick skip_quiet(Tick end);
   /// Processes the start of a body. Returns whether the body is replayed from now on.
   bool starts(BodyId body, const EventKey& event);

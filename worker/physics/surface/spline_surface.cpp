@@ -107,8 +107,8 @@ double third_differences(const Points& p) {
 }
 
 /// Bounds of a Bezier patch. The patch and its derivatives stay between the minimum and maximum of
-/// their Bezier points. A derivative's Bezier points are differences of the patch's points: 3 times
-/// first, 6 times second and 9 times mixed differences.
+/// their Bezier points. A derivative's Bezier points are 3 times the first differences of the
+/// patch's points, 6 times the second or 9 times the mixed differences.
 SurfaceBounds bounds_over(const Points& p, double per_spacing) {
   Extent height;
   Extent x;

@@ -8,11 +8,12 @@
 //   `change_start` adds a Gaussian to one random component of one die. An orientation is turned by
 //     a Gaussian angle about a uniform axis, which is symmetric in the uniform measure.
 //   `change_control` adds a Gaussian to one random field of one control point of the table, chosen
-//     uniformly. Restitution and friction are reflected at their ranges' ends; symmetric.
+//     uniformly. Restitution and friction are reflected at their ranges' ends. The proposal is
+//     symmetric.
 //   `change_contact` changes a control point that influenced a collision, in the same way as
 //     `change_control`. First a collision with the table is chosen, with probability proportional
-//     to the preceding flight's duration, then one of the sixteen points around it with the
-//     probability of its weight there.
+//     to the preceding flight's duration. Then one of the sixteen points around it is chosen, with
+//     its weight there as the probability.
 //
 // The reverse of `change_contact` has a different probability, because another table causes other
 // collisions. Let share(c) be the mean weight of point c over collisions, each weighted by its

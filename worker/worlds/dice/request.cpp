@@ -285,7 +285,7 @@ struct GoalBinder {
         {.minimum = 0.001, .maximum = k_face_tolerance_max_deg, .help = k_tolerance_help});
   }
 
-  /// Binds an array of tables. Each table is a goal that `bind` reads, starting from `defaults`.
+  /// Binds an array of tables. Each table is a goal, which `bind` reads.
   template <class Keys>
   void tables(std::string_view key, std::string_view help,
               const std::function<void(Binder&, Keys&)>& bind) {

@@ -8,7 +8,7 @@
 // bin b (Windows) is roughly the density of drops that end in bin b. The mean of f_b over U is f_U.
 //
 //   `aim_ball` drops a uniform ball of L at x drawn from f_U, q = aim / |L(A)| f_U(x).
-//   `scatter_ball` drops a uniform ball of R as the prior draws it, q = scatter / |R(A)| p_w(ball).
+//   `scatter_ball` redraws a uniform ball of R from the prior, q = scatter / |R(A)| p_w(ball).
 //
 // If an aimed ball fills no bin, or a scattered ball fills one, there is no reverse proposal, and
 // the ratio is 0. So the ratio depends on the candidate's outcome. The ratio is known after the

@@ -8,7 +8,8 @@
 //
 //   `change_all` draws from p_w independently of the state: log q ratio = log p_w of the present
 //     state - log p_w of the candidate.
-//   `change_vertices` adds an isotropic Gaussian to each vertex with a probability; symmetric.
+//   `change_vertices` adds, with a given probability per vertex, an isotropic Gaussian to the
+//     vertex; symmetric.
 //   `change_ball` moves the drop place of one active ball, chosen uniformly, in a uniform direction
 //     by a Gaussian length, wrapped at the region's edges; symmetric.
 //   `disable_balls` disables each active ball with probability f. If it disables m balls, the

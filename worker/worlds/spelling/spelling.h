@@ -21,9 +21,9 @@
 //
 // Invariants
 //   1. An animation is a function of the state and the parameters.
-//   2. An early decision equals the result of a run to rest, unless the run to rest fails. A
-//      simulation with far more events than usual fails, for example with a wedged ball, and a run
-//      to rest has more events.
+//   2. A decision made early equals the result of a simulation to rest, unless the latter fails. A
+//      simulation with far more events than usual fails, for example with a wedged ball, and a
+//      simulation to rest has more events.
 //   3. With Kernel::thesis, draws and ratios are as printed in A.2.2. Then invariants 1 and 2 of a
 //      target (target.h) don't hold, and Algorithm 2.1 has another distribution.
 // Thread safety: const functions may be called from several threads at once.

@@ -269,7 +269,7 @@ std::size_t resident_bytes() {
   return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// The server survives random connections of random_request.h.
+// The server survives random connections (random_request.h).
 TEST(HostilePeers, SendAnything) {
   constexpr std::uint64_t k_seed = 28;
   Served served({}, Patience::of_limits);

@@ -67,7 +67,8 @@ TEST(RunEnd, FitsAPipe) {
 
 TEST(RunEnd, NothingElseIsOne) {
   // Goal: a damaged line never reads as the original record. Method: replace each byte of a line,
-  // and cut the line at each byte. Drop keys, contradict the kind, or change types.
+  // and cut the line at each byte. Remove keys, use keys that contradict the kind, and change
+  // types.
   const std::string line = to_line(example());
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     std::string other = line;

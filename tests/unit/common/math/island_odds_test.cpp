@@ -80,7 +80,7 @@ TEST(IslandOdds, EqualIslandsHaveNoError) {
 
 TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
   // Goal: known() applies each limit exactly. Method: test both sides of each limit with estimates
-  // of 1 and a single estimate `largest`.
+  // that are all 1, except one, which is `largest`.
   const auto odds = [](std::size_t count, double largest) {
     std::vector<double> estimates(count, 1);
     estimates[count / 2] = largest;

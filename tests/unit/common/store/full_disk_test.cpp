@@ -37,8 +37,8 @@ std::uint64_t stored_scans(const std::string& folder) {
 TEST_F(FullDisk, AnyCallMayFail) {
   // Goal: whichever write or sync fails, the error is clear, committed scans stay whole, and the
   // run can be resumed. Method: for each k until a session succeeds, fail the k-th and all later
-  // calls, then reopen. A full disk is tested for every k, a write error for every third k; the
-  // fast tier tests fewer.
+  // calls, then reopen. A full disk is tested for every k, and a write error for every third k. The
+  // fast tier tests fewer values.
   testing::FaultyDisk disk;
   struct Fault {
     int code;

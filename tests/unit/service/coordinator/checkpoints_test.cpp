@@ -170,8 +170,8 @@ TEST_F(CheckpointsTest, CostlyOnesAreRare) {
 
 TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
   // Goal: checkpoints continue after any failure and after a cut without draws. The first archive
-  // is tried each second until it succeeds, and the second a minute later. Method: fail in two
-  // ways, then have a cut without draws, then succeed.
+  // is tried each second until it succeeds, and the second a minute later. Method: let two tries
+  // fail in different ways, let the third have no draws, then succeed.
   std::atomic<int> tries = 0;
   Checkpoints checkpoints(
       [&](const request::Cut&, const std::atomic<bool>&) {

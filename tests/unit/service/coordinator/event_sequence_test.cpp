@@ -167,8 +167,8 @@ PlayedRun quiet_run(const World& world, const Asked& asked) {
 
 TEST(EventSequence, IsTheSameHoweverResultsCome) {
   // Goal: events and their order don't depend on the number of workers, the order of results, dying
-  // sessions or the number of calls (invariant 1). Method: compare random runs of a search and then
-  // chains, some in sessions that die anywhere, with an undisturbed run.
+  // sessions or the number of calls (invariant 1). Method: make random runs, each a search followed
+  // by chains. Some run in sessions that die anywhere. Compare with an undisturbed run.
   std::uint64_t failures = 0;
   for (const std::uint64_t index : property::cases(150)) {
     Dice dice(index);

@@ -215,9 +215,10 @@ TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
 }
 
 TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
-  // Goal: chains that start from a search also give the same bits for any threads and stops. The
-  // chains' draws are the rounds that passed, and each counted scan is a kept animation. Method:
-  // compare a run with threads, a run in sessions, and a run of the request stored in the archive.
+  // Goal: chains that start from a search also give the same bits for any number of threads and for
+  // any stops. The chains' draws are the rounds that passed, and each counted scan is a kept
+  // animation. Method: compare a run with threads, a run in sessions, and a run of the request
+  // stored in the archive.
   const auto judged = [](const std::string& stop) {
     return words(
         "method = \"metropolis_hastings\"\nstart = \"search\"\nchains = 4\nround_scans = 8\n"

@@ -273,7 +273,7 @@ done 1 #6
   keep a@0+2
   (ended)
 )");
-  // Members of a ladder's part advance at most to the part's limit, each alone and all together.
+  // A ladder's part limits the scans of each member, and the scans of all members together.
   expect_goes("[ab] [ab] [ab]", blocks_ahead(1), R"(join 1
   assign 1 #0 [a@0 starts, b@0 starts]
 done 1 #0 scans=4

@@ -62,7 +62,7 @@ TEST(LogAcceptanceRatio, LeavesZeroDensityByThePrior) {
 
 TEST(ChainStreams, DifferByEveryField) {
   // Goal: seeds, chains, replicas, purposes and iterations never share random numbers. Method:
-  // change one field at a time, and compare first words.
+  // change one field at a time, and compare each stream's first word.
   const ChainStreams base{.seed = 1, .chain = base::ChainId{2}, .replica = base::ReplicaId{3}};
   const auto word = [](const ChainStreams& streams, random::Purpose purpose, std::uint64_t at) {
     return streams.at(purpose, at).bits();

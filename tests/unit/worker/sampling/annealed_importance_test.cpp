@@ -34,8 +34,8 @@ const std::vector<double>& row(const std::vector<ChainPart::Row>& rows, std::str
 
 TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
   // Goal: units have the right temperatures, sizes, lanes and starts. Method: compare units of one
-  // scan and of maximum length with values by hand. An ascent's first draw shares a unit with the
-  // next scans. Sizes never change within a unit, and no unit continues into the next ascent.
+  // scan and of maximum length with values by hand. An ascent's first draw is in the same unit as
+  // the next scans. Sizes never change within a unit, and no unit continues into the next ascent.
   AnnealedImportance part(burn_in(), 2, 2);
   const std::vector<double> betas{0, 0.05, 0.1, 0.25, 0.4, 0.7, 1};
   ASSERT_EQ(part.schedule().size(), betas.size());
@@ -49,7 +49,8 @@ TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
     std::uint32_t scans;
     std::vector<double> scales;
   };
-  // In each ascent, 3 scans have level 0.1's size, then 4 scans have the size of levels 0.4 and 1.
+  // In each ascent, 3 scans have the size of level 0.1. Then 4 scans have the size of levels 0.4
+  // and 1.
   const std::vector<Expected> expected{{0, 0, 3, {2}},  {1, 0, 3, {2}}, {0, 3, 4, {3}},
                                        {1, 3, 4, {3}},  {0, 7, 3, {2}}, {1, 7, 3, {2}},
                                        {0, 10, 2, {3}}, {1, 10, 2, {3}}};

@@ -326,7 +326,7 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
     EXPECT_DOUBLE_EQ(clock.now_s() - begin_s, scans);
   }
 
-  // Three middle levels lose one level with each scan, for any limit.
+  // Three middle levels make five scans: three in scan 1 and two in scan 2.
   plan::LadderPart& part = *second.block.ladder;
   const std::uint32_t first = 2;
   second.block.members = {second.block.members.begin() + first, second.block.members.begin() + 5};

@@ -85,7 +85,7 @@ TEST(FurthestBehind, IsWhoASearchFinds) {
 }
 
 TEST(FurthestBehind, AsksNobodyTwiceInVain) {
-  // Goal: after a chain had no unit to give, first() calls it again only if the chain moves or the
+  // Goal: if a chain has no unit to give, first() calls it again only after the chain moves or the
   // query changes. Method: count the calls for chains that never give.
   constexpr std::size_t k_chains = 1000;
   FurthestBehind order(k_chains);

@@ -23,8 +23,8 @@ LadderOptions options_of(bool levels_chosen) {
           .anneal_scans = 7};
 }
 
-/// A whole round in which all swaps are accepted, or none. The first two kinds accept none, all and
-/// 30 of 100 proposals at the three levels. The third kind accepts none of 49 proposals.
+/// A whole round in which all swaps are accepted, or none. Of 100 proposals, each of the first two
+/// kinds accepts 0, 100 and 30 at the three levels. The third kind accepts none of 49 proposals.
 RoundReport round_of(const LadderOptions& options, bool swaps) {
   RoundReport round = first_round(options);
   for (std::uint64_t scan = 0; scan < options.round_scans; ++scan) {

@@ -75,8 +75,9 @@ TEST(SwapNumber, IsAnotherAtEachPlace) {
 }
 
 TEST(Swaps, AreAsFrequentAsTheRatio) {
-  // Goal: a pair swaps with probability min(1, ratio). Method: count swaps in 10,000 scans of pairs
-  // with ratio 0.3, ratio above 1, and no density at the hotter state, within five standard errors.
+  // Goal: a pair swaps with probability min(1, ratio). Method: count swaps in 10,000 scans of each
+  // of three pairs: with ratio 0.3, with ratio above 1, and without density at the hotter state.
+  // Allow five standard errors.
   const auto count = [](const SwapPair& pair) {
     int swapped = 0;
     for (std::uint64_t scan = 0; scan < 10'000; ++scan)

@@ -120,7 +120,7 @@ inline Quat random_turn(Dice& dice) {
   return math::quaternion_of_rotation_vector(dice.vector_within(3));
 }
 
-/// Dice thrown onto a table close enough together to meet.
+/// Dice that are thrown onto a table so close together that they meet.
 inline Scene thrown_dice(std::uint64_t seed, std::uint32_t count, StaticSurface surface,
                          double side_m = 0.016) {
   Dice dice(seed, 1);

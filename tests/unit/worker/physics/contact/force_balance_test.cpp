@@ -146,7 +146,7 @@ TEST(ForceBalance, AnArchStandsDownToItsLeastThickness) {
   // Goal: a semicircle of 15 stones with friction 0.7 stands at a thickness of 0.13 radii and falls
   // at 0.09. If joints may be anywhere, the limit is 0.1075 (Heyman, International Journal of
   // Solids and Structures 5, 1969, as corrected by Milankovitch). Method: test both sides, and find
-  // the thickness at which the verdict changes by bisection.
+  // by bisection the thickness at which the verdict changes.
   EXPECT_TRUE(arch(15, 0.13, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.09, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.13, 0.1).holds());

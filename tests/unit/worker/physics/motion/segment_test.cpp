@@ -98,7 +98,8 @@ Long4 in_steps(const Segment& segment, long double s, int steps) {
   return unit(q);
 }
 
-/// in_steps() errs by even powers of the step, so two step counts together give fourth order.
+/// The error of in_steps() contains only even powers of the step, so results for two step counts
+/// combine to fourth order.
 Long4 reference(const Segment& segment, long double s, int steps) {
   const Long4 coarse = in_steps(segment, s, steps);
   Long4 fine = in_steps(segment, s, 2 * steps);

@@ -316,8 +316,8 @@ Twist random_twist(Dice& dice, const RoundBody& body, double speed_mps) {
 
 TEST(ContactMotionAgainstSteps, StraightOnOneFace) {
   // Goal: sliding and rolling are right if the slip keeps its direction. Method: compare with small
-  // steps on a level face with any spin, down a slope with the spin in its plane, without friction,
-  // and from rest on too steep slopes, for all moments.
+  // steps, for all moments of inertia. Use level faces with any spin, slopes with motion straight
+  // down, starts from rest on slopes too steep for rolling, and faces without friction.
   const std::uint64_t seed = 41;
   Dice dice(seed);
   Agreement agreement;

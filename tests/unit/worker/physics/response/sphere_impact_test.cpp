@@ -103,8 +103,9 @@ TEST(SphereImpact, KeepsItsInvariants) {
 
 TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
   // Goal: the rule for slow impacts holds. Method: let a ball hit the floor at 1 mm/s with v_c = 10
-  // mm/s. A slide at 1 m/s pays for all of v_c. A ball without slip can't pay and leaves at its
-  // approach speed. If the slip pays for a part, the ball gets that part at constant energy.
+  // mm/s. A slip of 1 m/s has enough energy for all of v_c. A ball without slip has none, and
+  // leaves at its approach speed. If the slip has enough energy for only a part of v_c, the ball
+  // gets that part, and its energy stays constant.
   SphereImpactInput input{.mass_b = solid_sphere_mass(1, 0.01),
                           .law = {.restitution = 0.5, .friction = 0.3}};
   const auto leaves = [&](double slip_mps, double floor_mps) {

@@ -122,8 +122,8 @@ TEST(RoundBodies, KeepEnergyWithoutLoss) {
 TEST(RoundBodies, NeverGainEnergy) {
   // Goal: with friction and loss, energy never increases, slow contacts included. Method: compare
   // kinetic plus potential energy at regular times with its least value so far. A body that rolls
-  // as a cone moves on chords over a 32nd of a radian. Within a chord, the kinetic energy may be
-  // too low by a fraction of up to the square of half that angle.
+  // as a cone moves on chords, each over a 32nd of a radian. Within a chord, the kinetic energy may
+  // be too low by a fraction of up to the square of half that angle.
   for (const std::uint64_t seed :
        property::cases(property::long_run() ? 100 : property::of_tier(2, 6))) {
     const Scene scene = scenes::round_solids(10, seed + 1).scene;

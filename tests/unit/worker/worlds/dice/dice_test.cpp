@@ -70,8 +70,9 @@ TEST(Dice, ContactsShareTheirWeights) {
 
 TEST(Dice, HeightsThatTheyMetAreCounted) {
   // Goal: `offsets` counts each control point that affects collisions once, by its height, and
-  // `offset_squares` sums the squares of these heights. Constant heights don't count. Method:
-  // compare prior draws, with one point far up or down, with a count by edges, and a flat table.
+  // `offset_squares` sums the squares of these heights. Constant heights don't count. Method: move
+  // one point of a prior draw far up or down, and count heights between the bins' edges. Then use a
+  // flat table.
   Parameters parameters;
   const Dice world(parameters);
   const double sd_m = parameters.world.table.height_sd_m;

@@ -83,8 +83,8 @@ TEST(AimedDrops, ChangeOneBallOfTheRightKind) {
 
 TEST(AimedDrops, AreEachOthersWayBack) {
   // Goal: aiming from A to C has the inverse ratio of scattering from C to A. No ratio exceeds its
-  // bound, and there is no ratio without a way back. Method: test both kinds on random animations,
-  // and give each candidate a random filling.
+  // bound. A ratio is finite only if the reverse proposal is possible. Method: test both kinds on
+  // random animations, and give each candidate a random filling.
   std::uint64_t ways_back = 0;
   for (const std::uint64_t i : property::cases(4000)) {
     random::Stream stream = stream_of(i);

@@ -164,7 +164,7 @@ TEST(Traps, LowerAndLeaningPartitionsHoldLess) {
     offset_m = Vec3::Zero();
   }
   EXPECT_EQ(own, 4U);
-  // Raised partitions hold balls no higher, because the outcome uses the original height.
+  // Raised partitions don't trap higher balls, because the outcome uses the original height.
   for (Vec3& offset_m : ball.offsets_m)
     offset_m = Vec3(0, 0, 0.002);
   ball.centre_m.z() = 0.0125;
