@@ -64,8 +64,8 @@ struct ArchiveOdds {
   std::string natural_throw{};             ///< how a throw differs from a draw; may be empty
   std::optional<HowToKnow> how_to_know{};  ///< none if log P is known
   IslandNumber island_number = IslandNumber::unknown;
-  /// If set, estimates use only islands of each chain from odds_from_island on (the sized batch),
-  /// or only islands before odds_until_island, which are made whatever the results are.
+  /// If set, estimates use only some of each chain's islands: those from odds_from_island on (the
+  /// sized batch), or those before odds_until_island. The latter are made whatever the results are.
   std::optional<std::uint64_t> odds_from_island{};
   std::optional<std::uint64_t> odds_until_island{};
 };

@@ -101,7 +101,7 @@ struct LadderFacts {
 /// Returns no doubts if the estimate can be trusted. REQUIRES: one number of each kind per ladder.
 std::vector<Doubt> doubts_of(const LadderFacts& facts);
 
-/// Judges weighted draws by an estimate of each chain and the effective size of all draws.
+/// Judges weighted draws by each chain's estimate and by the effective size of all draws.
 std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double effective_size,
                                      double effective_size_min);
 

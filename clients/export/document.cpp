@@ -82,7 +82,7 @@ Json json_of(const Material& material) {
   return json;
 }
 
-/// A scene feature's look that some of the animations share.
+/// A look of a scene feature. Some of the animations share this look.
 struct Shown {
   std::uint32_t feature = 0;
   Look look{};

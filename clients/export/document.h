@@ -7,7 +7,7 @@
 // Several animations in one file share a node if they look alike. A thing that differs (a table's
 // heights, moved vertices) has a node for each look, named after the first animation with it:
 // "table (c0.250)". Each clip shows only its own look, by setting nodes' scales to 1 or 0. A body
-// that never enters has no node, or scale 0 if another animation has the node.
+// that never enters has no node. If another animation has a node for it, the scale is 0.
 //
 //   1. Same input, same bytes.
 //   2. Names and texts are made valid UTF-8 without control characters, and the JSON is ASCII.

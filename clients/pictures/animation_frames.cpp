@@ -70,7 +70,7 @@ FrameSizes sizes_in(const SceneExtent& extent, const std::vector<Seen>& views, b
   return sizes;
 }
 
-/// Arranges the views below each other, or beside each other if that is larger.
+/// Arranges the views below or beside each other, whichever shows them larger.
 FrameSizes sizes_of(const SceneExtent& extent, bool flat, const FrameLook& look) {
   std::vector<Seen> views;
   if (look.views == FrameViews::above || (look.views == FrameViews::both && !flat))

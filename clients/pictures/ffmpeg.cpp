@@ -65,7 +65,7 @@ std::vector<std::string> ffmpeg_command(const FfmpegOptions& options) {
           fmt::format("{}x{}", options.columns, options.rows), "-framerate",
           fmt::format("{}", options.fps), "-i", "pipe:0",
           // Encoding that every player supports. Slower presets of x264 don't help with flat
-          // colours, since HI's film takes 1.5 times as long and isn't smaller.
+          // colours: HI's film takes 1.5 times as long and isn't smaller.
           "-an", "-c:v", "libx264", "-preset", "veryfast", "-pix_fmt", "yuv420p", "-threads",
           fmt::format("{}", k_threads), "-movflags", "+faststart", "-fflags", "+bitexact",
           "-flags:v", "+bitexact",

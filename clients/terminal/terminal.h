@@ -13,7 +13,7 @@ namespace sleight::terminal {
 /// Returns the width of the stream's terminal in characters. Nothing if it isn't a terminal.
 std::optional<std::size_t> width_of(std::FILE* stream);
 
-/// A line that is updated in place, on a terminal with escape codes. Not thread-safe.
+/// A terminal line that escape codes update in place. Not thread-safe.
 class RenewedLine {
  public:
   explicit RenewedLine(std::FILE* stream);

@@ -3,11 +3,11 @@
 //
 // A throw's random numbers are normal, N(0, 1) as standard scores, except the orientation and the
 // table's restitution and friction, which are uniform. So each panel has the same prior curve. A
-// log density lies below the mean of blind throws by half of (the sum of squared scores minus the
-// number of scores), in nats. For single blind throws, the standard deviation of this difference is
-// the square root of half the number of scores. The control points that a throw meets depend
-// slightly on their heights. In about 4,000 blind throws on each of three tables, this dependence
-// moved the mean by less than 0.15.
+// throw's log density, minus the mean of blind throws, is half of (the number of scores minus the
+// sum of their squares), in nats. For single blind throws, the standard deviation of this
+// difference is the square root of half the number of scores. The control points that a throw meets
+// depend slightly on their heights. In about 4,000 blind throws on each of three tables, this
+// dependence moved the mean by less than 0.15.
 //
 // The plot uses the kept animations, which differ from each other and are few per lineage. Each
 // animation counts once, even if draws have weights. Animations within a lineage are dependent, so
@@ -86,8 +86,8 @@ struct DicePlausibility {
 DicePlausibility dice_plausibility(const archive::Source& source, const DicePrior& prior,
                                    std::optional<std::uint64_t> chain);
 
-/// Draws a panel for the table's heights and one per component, each a histogram of scores with the
-/// prior's curve. The outermost bars include all values beyond them.
+/// Draws one panel for the table's heights and one for each component. A panel shows a histogram of
+/// scores and the prior's curve. The outermost bars include all values beyond them.
 plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior& prior);
 
 /// Returns a few lines that explain the figure and the costs.

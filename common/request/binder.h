@@ -185,8 +185,8 @@ class Binder {
     }
   }
 
-  /// Sets the value that the normalised text has for a key that the file omits, if the value
-  /// follows from other keys. Empty: the key is omitted. REQUIRES: the key is declared.
+  /// Sets the value of a key that the file omits, for the normalised text. The value follows from
+  /// other keys. Empty: the key is omitted. REQUIRES: the key is declared.
   void settle(std::string_view key, std::string value);
 
   /// Returns whether the file has the key, with a valid value or not.

@@ -13,8 +13,8 @@
 //   5. Over TLS a peer is a stranger until it has shown a token. A stranger has `login_s_max` for
 //      handshake and login, messages of at most `stranger_bytes_max`, and one try. There are at
 //      most `strangers_max` strangers, counted apart from other connections; a new stranger
-//      replaces the oldest stranger, or is refused if that one is too recent, as in 4. A session
-//      ends as soon as its token is revoked or expires.
+//      replaces the oldest stranger, or is refused if even the oldest connected less than
+//      `idle_grace_s` ago. A session ends as soon as its token is revoked or expires.
 // Ending a connection does a client no harm, because the client reconnects (client.h).
 //
 // Errors are answered as a Refusal. If a handler throws, the call is refused as a bug. `complain`

@@ -26,11 +26,11 @@
 //   1. Process the input. A result changes the plan and the states, and leads to a Keep, before
 //      anything is assigned.
 //   2. While a worker has an idle thread, and a block waits or the plan has one, choose the worker
-//      with the fewest assignments per thread (the lowest id among equals). Give the worker the
-//      first of the oldest blocks that was passed over too often or of whose states the worker
-//      holds most; otherwise the oldest block.
-//   3. While the worker that sent the input has room, give blocks to it in the same way, except
-//      blocks of whose states another worker holds most.
+//      with the fewest assignments per thread (the lowest id among equals). Among the oldest
+//      blocks, give the worker the first that prefers this worker or was passed over too often;
+//      otherwise the oldest block. A block prefers the worker that holds most of its states.
+//   3. While the worker that sent the input has room, give blocks to it in the same way. Stop at a
+//      block that prefers another worker.
 //
 // Not thread-safe.
 #pragma once

@@ -41,7 +41,7 @@
 // latest. The user's job gets room once the running jobs' slices are over and those jobs have
 // stopped. A slice is bounded by slice_per_cost times a job's restart cost, or by twice the
 // duration of its longest scan. A stop is bounded by stop_now_after_s. So a user waits at most
-// patience_s, plus one slice and one stop for each user that is next for the same reason. A job
+// patience_s, plus one slice and one stop for each user that has also waited patience_s. A job
 // waits for its user's jobs that precede it, but once per patience_s the user's longest-waiting job
 // is next.
 //

@@ -33,8 +33,9 @@ struct AttemptSpec {
   bool in_batch = false;
   std::uint64_t cache_mb = 256;  ///< per process
   bool strict = false;           ///< a failed simulation ends the run
-  /// Maximum time until a program exits after reporting its end, and until an mpirun without ranks
-  /// exits. After reporting its end, a run waits up to 20 s for ranks that don't answer.
+  /// Maximum time until a program exits after reporting its end. The same limit, or 10 s if
+  /// shorter, applies to mpirun after its last rank has exited. After reporting its end, a run
+  /// waits up to 20 s for ranks that don't answer.
   double grace_s = 30;
 
   bool operator==(const AttemptSpec&) const = default;

@@ -1,4 +1,4 @@
-// The lock of a job's folder, which the folder's keeper holds for life.
+// The lock of a job's folder. The folder's keeper holds the lock as long as the keeper runs.
 //
 // Invariants:
 //   1. At most one process holds the lock, and the lock is released when that process ends.

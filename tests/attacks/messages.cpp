@@ -245,7 +245,7 @@ std::string odd_protocol(Dice& dice) {
       fill_exception(dice, root.initAbort());
       break;
     case 6: {
-      // Replies that a message, which the server may have sent, isn't implemented.
+      // Replies "not implemented" to a message that the server may have sent.
       auto inner = root.initUnimplemented();
       if (dice.one_in(2)) {
         fill_resolve(dice, inner.initResolve(), odd_id(dice));

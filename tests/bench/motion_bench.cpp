@@ -1,4 +1,4 @@
-// Time to evaluate free flight, as in every search and every bounding volume.
+// Measures the time to evaluate free flight, which every search and bounding volume needs.
 #include <benchmark/benchmark.h>
 
 #include <array>

@@ -34,8 +34,8 @@ struct Outcome {
   std::uint64_t events = 0;
   core::Counts counts{};  ///< of all sessions
   /// Work as a share of all threads' time, including dead threads. `utilisation` counts the kept
-  /// scans of the whole run. `utilisation_amid` counts all work between a fifth and four fifths of
-  /// the scans.
+  /// scans of the whole run. `utilisation_amid` counts all work in the middle of the run, from a
+  /// fifth to four fifths of the scans.
   double utilisation = 0;
   double utilisation_amid = 0;
 };

@@ -52,7 +52,7 @@ struct Summary {
   }
 };
 
-/// Runs a seed's cluster and reports what is wrong with it.
+/// Runs the cluster that a seed defines, and reports its errors.
 void check_seed(std::uint64_t seed, const CaseChoice& choice, Summary& summary) {
   const Case of = case_of(seed, choice);
   SCOPED_TRACE(of.name());

@@ -15,7 +15,7 @@ std::uint64_t seeds() {
   return property::long_run() ? 10'000 : property::of_tier(20, 150);
 }
 
-/// Number of tests that share the seeds, so that several processes can run them.
+/// The seeds are divided among this many tests, so that several processes can run them.
 constexpr std::uint64_t k_shares = 4;
 
 /// Totals of a test's services, printed for people.

@@ -314,7 +314,7 @@ TEST(AnnealedImportance, WeightsAreUnbiased) {
     EXPECT_LT(sd, 1.4);
   }
   expect_shares("weighted ascents", places);
-  // The comparison rejects a wrong distribution: ascents without their weights.
+  // Ascents without their weights have a wrong distribution, which the comparison rejects.
   EXPECT_LT(chi_square_p(unweighted, RuggedRing::exact(1)), 1e-12);
 }
 

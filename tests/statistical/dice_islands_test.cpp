@@ -98,9 +98,9 @@ TEST(DiceIslands, PoolsGiveThePrior) {
 }
 
 TEST(DiceIslands, StepsKeepExactDrawsExact) {
-  // Goal: both particle steps leave p_w p_c of two dice invariant. Method: compare the dice's
-  // speeds and the total duration after three steps from exact draws (by rejection) with as many
-  // other exact draws. P-values are above 1e-5.
+  // Goal: both particle steps leave p_w p_c of two dice invariant. Method: make exact draws by
+  // rejection, and move half of them by three steps. Compare the moved half with the other half:
+  // the dice's speeds, and the total duration. P-values are above 1e-5.
   const StagedDice world = two_dice(0.06, 0.05);
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 3;

@@ -174,7 +174,7 @@ std::uint32_t draws() {
                               : static_cast<std::uint32_t>(property::of_tier(1'500, 4'000));
 }
 
-/// Expects that, in each setting, a step by islands moves exact draws and keeps their distribution.
+/// Expects that, in each setting, a step by islands moves exact draws but keeps their distribution.
 void expect_kept(std::uint32_t first_chain,
                  const std::function<void(const sampling::Islands<Toy>&, std::uint64_t number,
                                           ToyParticle&)>& step) {

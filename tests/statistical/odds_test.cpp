@@ -197,10 +197,10 @@ void add_world(Verdicts& all, const char* name, const World& world, const Ladder
 
 TEST(Odds, TrustedErrorsHoldTheTruth) {
   // Goal: trusted errors are calibrated. Method: use letters that change seldom, pairs of letters
-  // behind a barrier, and a bullseye with too short steps. Run 1, 4 or 16 ladders for seven rounds
-  // that double from 32 scans. Ideally, 68% of trusted estimates are within one error and 99.7%
-  // within three. A round's log Z and log P share most of their error, so only half of the
-  // estimates count as independent. The share within one error may be below 68% by up to five
+  // behind a barrier, and a bullseye with steps that are too short. Run 1, 4 or 16 ladders for
+  // seven rounds that double from 32 scans. Ideally, 68% of trusted estimates are within one error
+  // and 99.7% within three. A round's log Z and log P share most of their error, so only half of
+  // the estimates count as independent. The share within one error may be below 68% by up to five
   // standard errors. The share within three errors must exceed 95% only, because estimated errors
   // have heavier tails (with one miss in 100, seven misses or more of 125 occur once in 3,000).
   // Doubted estimates miss more often, and are mostly too low.

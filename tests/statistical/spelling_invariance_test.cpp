@@ -91,7 +91,7 @@ TEST_P(SpellingInvariance, ExactDrawsStayExact) {
 
 TEST_P(SpellingInvariance, AimedDropsKeepExactDrawsExact) {
   // Goal: proposals whose ratio depends on the outcome, and is known only after the simulation, are
-  // right. Method: as in the first test, with mostly such proposals.
+  // right. Method: as in the first test, but most proposals are of this kind.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_aims()), beta, steps);
   std::printf("aimed, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);

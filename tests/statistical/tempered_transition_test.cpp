@@ -99,7 +99,7 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
 }
 
 TEST(TemperedTransition, CrossesBetweenModes) {
-  // Goal: on the line, tempered transitions keep the target with other proposal scales, and cross
+  // Goal: with other proposal scales, tempered transitions keep the target on the line, and cross
   // between modes. Method: move 10,000 exact draws by one transition and by ten, and compare them
   // with fresh draws by the Kolmogorov-Smirnov test. Both p-values are above 1e-6.
   TwoModes world;

@@ -26,9 +26,10 @@
 // The independence sampler over islands (particle_steps.h) uses the conditional island's Z as the
 // current state's Z.
 //
-// If a target can list its choices, an island's particles may choose together (joint). One pair per
-// particle is drawn from all pairs of a particle and an alternative, with probability proportional
-// to weight times the choice's density q. The draws are systematic, in order of sorts.
+// If a target can list its choices, an island's particles may choose together (joint). Each new
+// particle extends an old particle by an alternative. This pair is drawn from all such pairs, with
+// probability proportional to weight times the choice's density q. The draws are systematic, over
+// pairs in order of their sort.
 //
 //     Resample and extend:
 //       mass = sum of weight * q over pairs; draw pairs in proportion to weight * q / mass.

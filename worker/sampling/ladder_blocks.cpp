@@ -89,8 +89,8 @@ std::vector<std::uint32_t> LadderRun::ready_by_level(std::uint64_t horizon) cons
   return ready;
 }
 
-/// Extends a stretch from `level` by ready neighbours, on both sides in turns, to at most `wanted`
-/// levels.
+/// Returns a stretch of at most `wanted` levels. Begins with `level`, and adds ready neighbours on
+/// both sides in turn.
 LadderRun::Stretch LadderRun::joined(std::span<const std::uint32_t> ready, std::uint32_t level,
                                      std::uint64_t wanted) {
   Stretch stretch{.first = level, .end = level + 1};

@@ -48,7 +48,7 @@ ParticleStepReport report_of(const Island<T>& island) {
           .effective_size = island.effective_size};
 }
 
-/// The draw is the next state. REQUIRES: as Islands::given; a chain uses each number once.
+/// The draw is the next state. REQUIRES: the same as Islands::given; a chain uses each number once.
 template <ActsInStages T>
 ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t number,
                                     ParticleSample<T>& current) {

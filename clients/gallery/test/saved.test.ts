@@ -305,7 +305,7 @@ test("the source reports once that it is reachable, and then reports nothing", (
 
 test("the least recently used value is dropped first", async () => {
   // Goal: the cache respects its limit, but keeps the newest value even if this value exceeds the limit.
-  // Method: use numbers as values, each number being its own size, and count loads.
+  // Method: store numbers, whose sizes are the numbers themselves, and count loads.
   const once = new Once<number>({ bytesMax: 10, bytesOf: (value) => value });
   const made: string[] = [];
   const get = (key: string, size: number): Promise<number> => once.get(key, () => {

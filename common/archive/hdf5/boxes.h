@@ -29,8 +29,8 @@ inline Box box_at(const std::vector<std::uint64_t>& dims, std::uint64_t first,
     box.start[d] = first % dims[d];
     first /= dims[d];
   }
-  // Extend the box over whole inner dimensions while the run starts at their beginning and covers
-  // them.
+  // While the run covers an inner dimension from beginning to end, extend the box to the next outer
+  // dimension.
   for (std::size_t d = rank; d-- > 0;) {
     const std::uint64_t left = dims[d] - box.start[d];
     box.count[d] = left < count ? left : count;

@@ -32,8 +32,8 @@ constexpr int k_look_every_ms = 2;
 /// Size of the answers' pipe. A batch fits into the pipe, so that the reader need not wait for this
 /// process.
 constexpr int k_pipe_bytes = 1 << 20;
-/// Lowest number for copies of descriptors. It is above all descriptors of the new process, so that
-/// no copy is overwritten.
+/// Lowest number for copies of descriptors. This number is greater than all descriptors of the new
+/// process, so that no copy is overwritten.
 constexpr int k_first_free_descriptor = 10;
 
 [[noreturn]] void fail_start(const std::string& program, int reason) {

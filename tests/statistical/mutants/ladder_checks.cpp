@@ -193,7 +193,7 @@ std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed) {
   return {mean_p(shares[0], exact[0]), mean_p(shares[2], exact[2])};
 }
 
-/// Like parts_are_found(), for two narrow modes on a line, with adapting proposal scales.
+/// Like parts_are_found(), but with two narrow modes on a line and adaptive proposal scales.
 std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_round_scans = 32;
   constexpr std::uint64_t k_rounds = 5;

@@ -16,7 +16,7 @@ namespace sleight::statistical {
 
 /// A walker on seven places takes four steps, each by one of three choices. The walker begins at
 /// one of two places, with probabilities 0.4 and 0.6. The walker falls at place 5, and only choice
-/// 2 puts it on its feet again. Most states end in places of small p_c. A fallen walker has p_c =
+/// 2 puts it on its feet again. Most states end where p_c is small. A fallen walker has p_c =
 /// 0. About a fifth of the mass belongs to states that fell on the way and were rescued.
 struct StagedToy {
   static constexpr std::uint32_t k_stages = 4;

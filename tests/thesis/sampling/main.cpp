@@ -3,7 +3,7 @@
 // The rows "search, in no proportions", "islands" and "chains from a search, judged" exist for the
 // staged worlds, which are balls that spell and dice (here without judged chains). For balls, these
 // rows use the lambda and proposal shares of requests without a sampler, not the scene's lambda.
-// Lambda changes how often a method's draws satisfy, but not their proportions.
+// Lambda changes how many of a method's draws are satisfying, but not the proportions among these.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -154,8 +154,8 @@ Row search_row(const Arguments& arguments, const std::string& scene, const Param
           }};
 }
 
-/// Adds rows of staged methods with the options of requests without a sampler (serve_best()),
-/// except that islands and judged chains run for any number of balls.
+/// Adds the rows of staged methods. Options are those of requests without a sampler (serve_best()),
+/// but islands and judged chains run for any number of balls.
 void add_spelling_in_stages(const Arguments& arguments, const std::string& scene,
                             const worlds::spelling::Pattern& pattern, std::vector<Row>& rows) {
   const std::uint32_t balls = pattern.count();

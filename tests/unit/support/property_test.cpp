@@ -67,8 +67,8 @@ TEST(Planted, DISABLED_ExpectationOfAnotherThread) {
 }
 
 TEST(Planted, DISABLED_LongRun) {
-  // Goal: provide a case that only long runs have. Method: fail in case 7. Long runs have nine
-  // cases, others six.
+  // Goal: provide a failing case that only long runs have. Method: fail in case 7. Long runs have
+  // nine cases, others six.
   for (const std::uint64_t n : seeds(long_run() ? 9 : 6)) {
     say(n);
     EXPECT_NE(n, 7);

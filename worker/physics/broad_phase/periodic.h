@@ -108,7 +108,7 @@ class Periods {
 
   bool periodic(std::size_t axis) const { return length_m_[axis] != 0; }
   double length_m(std::size_t axis) const { return length_m_[axis]; }
-  /// Ring points per metre of a repeating axis.
+  /// Number of ring points per metre, on a repeating axis.
   double points_per_m(std::size_t axis) const { return points_per_m_[axis]; }
 
   /// Returns a box's code. On repeating axes, a box may be in any period. A box as long as the

@@ -3,10 +3,10 @@
 //
 // Idea. Bodies in a heap bounce by micrometres, thousands of times a second. Each bounce changes
 // the predictions for some twenty neighbours, although most of them are further away than the
-// bounces ever reach. So a body has a numbered place, which allows its points to move by a
-// distance, the place's room. The body keeps its place while no point has moved further than that.
-// If a pair was once found further apart than both rooms allow, it can't collide while both bodies
-// keep their places, however their motions change.
+// bounces ever reach. So a body has a numbered place with a room, which is a distance. The body
+// keeps its place while no point has moved further than the room. If a pair was once found further
+// apart than both rooms allow, it can't collide while both bodies keep their places, however their
+// motions change.
 //
 // Invariants
 //   1. While a body has a place (up to and including the tick `until`), each of its points is

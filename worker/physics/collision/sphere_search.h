@@ -161,8 +161,8 @@ struct SphereApproach {
   bool collides = false;
 };
 
-/// Returns the approach. `towards` is the dot product of the second centre's position relative to
-/// the first and the relative velocity. Inline, because a gas of spheres does little else.
+/// Returns the approach. `towards` is the dot product of relative position and relative velocity
+/// (second sphere minus first sphere). Inline, because a gas of spheres does little else.
 inline SphereApproach approach_of_free_spheres(double towards, double distance2_m2,
                                                double speed2_m2ps2, double radii_m) {
   const double reach_m = radii_m + k_touch_m;

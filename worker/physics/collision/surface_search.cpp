@@ -155,8 +155,8 @@ class Look {
     }
     return descent_.room_m > 0;
   }
-  /// Returns the maximum share of its room that any corner uses up by `until_s`. The share is
-  /// convex in time, so only the ends need to be computed.
+  /// Computes, for each corner, the share of its room that the corner uses up by `until_s`. Returns
+  /// the greatest share. The share is convex in time, so only the ends need to be computed.
   double share_at(double until_s) const {
     const double half_s = 0.5 * until_s;
     double most = -k_forever_s;

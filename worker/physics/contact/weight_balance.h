@@ -32,8 +32,8 @@ Contacts carrying(std::span<const TouchRecord> contacts, const Vec3& weight_n, d
 
 /// Quickly tests whether one or two contacts certainly don't carry a weight at the centre. When the
 /// body turns about the line through two contacts, or about one contact in the direction in which
-/// the weight falls, no push does work. The work of the weight divided by the size of that motion
-/// is a lower bound for the imbalance. `down`: unit vector.
+/// the weight falls, no push does work. The weight's work, divided by the size of that motion, is a
+/// lower bound for the imbalance. `down`: unit vector.
 bool falls_over(std::span<const TouchRecord> contacts, const Vec3& down, double reach_m);
 
 }  // namespace sleight::physics

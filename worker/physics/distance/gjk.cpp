@@ -30,7 +30,8 @@ Part of_segment(const Simplex& simplex, int i, int j) {
   const double from_p = -dot(p, along);
   if (!(from_p > 0)) return of_point(simplex, i);
   if (!(from_p < length_square)) return of_point(simplex, j);
-  // If the result is short, (along x p) x along has an accurate direction; p + t along doesn't.
+  // If the result is short, (along x p) x along gives an accurate direction, and p + t along an
+  // inaccurate one.
   Part part;
   part.closest = cross(cross(along, p), along) / length_square;
   part.square = dot(part.closest, part.closest);

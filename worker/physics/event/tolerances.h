@@ -81,13 +81,13 @@ inline constexpr double k_sink_step_m_min = 2e-14;
 /// tick, and a cradle of n balls n times.
 inline constexpr std::uint32_t k_elastic_at_a_tick = 64;
 
-/// Speed of a rolling sphere's hop off an edge or a resting body, as a share of the separation
-/// speed. The hop is slower than other bounces because its energy comes from the rolling. With a
-/// larger value, balls roll less far.
+/// Speed at which a rolling sphere hops off an edge or off a resting body, as a share of the
+/// separation speed. The hop is slower than other bounces because its energy comes from the
+/// rolling. With a larger value, balls roll less far.
 inline constexpr double k_hop_share = 0.25;
 
-/// A sphere that has met another body doesn't stay on anything for the duration of this many
-/// slowest bounces. At 0, nothing separates the sphere from the other body.
+/// After a sphere has met another body, it doesn't stay on anything for some time: the duration of
+/// this many slowest bounces. At 0, nothing separates the sphere from the other body.
 inline constexpr double k_bounces_alone = 4;
 
 /// Relative gain of energy that rounding of twists may cause in an impact of rigid bodies. With a
@@ -204,7 +204,8 @@ inline constexpr double k_edge_piece_sine_min = 1e-4;
 /// Length of the first piece tried, as a share of the longest possible one. With a larger value,
 /// more first tries fail. With a smaller value, there are more pieces.
 inline constexpr double k_edge_piece_first = 0.85;
-/// Maximum tries for a piece, each shorter, before the sphere moves straight on.
+/// Maximum tries for a piece before the sphere moves straight on. Each try is shorter than the
+/// last.
 inline constexpr int k_edge_piece_tries_max = 4;
 /// Maximum share of the sphere's squared speed that a piece may turn outwards. With a larger value,
 /// pieces begin more steeply.
@@ -223,10 +224,11 @@ inline constexpr double k_slide_piece_s_max = 0x1p-7;
 /// Maximum duration of a piece in which one support hardly slips while others do, so that its
 /// friction is uncertain.
 inline constexpr double k_slip_uncertain_s = 0x1p-10;
-/// Maximum halvings of a piece in which friction would add energy; after that the body is released.
+/// Maximum number of times that a piece is halved because friction would add energy. After that,
+/// the body is released.
 inline constexpr int k_slide_halvings_max = 2;
 /// Friction is reduced where a slip is slower than this share of the speed at which slips end,
-/// because a support that sticks while others slip would swing. If all supports are as slow, the
+/// because a support that sticks while others slip would swing. If all supports are that slow, the
 /// body sticks.
 inline constexpr double k_full_friction_slip = 0.25;
 /// A spin counts as 0 if it moves the supports at most this fast, as a share of the speed at which

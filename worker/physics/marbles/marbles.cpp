@@ -278,7 +278,7 @@ bool Marbles::suspend(BodyId ball) {
 /// Lets the balls in to_resume_ catch up: processes all events before the present event.
 void Marbles::resume(const EventKey& present) {
   const Tick now = now_;
-  // Calls may nest: a ball that starts during a call makes further balls catch up with its start.
+  // Calls may nest: if a ball starts during a call, other balls must catch up with its start.
   const bool outer = catches_up_;
   const Tick outer_present = present_;
   present_ = now;

@@ -90,8 +90,8 @@ struct MarbleChange {
 };
 
 /// Input from an earlier simulation. REQUIRES: all histories come from one simulation. That
-/// simulation's scene has the same laws, the same static geometry except for `changes`, and the
-/// same balls and starts for all balls with a history.
+/// simulation's scene has the same laws, and the same static geometry except for `changes`. Each
+/// ball with a history is the same there, and has the same start.
 struct MarbleReplay {
   const MarbleHistories* histories = nullptr;  ///< by ball, from a finished simulation
   std::span<const MarbleChange> changes{};     ///< of static geometry

@@ -10,8 +10,8 @@
 namespace sleight::physics {
 namespace {
 
-/// Maximum turn by the second term of a Magnus step. The error is about this turn times the step's
-/// angle.
+/// Maximum rotation by the second term of a Magnus step. The step's error is about this rotation
+/// times the angle of the step.
 constexpr double k_second_term_rad = 1e-6;
 /// Maximum number of steps. A ball that needs more steps has no predictable orientation.
 constexpr double k_steps_max = 100'000;

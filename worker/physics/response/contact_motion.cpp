@@ -68,7 +68,7 @@ Rolling resisted(const RoundBody& body, const Vec3& n, Vec3 a, const PassedOn& m
   const double pull = norm(a);
   const bool still = norm(v) <= k_stick_mps;
   if (still) {
-    // Stopping the centre also removes the spin with which its velocity rolls.
+    // When the centre stops, the part of the spin that belongs to rolling stops too.
     start.angular_velocity_radps -= cross(n, v) / body.radius_m;
     v = Vec3::Zero();
     const double held = pull > 0 ? most.against(a / pull) : 0;

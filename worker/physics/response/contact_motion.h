@@ -51,8 +51,8 @@ struct LastingContact {
 struct RoundBody {
   double radius_m = 0;
   double gyration = 0.4;  ///< k = I / (m r^2)
-  /// A slip slower than this speed counts as ended. Otherwise a sideways pull would turn a dying
-  /// slip ever faster, in some thirty pieces.
+  /// A slip slower than this speed counts as ended. Otherwise a sideways pull would turn an ending
+  /// slip ever faster, and the motion would need some thirty pieces.
   double stick_mps = k_stick_mps;
 
   /// Permitted error of a slip whose direction is held for a while.

@@ -18,10 +18,10 @@
 // while the normal turns, and the impulse of friction that follows takes no energy.
 //
 // Invariants
-//   1. The centre is never nearer to the edge than at the start, and at most `rise_max_m` further.
-//      At the end, the centre is as far from the edge as at the start. (The square of the distance
-//      is a polynomial of degree four in time with roots at both ends, relative to its start. The
-//      remaining factor is concave and not negative at both ends.)
+//   1. The centre is never nearer to the edge than at the start, and at most `rise_max_m` further
+//      away. At the end, the centre is as far from the edge as at the start. (The square of the
+//      distance, minus its value at the start, is a polynomial of degree four in time with roots at
+//      both ends. The remaining factor is concave and not negative at both ends.)
 //   2. Kinetic plus potential energy is the same at the start and the end, except for friction: the
 //      chord is in the plane, and velocities are turned, never lengthened. In between, the load
 //      lifts the centre over the chord and lowers it again, while a cylinder would do no work.

@@ -137,7 +137,7 @@ inline ImpactShares impact_shares(const ImpactSplit& impact, const ContactLaw& l
   return shares;
 }
 
-/// An impact with friction against the slip. Symbols: see the top of this file.
+/// An impact in which friction acts against the slip. Symbols: see the top of this file.
 struct SlipSplit {
   double approach_speed_mps = 0;   ///< u > 0
   double slip_speed_mps = 0;       ///< s > 0

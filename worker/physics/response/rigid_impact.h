@@ -75,10 +75,11 @@ struct RigidImpactInput {
 /// REQUIRES: at most one body is static; squares of magnitudes neither over- nor underflow.
 ImpactOutput rigid_impact(const RigidImpactInput& input);
 
-/// Makes a body leave static geometry at a contact with at least a given speed, using at most half
-/// of the energy of its other motion. All other motion slows down in proportion, so a rolling body
-/// keeps rolling. Conserves kinetic energy up to rounding. `normal` points to the body. `body` has
-/// the twist after the impact. REQUIRES: the body isn't static and doesn't approach.
+/// Makes a body leave static geometry at a contact. The body's speed along the normal there becomes
+/// at least `speed_mps`, or less if that would cost more than half of the energy of its other
+/// motion. All other motion slows down in proportion, so a rolling body keeps rolling. Conserves
+/// kinetic energy up to rounding. `normal` points to the body. `body` has the twist after the
+/// impact. REQUIRES: the body isn't static and doesn't approach.
 Twist rigid_hop(const RigidImpactBody& body, const Vec3& contact_m, const Vec3& normal,
                 double speed_mps);
 

@@ -8,8 +8,9 @@
 // lines for sixteen neighbours.
 //
 // A pair's prediction is stored in the copy of the body whose motion changed last, because that
-// body made the prediction. The partner's copy may still hold an older prediction. Each copy stores
-// the partner's change number at its prediction, and is void if the partner has changed since.
+// body made the prediction. The partner's copy may still hold an older prediction. With its
+// prediction, each copy stores the partner's change number. The copy is void if the partner has
+// changed since.
 //
 // Invariants
 //   1. The same index in all arrays belongs to the same edge.

@@ -20,8 +20,8 @@ namespace sleight::run {
 namespace {
 
 constexpr int k_coordinator_rank = 0;
-/// Growth factor of the polling interval. A message waits at most a tenth of the idle time before
-/// it.
+/// Growth factor of the polling interval. If a message arrives after an idle time, it waits at most
+/// a tenth of that time.
 constexpr double k_backoff_growth = 1.1;
 
 /// Messages in transit to rank 0. Waiting for a large message would spin on a core that could

@@ -56,7 +56,7 @@ class Bins {
   }
   /// Distance between the middles of neighbouring bins.
   double pitch_m() const { return pitch_m_; }
-  /// Half the sides of the box between its walls.
+  /// Half of the box's length and width, measured between its walls.
   const Vec2& half_m() const { return half_m_; }
   /// Returns the bin below or above a place, or nothing outside the box. The middle of a partition
   /// belongs to the bin with the larger coordinates.

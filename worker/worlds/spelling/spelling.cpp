@@ -36,8 +36,9 @@ constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 /// or null.
 Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   if (const physics::MarbleHistory* history = marbles.replayed({ball})) {
-    // An observation of a ball left alone holds only if its history has the ball alone at this
-    // tick. Otherwise the ball isn't alone now, because of the places of other balls.
+    // If a ball was observed while it was left alone, the observation holds only if the ball's
+    // history has left it alone by this tick. Otherwise the ball isn't alone now, because of the
+    // places of other balls.
     if (known != nullptr && (!known->was_alone || history->is_alone_at(marbles.now())))
       return *known;
     if (history->stays && history->last.tick <= marbles.now()) {

@@ -141,7 +141,7 @@ class Spelling {
     return log_q_ratio(state, outcome.is_animation() ? &outcome.filling : nullptr, proposal,
                        candidate_outcome.is_animation() ? &candidate_outcome.filling : nullptr);
   }
-  /// Proposes from a filling, which a simulation or a surrogate computed. Null: no filling.
+  /// Makes a proposal from a filling that a simulation or a surrogate computed. Null: no filling.
   sampling::Proposal<State> propose(const State& state, const Filling* filling,
                                     std::span<const double> scales, random::Stream& stream) const;
   double log_q_ratio(const State& state, const Filling* filling,

@@ -53,8 +53,9 @@ struct SpellingHistory {
 
 /// Whether a ball is active in both states and starts in the same place.
 bool starts_alike(const State& state, const State& candidate, std::size_t ball);
-/// Whether a candidate and a state share at least one ball that starts alike and at least half of
-/// the box. If less than half of the box is equal, balls differ from their first collision on.
+/// Whether a candidate and a state have at least half of the box in common, and at least one ball
+/// starts alike in both. If less than half of the box is equal, balls differ from their first
+/// collision on.
 bool resembles(const State& candidate, const State& state);
 
 /// Returns the histories of balls that start alike. These histories hold for the candidate too.

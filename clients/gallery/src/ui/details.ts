@@ -163,7 +163,7 @@ function makeNoteEditor(ui: Ui, nameNow: () => string): NoteEditor {
   const text = el("textarea", { id: "note-playing", rows: 2, maxlength: 4000 });
   // The animation that the fields edit. The player may switch animations before a field loses the focus.
   let of = { run: "", name: "" };
-  // The stored note when the field got the focus. Later changes by others are merged, not overwritten.
+  // The note that was stored when the field got the focus. Later changes by others are merged, not overwritten.
   let before = emptyNote;
   const keepTags = (): void => ui.notes.edit(of.run, of.name, before, { tags: tagsOfText(tags.value) });
   const keepText = (): void => ui.notes.edit(of.run, of.name, before, { note: text.value });

@@ -26,7 +26,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using tests::failure_of;
 
-/// Returns counts by bin: below all bins, at -1 and at 0 standard deviations, and above all bins.
+/// Returns the counts of all bins: `below` in the first, `above` in the last, and the others in the
+/// bins of -1 and 0 standard deviations.
 std::vector<double> in_bins(double below, double at_minus_one, double at_zero, double above) {
   std::vector<double> counts(k_offset_bins);
   counts.front() = below;

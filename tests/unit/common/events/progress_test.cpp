@@ -150,7 +150,8 @@ TEST(ProgressLine, CountsWhatASearchDoes) {
 }
 
 TEST(ProgressLine, HundredPercentMeansDone) {
-  // Goal: 100% isn't shown before the end. Method: print the line one scan short of many.
+  // Goal: 100% isn't shown before the end. Method: print the line of a long run when one scan is
+  // missing.
   const std::string line =
       progress_line("x", {.scans_done = 99'999'999, .scans_total = 100'000'000});
   EXPECT_NE(line.find("(99%)"), std::string::npos) << line;

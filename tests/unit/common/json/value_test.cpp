@@ -36,7 +36,7 @@ TEST(JsonValue, BracesMakeAnObjectOfPairsAndElseAnArray) {
 }
 
 TEST(JsonValue, NumbersComeBackAsTheyWere) {
-  // Goal: no number loses bits. Method: make a round trip of each kind's limits.
+  // Goal: no number loses bits. Method: write and read back the limits of each kind of number.
   constexpr auto k_most = std::numeric_limits<std::uint64_t>::max();
   constexpr auto k_least = std::numeric_limits<std::int64_t>::min();
   EXPECT_EQ(Value::parse(Value(k_most).dump()).get<std::uint64_t>(), k_most);

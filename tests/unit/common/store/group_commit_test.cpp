@@ -212,7 +212,7 @@ class Putter {
 
 TEST(GroupCommit, StalledDiskHoldsPutsUp) {
   // Goal: at most k_queue_bytes_max waits in memory behind the group being written, and nothing is
-  // lost. Method: use results of an eighth of the limit each. While a commit is paused, put()
+  // lost. Method: use results that are each an eighth of the limit. While a commit is paused, put()
   // accepts eight more results, then blocks until the commit continues.
   Recorder recorder;
   recorder.hold();

@@ -177,8 +177,8 @@ TEST(BlockSize, LongHungerIsForgottenSoon) {
 
 TEST(BlockSize, StrangeCostsDoNoHarm) {
   // Goal: whatever costs are reported, block sizes stay within their bounds, and wrong costs are
-  // forgotten. Method: report random costs, some invalid, from a printed seed, then correct ones.
-  // An invalid cost changes nothing.
+  // forgotten. Method: report random costs from a printed seed, some of them invalid; then report
+  // correct costs. An invalid cost changes nothing.
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<double> costs{std::numeric_limits<double>::quiet_NaN(),
                                   -1,

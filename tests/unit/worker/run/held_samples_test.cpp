@@ -154,9 +154,10 @@ void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions op
 
 TEST(HeldSamples, GiveWhatBytesGive) {
   // Goal: run_from_held returns the same bits as run with the state's bytes, or nothing if the
-  // worker doesn't hold the sample. `simulations` counts the target's simulations, also of states
-  // that weren't held. Method: compare with a worker without a cache, in worlds that count
-  // simulations, at all temperatures, with excursions, a surrogate and several iterations.
+  // worker doesn't hold the sample. `simulations` counts all of the target's simulations, including
+  // those of states that weren't held. Method: compare with a worker without a cache, in worlds
+  // that count simulations, at all temperatures, with excursions, a surrogate and several
+  // iterations.
   expect_held_equals_given(
       [](Count count) { return Counted<Ball2d>(worlds::ball_2d::Parameters{}, std::move(count)); },
       {.iterations_per_scan = 2});

@@ -29,7 +29,7 @@ struct World {
   }
 };
 
-/// Reference: the rule for the ends of pilot and batch, applied to all islands at once.
+/// Reference: the rule for where the pilot and the batch end, applied to all islands at once.
 struct Reference {
   std::uint64_t pilot = 0;
   std::uint64_t end = 0;

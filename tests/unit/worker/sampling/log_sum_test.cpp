@@ -29,8 +29,9 @@ TEST(LogSum, IsNothingAtFirst) {
 }
 
 TEST(LogSum, EqualsASumInWiderArithmetic) {
-  // Goal: the sum is right for any order of sizes, including zeros. Method: compare random numbers
-  // in the range of a long double with the plain sum, to 1000 roundings of 1e-16.
+  // Goal: the sum is right for any order of sizes, including zeros. Method: use random numbers in
+  // the range of a long double, and compare with the plain sum. The tolerance allows for 1000
+  // roundings of 1e-16.
   for (const std::uint64_t index : property::cases(50)) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
     const double range = index % 2 == 0 ? 3 : 5000;

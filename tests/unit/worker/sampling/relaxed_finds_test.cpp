@@ -76,7 +76,8 @@ std::uint64_t below(std::uint64_t count, random::Stream& stream) {
 
 using Log = std::map<plan::ReplicaKey, std::vector<plan::ScanRecord>>;
 
-/// Lets `workers` workers return results in any order until nothing is left or enough are logged.
+/// Lets `workers` workers return results in any order, until nothing is left or `results_max`
+/// results are logged.
 void work(plan::Plan& plan, Runs& runs, std::size_t workers, random::Stream& stream, Log& log,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;

@@ -116,7 +116,7 @@ TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
 TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
   // Goal: in a part of a ladder, replicas move as in the whole ladder, and leave exactly when their
   // partner is outside. The part therefore loses levels at its sides with each scan. Method: test
-  // all parts of a ladder of eight from several scans.
+  // all parts of a ladder of eight levels, and start at several scans.
   const FlowLevels ladder = ladder_of(8);
   const Seating expected = lockstep(ladder);
   for (std::uint32_t first = 0; first < 8; ++first) {

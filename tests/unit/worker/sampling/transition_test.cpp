@@ -87,8 +87,9 @@ Matrix exact_transitions(double beta) {
 }
 
 TEST(Transitions, OracleIsInDetailedBalance) {
-  // Goal: the matrix that the next test compares with leaves p_w p_c^beta invariant. Method: check
-  // detailed balance of every pair, row sums of 1, and no way into state 3.
+  // The next test compares transitions with a matrix. Goal: the matrix leaves p_w p_c^beta
+  // invariant. Method: check detailed balance of every pair, row sums of 1, and no way into state
+  // 3.
   for (const double beta : {0.0, 0.5, 1.0}) {
     const Matrix matrix = exact_transitions(beta);
     for (std::size_t i = 0; i < k_states; ++i) {

@@ -114,7 +114,7 @@ Box far(Dice& dice) {
   return cube(centre, dice.once_in(3) ? 1 : 1e-3);
 }
 
-/// A point in any of five periods of 5, 4 and 3 m.
+/// A random point in one of five periods on each axis. The periods are 5, 4 and 3 m long.
 Point in_periods(Dice& dice, double half) {
   Point centre = in_cube(dice, half);
   const Point period = {5, 4, 3};

@@ -71,7 +71,8 @@ double friction_missing(const Trial& trial, const ContactMotion& motion) {
     const double load = dot(force, contact.normal);
     worst = norm(force - load * contact.normal) - contact.friction * load;
   } else {
-    // Forces are the loads and the friction along the line of both faces, half at each contact.
+    // The force consists of the loads, and of friction along the line of both faces. Each contact
+    // exerts half of this friction.
     const Vec3 &a = trial.contacts[0].normal, &b = trial.contacts[1].normal;
     const Vec3 line = math::normalized(cross(a, b));
     const double along = dot(force, line);

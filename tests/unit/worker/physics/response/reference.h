@@ -98,7 +98,7 @@ enum class Fault : std::uint8_t {
 };
 ImpactOutput slow_impact(const Case& made, Fault fault = Fault::none);
 
-/// Newton's restitution with Coulomb friction, as commonly used; it can gain energy. The contact
+/// Newton's restitution with Coulomb friction in its usual form, which can gain energy. The contact
 /// sticks if the impulse that stops the slip is in the cone. Otherwise friction acts against the
 /// initial slip.
 ImpactOutput plain_newton_impact(const Case& made);

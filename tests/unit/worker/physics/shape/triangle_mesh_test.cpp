@@ -1,7 +1,7 @@
 // Goal: meshes are checked, their features are right, and moving vertices gives the same mesh as a
-// new build. Method: convert known solids to meshes, use a hollow and a sheet for each kind of
-// edge, and move random heights on a grid many times, compared bit for bit. Errors name their
-// triangle.
+// new build. Method: convert known solids to meshes; use a hollow and a sheet for each kind of
+// edge; move random heights on a grid many times, and compare with a new build bit for bit. Errors
+// name their triangle.
 #include "worker/physics/shape/triangle_mesh.h"
 
 #include <gtest/gtest.h>

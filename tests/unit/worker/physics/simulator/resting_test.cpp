@@ -263,7 +263,8 @@ TEST(Resting, NothingHangsInTheAir) {
     again.slow.rest_speed_mps = 0;
     for (std::uint32_t body = 0; body < again.bodies.size(); ++body) {
       const FreeFlight& flight = run.recording.segments({body}).back().segment.flight;
-      // Raise all grains, because some rest within touch of the floor, where no body may start.
+      // Raise all grains: some rest within the touch distance of the floor, and no body may start
+      // there.
       again.bodies[body].start = {
           .pose = {flight.position_m + Vec3(0, 0, 2 * k_touch_m), flight.orientation}, .twist = {}};
       again.bodies[body].start_tick = {};

@@ -210,7 +210,7 @@ TEST(SceneErrors, ABodyInsideAStaticOneIsRefused) {
   }
 }
 
-/// The first ball rests on the floor or flies across when the second starts in its place.
+/// The second ball starts in the place of the first ball, which rests there or flies past.
 Scene late_start(bool moving, Tick tick) {
   Scene scene = good_scene();
   scene.slow = {.separation_speed_mps = 0.002, .rest_speed_mps = 0.013, .rest_time_s = 0.004};

@@ -51,7 +51,7 @@ TEST(Structures, APlankTipsUnderAGentleLoad) {
                                                                 {-1, 1, 0.2},
                                                                 {0, 1, 0.2}})
                                       .value())});
-    // The plank's centre is 0.05 inside of the edge, its end 0.2 outside.
+    // The plank's centre is 0.05 inside the edge, and its end is 0.2 outside.
     scene.bodies.push_back(box_at({0.5, 0.1, 0.02}, {-0.05, 0, 0.21 + 1e-6}));
     const Vec3 size(0.04, 0.04, 0.03);
     BodyDescription weight = box_at(size, {0.18, 0, 0.22 + 0.015 + 5e-6});

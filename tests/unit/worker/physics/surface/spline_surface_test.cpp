@@ -238,7 +238,7 @@ TEST(SplineSurface, AnswersDoNotDependOnWhatWasAskedBefore) {
 
 TEST(SplineSurface, MakesOnlyThePatchesAskedFor) {
   // Goal: a large table costs nothing, and each point of a patch is requested once. Method: count
-  // the requests to a table of 10,000 x 10,000 points in a flat apron.
+  // the requests to a table of 10,000 x 10,000 points that a flat apron surrounds.
   constexpr double k_spacing_m = 0.005;
   const auto table = controls_of([](GridIndex at) {
     const bool inside = at.i >= 0 && at.i < 10'000 && at.j >= 0 && at.j < 10'000;

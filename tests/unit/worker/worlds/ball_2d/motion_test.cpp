@@ -49,7 +49,8 @@ TEST(Motion, OneBounceByHand) {
 
 TEST(Reflected, ATableOnlyPushes) {
   // Goal: a surface changes no bit of the velocity of a ball that moves away from it or along it.
-  // Method: test both by hand, and a motion that meets such a surface.
+  // Method: compare both cases with values computed by hand; then simulate a motion that meets such
+  // a surface.
   EXPECT_EQ(reflected({0.3, 2.5}, {0, 1}, 0.5), math::Vec2(0.3, 2.5));
   EXPECT_EQ(reflected({0.3, 0}, {0, 1}, 0.5), math::Vec2(0.3, 0));
   EXPECT_EQ(reflected({3, -4}, {0.8, 0.6}, 0.5), math::Vec2(3, -4));

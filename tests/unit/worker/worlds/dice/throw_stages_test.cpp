@@ -42,7 +42,7 @@ std::vector<LoneThrow> throws_that_land_ahead(const DieStart& start, int count) 
 TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
   // Goal: the map favours throws with small misses and weighs them by p / q. Method: a die lands
   // half a second's travel ahead. Only one speed, one standard deviation from the mean, reaches the
-  // goal. More than three of four draws have about that speed, and the mean of p / q is 1.
+  // goal. More than three quarters of the draws have about this speed, and the mean of p / q is 1.
   const DieStart start;
   const ThrowMap map(start, throws_that_land_ahead(start, 200));
   ASSERT_FALSE(map.is_prior());

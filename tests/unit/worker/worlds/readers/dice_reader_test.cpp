@@ -31,8 +31,8 @@ State state_of(const Dice& world, std::uint64_t number) {
 }
 
 TEST(DiceReader, StatesComeBackFromTheirBytes) {
-  // Goal: decode(encode(state)) returns the state, and all other bytes are refused. Method: test
-  // cut, lengthened and damaged bytes of draws.
+  // Goal: decode(encode(state)) returns the state, and all other bytes are refused. Method: cut,
+  // lengthen and damage the bytes of draws.
   const Dice world(testing::all_random(2));
   for (std::uint64_t number = 0; number < 20; ++number) {
     const State state = state_of(world, number);

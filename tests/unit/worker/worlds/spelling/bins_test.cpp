@@ -92,7 +92,7 @@ TEST(Bins, EveryPlaceIsInItsBin) {
 
 TEST(Bins, OffsetsMoveTheirVertices) {
   // Goal: an offset moves only one vertex of the surface, and extreme offsets are refused. Method:
-  // move one vertex, and two vertices of a crossing to one place.
+  // move one vertex; then move a second vertex to the place of a third one.
   const Bins bins(WorldParameters{}, 3, 3);
   std::vector<Vec3> offsets_m(bins.vertex_count(), Vec3::Zero());
   const auto before = bins.surface(offsets_m);

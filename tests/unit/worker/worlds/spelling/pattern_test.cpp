@@ -38,7 +38,8 @@ TEST(Pattern, TheThesisExamples) {
 }
 
 TEST(Pattern, RowsComeBackAsTheyWere) {
-  // Goal: a bitmap is read as drawn, from any kind of lines. Method: convert back and forth.
+  // Goal: rows of text become the bitmap that they show, with any kind of line ends. Method:
+  // convert back and forth.
   const std::string rows = "#.#\n.#.\n";
   for (const std::string& text : {rows, "\n" + rows + "\n", std::string("#.#\r\n.#.\r\n")}) {
     const auto pattern = pattern_of_rows(text);

@@ -290,9 +290,9 @@ TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
 }
 
 TEST(Traps, ABallBetweenAnEdgeAndAWallIsDecided) {
-  // Goal: a ball pulled by friction from an edge to a wall that carries no load comes to rest. The
-  // ball once alternated between edge and wall 80,000 times in 25 microseconds. Method: count the
-  // events of that animation, which the test below found among 100,000.
+  // Goal: a ball comes to rest if friction pulls it from an edge to a wall, and the wall carries no
+  // load. The ball once alternated between edge and wall 80,000 times in 25 microseconds. Method:
+  // count the events of that animation, which the test below found among 100,000.
   const Spelling world(world_of(4));
   const State state = random_state(world, 35'114);
   const Outcome early = world.simulate(state);
