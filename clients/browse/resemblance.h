@@ -79,8 +79,8 @@ class Sketches {
   struct Sketch {
     std::vector<Places> places{};        ///< by body
     std::vector<std::uint8_t> enters{};  ///< by body: 1 or 0
-    /// The bodies' coordinates at the matching times, by class of interchangeable bodies, within a
-    /// class as [time][axis][body]. Classes of one body are omitted.
+    /// The bodies' coordinates at the matching times. Each class of interchangeable bodies has an
+    /// array [time][axis][body]. Classes of one body are omitted.
     std::vector<float> matched_by{};
     std::vector<FirstContact> first{};  ///< in the order of time
   };

@@ -1,11 +1,11 @@
 // Renders an animation's frames as PNG files or as one MP4, and its whole motion as one SVG
 // picture.
 //
-// A frame shows the scene from above and from the front, arranged below or beside each other,
-// whichever is larger, or only one of the views. All frames of an animation show the same part of
-// the scene at the same scale. Frame n (from 0) shows the bodies at time n / fps from the
-// animation's beginning. The last frame is at the last multiple of 1 / fps up to the moment when
-// all bodies rest.
+// A frame shows the scene from above and from the front, or only one of these views. Two views are
+// placed below or beside each other, whichever makes them larger. All frames of an animation show
+// the same part of the scene at the same scale. Frame n (from 0) shows the bodies at time n / fps
+// from the animation's beginning. The last frame is at the last multiple of 1 / fps up to the
+// moment when all bodies rest.
 //
 // Still parts are drawn once for all frames (clients/plot/film.h). In one second, one core (2.4
 // GHz, 2026-11-26, `sleight export --fps 200`) renders about 200 PNG files of one ball, 110 of a

@@ -118,7 +118,7 @@ class Plan {
   /// The draws among these scans.
   virtual Draws draws() const { return {.first_scan = 0, .count = scans_common()}; }
 
-  /// Independent solutions so far, and the number of them that ends the run, if any.
+  /// Number of independent solutions so far, and the number at which the run ends, if any.
   virtual std::uint64_t solutions_found() const = 0;
   virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
 

@@ -58,7 +58,7 @@ enum class Start {
 
 struct SamplerParameters {
   Method method = Method::parallel_tempering;
-  /// Number of independent chains, or of ladders if tempered. 0 for a search without chains.
+  /// Number of independent chains, or of ladders with tempering. 0: a search without chains.
   std::uint32_t chains = 4;
   std::optional<std::uint32_t> replicas{};  ///< per ladder; empty: chosen by the ladder's barrier
   /// Exponent of the inverse temperatures of a first ladder: (i / (replicas - 1))^ladder_power.
@@ -94,7 +94,7 @@ struct SamplerParameters {
 std::uint64_t scans_before_draws(const SamplerParameters& sampler);
 
 /// Stop rules. A request has at least one rule, given or by default (k_solutions_asked_for). Rules
-/// depend on logical counts, never on a clock. `rounds` rounds have round_scans * (2^rounds - 1)
+/// depend on logical counts, never on a clock. Together, n rounds have round_scans * (2^n - 1)
 /// scans, which must be at most k_scans_max too.
 struct StopRule {
   /// Scans per chain, including its start (scan 0). More than scans_before_draws.

@@ -1,4 +1,4 @@
-// Implements watching over a Link and Patience (link.h), without sockets.
+// The client's side of a watch call. It uses a Link and Patience (link.h), but no sockets.
 #include <algorithm>
 #include <unordered_map>
 

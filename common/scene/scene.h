@@ -63,8 +63,8 @@ inline constexpr std::int32_t k_none = -1;
 struct Feature {
   std::string name{};  ///< for people and queries: "die 3", "table"
   FeatureKind kind = FeatureKind::body;
-  /// Number of the first body that is interchangeable with this body. If no other body is
-  /// interchangeable with this body, its own number.
+  /// Number of the first body that is interchangeable with this body, or this body's own number if
+  /// no other body is.
   std::uint32_t twin_of = 0;
   /// The body that a goal is for. None: the goal is for any body, or the feature is not a goal.
   std::int32_t body = k_none;

@@ -75,8 +75,8 @@ class Database {
   /// and power loss. read_write creates a missing file. On a network disk, a read_write connection
   /// must be the file's only connection in all processes, because SQLite then uses no shared
   /// memory. If the disk lacks file locks (fcntl), only the caller's lock excludes other
-  /// connections. Closing a connection on a network disk leaves the log, because a process that has
-  /// lost its lock could otherwise delete its successor's log by name.
+  /// connections. On a network disk, closing a connection doesn't delete the log, because a process
+  /// that has lost its lock could otherwise delete its successor's log by name.
   Database(const std::string& path, Access access);
   /// Returns whether this connection must be the file's only one.
   bool is_exclusive() const { return is_exclusive_; }

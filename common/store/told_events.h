@@ -32,9 +32,10 @@ class ToldEvents {
   /// REQUIRES: number >= 1.
   explicit ToldEvents(std::string folder, std::uint64_t number = 1);
 
-  /// Returns the log's new events, of which at most `numbered_max` are numbered. Missing numbered
-  /// events come from the store. If there are no new events, this only opens a file and reads its
-  /// size. Throws base::Error if it needs the store but can't read it. REQUIRES: numbered_max >= 1.
+  /// Returns the log's new events, of which at most `numbered_max` are numbered. If the log lacks
+  /// numbered events, they are read from the store. If there are no new events, this only opens a
+  /// file and reads its size. Throws base::Error if it needs the store but can't read it. REQUIRES:
+  /// numbered_max >= 1.
   std::vector<events::RunEvent> next(std::size_t numbered_max);
 
   /// Like next(), but also returns events that are only in the store because the log couldn't be

@@ -53,9 +53,9 @@ struct DriveOptions {
   /// Receives the run's state every report_every_s, and when a search has its last find. Must be
   /// quick. May be empty.
   std::function<void(const Standing&)> standing{};
-  /// Receives all results: first results of earlier sessions, then each new result before it is put
-  /// into the store. The results of each replica arrive in order. May be empty. `standing` can use
-  /// what the plan derived from these results.
+  /// Receives all results: initially those of earlier sessions, then each new result before it is
+  /// put into the store. The results of each replica arrive in order. May be empty. `standing` can
+  /// use what the plan derived from these results.
   std::function<void(const plan::ReplicaKey&, base::ScanIndex first_scan,
                      std::span<const plan::ScanRecord>)>
       consumed{};

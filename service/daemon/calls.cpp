@@ -338,8 +338,8 @@ base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
   return std::optional(std::move(longer).value());
 }
 
-/// Changes each job and answers when all changes are durable. If the target is a single job, a
-/// refusal for this job refuses the call. In a group, each job has its own answer.
+/// Changes each job and answers when all changes are durable. If the target is a single job and
+/// this job can't be changed, the call is refused. In a group, each job has its own answer.
 void Calls::change(const rpc::Caller& caller, rpc::ChangeAsk ask,
                    rpc::Reply<std::vector<rpc::Touched>> reply) {
   const auto found = jobs_of(caller, ask.target);

@@ -73,7 +73,8 @@ class JobStore {
   /// while the lock is held, because the run lease of a network disk can expire.
   explicit JobStore(const std::string& path, const store::RunLock* lock = nullptr);
 
-  /// A connection for reading beside the writer. On a network disk, all users share one connection.
+  /// A connection for reading, besides the writer's connection. On a network disk, all users share
+  /// one connection.
   std::shared_ptr<store::SharedDatabase> to_read() const;
 
   /// Loads everything, for a starting daemon. Throws base::Error if a row was changed.

@@ -5,7 +5,7 @@
 //     LaunchFailed.
 //   `Look` awaits the next list of all attempts and reads the folder's record for a Sight.
 //   `Stop` calls backend.signal.
-//   Each second, polls of the folders' records lead to Launched or Sight {Running or Ended}.
+//   The folders' records are read each second, which leads to Launched or Sight {Running or Ended}.
 //   From time to time, a list of all attempts leads to Sight {Pending}, or to a result below.
 //
 //     In the system     | the folder's record | result

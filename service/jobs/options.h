@@ -25,8 +25,8 @@ struct Options {
   /// The core-seconds that a user's running jobs will use within this time are counted as already
   /// used. Without this rule, two equal users would take turns with all cores.
   double horizon_s = 10;
-  /// A user that has waited this long with nothing running is next. Once in this time, a user's
-  /// longest-waiting job precedes the user's other jobs, if it has waited at least this long.
+  /// A user that has waited this long with nothing running is next. Once per patience_s, a user's
+  /// longest-waiting job precedes the user's other jobs, if it has waited for patience_s.
   double patience_s = 3600;
 
   // When a job makes room

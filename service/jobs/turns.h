@@ -24,8 +24,8 @@
 // If nobody waits for free cores, a running job with fewer cores than it wishes gets them. For
 // this, the job is stopped and restarted with more cores if the time saved is at least
 // slice_per_cost times the restart's cost. The estimate assumes that the remaining work equals the
-// work so far. If the job's user is below its share, and a user above its share has used more, a
-// job of each is stopped, so that the first user gets its share.
+// work so far. If the job's user is below its share, the job can also get cores of a user who is
+// above its share and has used more. For this, a job of each user is stopped.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -1,8 +1,8 @@
 // The cost of keeping a simulation's history, and its benefit (docs/SIMULATOR.md, "Replay of an
 // earlier simulation").
 //
-// Each row alternates between a recorded simulation from scratch (`whole_ms`) and the row's own way
-// (`ms`). CPU times include the start and the new history.
+// Each row alternates between a recorded simulation from scratch (`whole_ms`) and the row's own
+// simulation (`ms`). CPU times include the start and the new history.
 //
 //   - Row `keep` times a simulation that keeps its history.
 //   - In rows `all`, everything differs. The simulation gets the useless history of another scene,
@@ -12,9 +12,9 @@
 //   - In rows `half`, the change comes after half of the time, and in rows `late` after nine
 //     tenths.
 //
-// In rows that replay, both ways keep their histories, as a chain of proposals does. In `all`
-// neither way keeps its history. The verified hash is the recording's digest, which is the same for
-// both ways.
+// In rows `early`, `half` and `late`, both simulations keep their histories, as in a chain of
+// proposals. In `all`, neither does. The verified hash is the recording's digest, which is the same
+// for both.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -130,8 +130,7 @@ Case case_of_islands(std::uint32_t workers, double handling_s) {
 TEST(Scale, IslandsKeepAThousandWorkersBusy) {
   // Goal: chains of islands never wait, so nearly all of 1,024 workers' time is used over a whole
   // run of about 3.6 s. The limit is the time that the coordinator takes for the first messages of
-  // all workers. Method: make runs with several message times, and compare them with the serial
-  // run.
+  // all workers. Method: compare runs with several handling times per message with the serial run.
   constexpr std::uint32_t k_workers = 1024;
   struct Asked {
     double handling_s;

@@ -104,7 +104,7 @@ TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
   // Goal: P is right on average over all runs, and the error is about as requested. Among runs that
   // report an error, about 65% are within one error of the truth and 92% within two. Normal
   // estimates have larger shares, but here the sum is skewed and its spread is estimated. Two rules
-  // bias P by less than a quarter of an error: the batch is extended if one island has a tenth of
+  // bias P by less than a quarter of its error: the batch is extended if one island has a tenth of
   // the sum, and no error is reported if this doesn't help. Method: make 1,000 runs of the plan
   // itself. The shares may be lower by five binomial standard errors, and the mean may differ by
   // four standard errors.

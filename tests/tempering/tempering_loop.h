@@ -14,8 +14,8 @@
 
 namespace sleight::sampling {
 
-/// One replica's scan, from its state after its last scan. A scan at inverse temperature 0 is a new
-/// prior draw. A replica's first scan, in any round, is a prior draw too.
+/// A scan of one replica, which continues from the replica's previous scan. A scan at inverse
+/// temperature 0 is a new prior draw. A replica's first scan, in any round, is a prior draw too.
 struct LoopScan {
   std::uint32_t replica = 0;
   std::uint64_t scan = 0;

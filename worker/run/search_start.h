@@ -30,7 +30,8 @@ concept StagedWorld = sampling::ActsInStages<W> &&
   /// Failures of the simulations that computed the guide.
   { world.failures_of(guide) } -> std::convertible_to<std::span<const plan::FailurePointer>>;
   requires sampling::StageBuilder<decltype(world.builder(guide))>;
-  /// Outcome of the whole motion until rest. A find's outcome at rest must satisfy too.
+  /// Outcome of the whole motion until rest. A find's outcome at rest must satisfy the constraint
+  /// too.
   { world.simulate_to_rest(state) } -> std::same_as<typename W::Outcome>;
   /// The values by which the burn-in of chains from a search is judged (burn_in_judge.h), and a
   /// state's numbers for these values.

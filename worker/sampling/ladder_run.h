@@ -44,8 +44,8 @@ class LadderRun {
   /// Returns a unit of a replica that is furthest behind. Empty if no more replicas can run.
   /// `horizon`: scans below this number may begin.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
-  /// Returns a block: a unit as from next_unit() and, within the limits, runnable units of
-  /// neighbouring levels. With at least one ladder per thread, a block has a whole ladder, so no
+  /// Returns a block: the unit that next_unit() would return and, within the limits, runnable units
+  /// of neighbouring levels. With at least one ladder per thread, a block has a whole ladder, so no
   /// swap waits and no state travels. Otherwise a block has half a thread's share of the levels.
   std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits,
                                         std::size_t ladders = 1);

@@ -15,8 +15,8 @@
 // If one island exceeds a tenth of the batch's sum, there is no error estimate. The batch then
 // grows by half of its first length, repeatedly, up to 32 times its first length.
 //
-// The pilot determines the number of islands, so its islands must not count. A run that ended when
-// its own estimate looked good would end before the rare large islands appear, and underestimate P.
+// The pilot determines the number of islands, so its islands must not count. If a run stopped as
+// soon as its own estimate looked good, it would miss the rare large islands and underestimate P.
 // Extensions have a small bias of this kind: a batch with a large island grows and dilutes it,
 // while a batch without one stops. docs/MEASUREMENTS quantifies the bias.
 // Invariant: the rule's results are a function of the estimates in order. A value type.

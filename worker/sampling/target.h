@@ -119,7 +119,8 @@ concept SimulatesChanges = Target<T> &&
   { target.simulate_from(state, state, outcome) } -> std::same_as<typename T::Outcome>;
 };
 
-/// The surrogate's steps in one iteration (surrogate_transition.h), and their kinds for the counts.
+/// The surrogate's steps in one iteration (surrogate_transition.h). `walk_kind` and `single_kind`
+/// are the kinds under which the steps are counted.
 struct SurrogateSteps {
   std::uint32_t walk = 0;    ///< Steps of a walk without anchor; 0: no walks.
   std::uint32_t single = 0;  ///< Number of one-step transitions.

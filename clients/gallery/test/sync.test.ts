@@ -73,7 +73,8 @@ test("equal falls that are aligned at the contact never differ", () => {
 });
 
 test("if only one animation has a body, the animations differ once the body moves", () => {
-  // Goal: a body of only one animation counts. Method: omit the body from the second animation.
+  // Goal: a body that only one animation has is a difference. Method: omit the body from the second
+  // animation.
   const rows: Row[] = [{ body: 0, v: [1, 0, 0] }, { body: 0, start: 1, mode: "resting" }];
   const a = { recording: recordingFrom(rows, 2), shift: 0 };
   const b = { recording: recordingFrom([], 2), shift: 0 };

@@ -142,7 +142,8 @@ double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
   return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest_m();
 }
 
-/// An axis's angular velocity, and by how much the turning accelerates the fall of the separation.
+/// An axis's angular velocity, and the acceleration that this turn adds to the fall of the
+/// separation.
 struct AxisTurn {
   Vec3 angular_velocity_radps = Vec3::Zero();
   double fall_mps2 = 0;

@@ -30,7 +30,7 @@
 //   3. A look is skipped only under the bounds above, lowered by the rounding error of gaps at the
 //      pieces' distance from the origin. For touching pieces the bounds hold while the normal turns
 //      with the same face, whichever vertices touch. The bounds also hold while the normal turns
-//      with the same two edges, if the edges cross at a sine of 0.01 or more. For pieces within
+//      with the same two edges, if the sine of the edges' angle is at least 0.01. For pieces within
 //      k_touch_m of each other, the bounds don't cover some turns of the normal: between two edges
 //      that are more nearly parallel, between two vertices, and, about the edge, between a vertex
 //      and an edge. Normals of spheres are covered. In the uncovered cases a collision may be late,

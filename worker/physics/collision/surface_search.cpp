@@ -276,9 +276,9 @@ class Look {
     return higher_m > loss_mps * until_s;
   }
 
-  /// `points`: the ends or corners of a part of the lattice. Returns whether all lattice points of
-  /// this part stay clear of the surface up to `until_s`, unless the lowest of `points` collides.
-  /// `steps`: lattice steps between the ends.
+  /// `points`: the ends or corners of a part of the lattice. Returns true if, up to `until_s`, no
+  /// lattice point of this part can collide without the lowest of `points` colliding too. `steps`:
+  /// lattice steps between the ends.
   bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double hollow_per_m,
                              double until_s) const {
     std::size_t lowest = 0;
@@ -294,8 +294,8 @@ class Look {
     }
     return true;
   }
-  /// Returns whether a cell next to an edge of the box stays clear of the surface up to `until_s`,
-  /// unless a point of the edge collides.
+  /// Returns true if, up to `until_s`, a cell next to an edge of the box can't collide without a
+  /// point of the edge colliding too.
   bool is_above_edge_until(const Cell& cell, double hollow_per_m, double until_s) const {
     for (std::size_t side = 0; side < 4; ++side) {
       if (!cell.is_outer(side)) continue;

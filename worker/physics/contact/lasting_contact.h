@@ -16,14 +16,15 @@
 
 namespace sleight::physics {
 
-/// Returns the tick after a span, at least the next tick; k_never if after a simulation's end.
+/// Returns the tick after a span, and at least the next tick. Returns k_never if a simulation ends
+/// before that tick.
 Tick tick_after(Tick tick, double span_s);
 
 /// Height of the slowest bounces.
 double bounce_m(const SlowContacts& slow, const Vec3& gravity_mps2);
 
-/// Tick at which a point that moves on a plane reaches an area of different friction; k_never if
-/// not before `end`.
+/// Tick at which a point that moves on a plane reaches an area of different friction, or k_never if
+/// the point reaches none before `end`.
 Tick meets_border(const FrictionMap& map, const MapPath& path, Tick from, Tick end);
 
 /// Converts a sphere for contact_motion.h. REQUIRES: the inertia of a ball.
@@ -35,8 +36,8 @@ inline double fastest_point_mps(double radius_m, const Twist& twist) {
   return math::norm(twist.velocity_mps) + turning;
 }
 
-/// First tick from which a ball in contact is slow enough for rest; k_never if not before its
-/// segment ends.
+/// First tick from which a ball in contact is slow enough for rest, or k_never if its segment ends
+/// before the ball is.
 Tick slow_from(const Segment& segment, double radius_m, const Inertia& inertia,
                const SlowContacts& slow, Tick end);
 

@@ -103,7 +103,7 @@ class RestDecision {
   bool holds_anyhow(const RestLog& log) const;
   /// Returns the touches that a body leans on; an empty set if they don't carry the body.
   Contacts supporting(BodyId body) const;
-  /// Stores which touches carry a candidate. Returns whether any do.
+  /// Finds and stores the touches that carry a candidate. Returns whether there are any.
   bool check(BodyId member);
 
   // Tests of the whole set.

@@ -221,8 +221,8 @@ inline constexpr double k_edge_piece_before_turn = 0.4;
 /// events.
 inline constexpr double k_slide_piece_s_min = 0x1p-11;
 inline constexpr double k_slide_piece_s_max = 0x1p-7;
-/// Maximum duration of a piece in which one support hardly slips while others do, so that its
-/// friction is uncertain.
+/// Maximum duration of a piece in which one support hardly slips, although others slip. The
+/// friction at that support is uncertain.
 inline constexpr double k_slip_uncertain_s = 0x1p-10;
 /// Maximum number of times that a piece is halved because friction would add energy. After that,
 /// the body is released.
@@ -232,7 +232,8 @@ inline constexpr int k_slide_halvings_max = 2;
 /// body sticks.
 inline constexpr double k_full_friction_slip = 0.25;
 /// A spin counts as 0 if it moves the supports at most this fast, as a share of the speed at which
-/// slips end. At 0, a straight-sliding body turns by the spin left over from its last bounce.
+/// slips end. At 0, the spin that is left from the last bounce would turn a body that slides
+/// straight.
 inline constexpr double k_no_spin_slip = 0.01;
 
 /// A body of revolution touches along a line only if the sine of the angle between its axis and the
@@ -249,9 +250,9 @@ inline constexpr double k_cylinder_rise_max = 1e-3;
 /// the load. At 0, rounding makes cylinders creep and keeps cones from rolling.
 inline constexpr double k_level_pull = 1e-9;
 /// Angle of a piece of a rolling cone's circle. The piece lasts longer than the exact motion by a
-/// 12th of the angle's square, 8e-5. So the axis stays on the line on which the body rolls, and
-/// keeps its inclination. The error is 1e-9 rad per piece, and 64 times as large at twice the
-/// angle.
+/// share of 8e-5, which is the angle's square over 12. So the axis stays on the line on which the
+/// body rolls, and keeps its inclination. The error is 1e-9 rad per piece, and 64 times as large at
+/// twice the angle.
 inline constexpr double k_cone_piece_rad = 1.0 / 32;
 
 // ---- rest: who is slow --------------------------------------------------------------------------
@@ -279,8 +280,9 @@ inline constexpr TickCount k_patience = 64;
 /// contacts are stored as bits.
 inline constexpr std::size_t k_touch_records_max = 16;
 static_assert(k_touch_records_max <= 32);
-/// A new contact replaces one with the same partner within this share of the arm. With a larger
-/// value, two corners count as one. With a smaller value, a wandering contact fills the list.
+/// A new contact replaces an old contact with the same partner if their distance is below this
+/// share of the arm's length. With a larger value, two corners count as one. With a smaller value,
+/// a wandering contact fills the list.
 inline constexpr double k_same_place = 0.05;
 /// A corner carries its body too if its distance to what the body has just touched is within this
 /// share of the body's reach. A body that stands on three corners, two of which carry nearly all of

@@ -14,7 +14,7 @@ constexpr float k_infinity = std::numeric_limits<float>::infinity();
 /// lists; wider margins let a path stay longer. Affect speed only.
 constexpr double k_cell_radii = 0.7;
 constexpr double k_margin_radii = 0.2;
-/// Extra growth of a home on each side when its touch box leaves it.
+/// Extra growth of a home on each side where a touch box left it.
 constexpr double k_growth_radii = 0.15;
 /// Maximum number of cells; above it, cells are made larger.
 constexpr double k_cells_max = 1 << 16;

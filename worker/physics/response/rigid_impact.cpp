@@ -38,7 +38,8 @@ using Whitened = std::array<double, 6 * k_sides>;
 
 template <std::size_t k_size>
 double dot(const std::array<double, k_size>& a, const std::array<double, k_size>& b) {
-  // Six partial sums give a fixed order for one and two bodies without a long dependency chain.
+  // Six partial sums fix the order of additions, for one and two bodies, and avoid a long
+  // dependency chain.
   std::array<double, 6> sums{};
   for (std::size_t i = 0; i < k_size; ++i)
     sums[i % 6] += a[i] * b[i];

@@ -47,8 +47,8 @@ struct HistoryEvent {
   double gap_m = 0;  ///< for a collision of two bodies
   std::span<const Participant> participants;
   std::span<const Segment> segments;
-  /// One touch for each participant whose touches() is true, and the touches of each contact state,
-  /// to which its RestState points by index.
+  /// One touch for each participant whose touches() is true, and the touches of each contact state.
+  /// A contact state's touches begin at RestState::first_touch.
   std::span<const TouchRecord> touches;
   std::span<const ContactState> contact_states;
 };

@@ -114,8 +114,8 @@ double near_m(const Scene& scene) {
   return k_near_corner * reach_m;
 }
 
-/// Region in which a body depends on a control point: over the patches that depend on it, up to
-/// `above_m` above all their heights before and after.
+/// Region in which a body depends on a control point. It lies over the patches that depend on the
+/// point, and ends `above_m` above all their old and new heights.
 Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point, double above_m) {
   double top_m = -std::numeric_limits<double>::infinity();
   for (std::int32_t i = -3; i <= 3; ++i) {

@@ -1,4 +1,4 @@
-// Makers of common solids, and bodies of several convex parts.
+// Makes common solids, and bodies of several convex parts.
 //
 // Each solid is centred at its centre of mass with principal axes along x, y, z, so its frame
 // serves as the body's. If a size isn't positive and finite, the result is a ShapeError with the

@@ -109,7 +109,8 @@ class PairGraph {
   void reset(std::size_t bodies, const Room& room) {
     first_room_ = static_cast<std::uint32_t>((room.list + k_scan - 1) / k_scan * k_scan);
     left_.fill(k_none);
-    // Lists that move leave ranges behind, in total at most as large as all ranges in use.
+    // When lists move, they leave ranges behind. In total, these are at most as large as all ranges
+    // in use.
     const std::size_t edges = bodies * std::max<std::size_t>(first_room_, 2 * room.average);
     others_.reserve(edges);
     ticks_.reserve(edges);

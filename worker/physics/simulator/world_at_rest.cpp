@@ -139,7 +139,7 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
   }
 }
 
-/// Returns why a structure doesn't hold, for its least balanced body.
+/// Returns the error for bodies that can't start at rest. `body` is the least balanced of them.
 SceneError World::error_of_rest(BodyId body, double missing, bool holds_if_rough,
                                 const std::vector<RestTouch>& touches) const {
   std::vector<std::string> partners;

@@ -16,7 +16,7 @@ namespace sleight::worlds::spelling {
 namespace {
 
 /// Each bin's share is averaged with the mean share, which has the weight of this number of drops.
-/// With this weight, bins that no drop of the pool fills alone have a share above 0.
+/// So a bin has a share above 0 even if no drop of the pool fills the bin.
 constexpr double k_drops_of_the_mean = 3;
 /// Minimum mean share, for pools without any landing.
 constexpr double k_mean_share_min = 1e-5;

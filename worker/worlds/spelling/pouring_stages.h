@@ -1,5 +1,5 @@
-// Balls that spell as a world that acts in stages (worker/sampling/stages.h). Stage i decides
-// whether ball i takes part, and drops it.
+// The spelling world's stages (worker/sampling/stages.h). Stage i decides whether ball i takes
+// part, and drops it.
 //
 // Ground: the offsets, drawn from the prior, and a pool of drops that an island's particles share.
 // Each drop of the pool is simulated once as a ball that falls alone, so that a particle can

@@ -426,7 +426,7 @@ void settle_islands(request::Settled& settled, std::uint32_t balls, const reques
   }
 }
 
-/// Settings for a long word whose request sets rounds.
+/// Settings for a long word if the request has the stop rule `rounds`.
 void settle_tempering(request::Settled& settled, std::uint32_t balls,
                       request::SamplerParameters& sampler) {
   sampler.method = request::Method::parallel_tempering;
@@ -438,8 +438,8 @@ void settle_tempering(request::Settled& settled, std::uint32_t balls,
   settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
 }
 
-/// Settings for judged chains. Each chain must burn in and usually yields one solution, so there
-/// are as many chains as usually requested solutions. A scan has one proposal per ball.
+/// Settings for judged chains. Each chain must burn in and usually yields one solution, so the
+/// number of chains is the default number of solutions. A scan has one proposal per ball.
 void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
                           request::SamplerParameters& sampler) {
   sampler.method = request::Method::metropolis_hastings;

@@ -196,7 +196,7 @@ class Spelling {
   Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
 
  private:
-  /// Runs until all balls stay, or to the time limit. Returns an error if the simulator fails.
+  /// Runs until all balls stay, or until the time limit. Returns an error if the simulator fails.
   template <class Engine, class AllStay>
   std::optional<physics::SceneError> run(physics::Tick last_start, Engine& engine,
                                          const AllStay& all_stay) const;

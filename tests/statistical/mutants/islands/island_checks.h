@@ -47,7 +47,7 @@ std::vector<double> conditional_keeps_among_moves(Mistake mistake, std::uint64_t
 std::vector<double> independence_keeps(Mistake mistake, std::uint64_t seed);
 /// Tests exact draws after independence steps, each followed by three local moves.
 std::vector<double> independence_keeps_among_moves(Mistake mistake, std::uint64_t seed);
-/// Tests exact draws after visits, each a conditional step and three independence steps.
+/// Tests exact draws after visits. Each visit has a conditional step and three independence steps.
 std::vector<double> visits_keep(Mistake mistake, std::uint64_t seed);
 /// Tests the share of satisfying draws in chains that start from a search.
 std::vector<double> starts_do_not_count(Mistake mistake, std::uint64_t seed);

@@ -35,7 +35,7 @@ std::vector<IslandSetting> all_settings() {
   return all;
 }
 
-/// Returns a state with p_c > 0, as a given state must have.
+/// Returns a state with p_c > 0, which islands require of a given state.
 StagedToy::State state_of(const sampling::ChainStreams& streams) {
   const StagedToy toy;
   random::Stream stream = streams.at(random::Purpose::start, 0);

@@ -70,8 +70,8 @@ std::vector<std::uint32_t> ancestors_by(const std::vector<double>& shares, rando
   return turned(found, random::UniformInteger{.count = found.size()}.draw(stream));
 }
 
-/// Conditions on the first new particle descending from the first old one. An offset's weight is
-/// the number of points that it puts into the first arc.
+/// Draws ancestors, given that the first new particle descends from the first old one. An offset's
+/// weight is the number of points that it puts into the first arc.
 std::vector<std::uint32_t> ancestors_with_first(const std::vector<double>& shares,
                                                 random::Stream& stream) {
   const double length = static_cast<double>(shares.size()) * shares[0];

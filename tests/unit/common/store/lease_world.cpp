@@ -243,7 +243,7 @@ void World::stand_still(Contender& one, double for_s) {
   if (is_over()) throw Killed();
 }
 
-/// Pauses briefly most times, for long now and then, and rarely forever.
+/// Pauses: usually briefly, sometimes for long, and rarely forever.
 void World::pause(Contender& one) {
   if (happens(0.004)) throw Killed();
   const double kind = uniform();

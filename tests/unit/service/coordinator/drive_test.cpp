@@ -190,8 +190,8 @@ TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
 }
 
 TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
-  // Goal: `standing` is called with growing cuts, whose scans are committed after a flush, and with
-  // has_solution from the first solution on. Method: read the store at each call.
+  // Goal: `standing` receives growing cuts, and has_solution from the first solution on. A flush
+  // commits the scans of the cut. Method: read the store at each call.
   std::vector<std::uint64_t> cuts;
   bool had_solution = false;
   const auto standing = [&](const Standing& now) {

@@ -290,8 +290,8 @@ TEST(EventSequence, TellsInTheOrderOfItsHeader) {
 }
 
 TEST(EventSequence, TellsSoManyFailuresAndNoMore) {
-  // Goal: if a simulator always fails, only the first failures in logical order are reported, up to
-  // the limit for all sessions, for any order of results. Method: fail at each scan.
+  // Goal: if a simulator always fails, only the first failures in logical order are reported, for
+  // any order of results. The limit applies to all sessions together. Method: fail at each scan.
   const World world{.seed = 5, .failing = 1};
   const Asked asked{.scans = 500, .finds = 0};
   const PlayedRun quiet = quiet_run(world, asked);

@@ -1,5 +1,5 @@
 // Goal: searches, alone or before chains, keep their finds, and their archives don't depend on
-// threads or stops. Method: compare whole runs of a word of two bins.
+// threads or stops. Method: compare whole runs for a word with two bins.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -163,8 +163,8 @@ TEST(BlockSize, AWellFedRunHasNoCredit) {
 }
 
 TEST(BlockSize, LongHungerIsForgottenSoon) {
-  // Goal: after any starvation, blocks return to their target as soon as from the shortest block.
-  // Method: starve 10,000 times, then feed 170 times, because 1.01^170 > 0.020 / 0.004.
+  // Goal: even after long starvation, blocks return to their target as fast as from their minimum
+  // length. Method: starve 10,000 times, then feed 170 times, because 1.01^170 > 0.020 / 0.004.
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)

@@ -109,9 +109,10 @@ struct Takes {
 };
 
 TEST(RelaxedFinds, TakesAreTheSameWhoeverRelaxes) {
-  // Goal: chain k starts from find k, the takes are the first chains whose last state satisfies,
-  // and each prior draw is made once. The result doesn't depend on workers, cuts of units, order or
-  // sessions. Method: compare random runs with a loop that counts one start after another.
+  // Goal: chain k starts from find k, and each prior draw is made once. The takes are the first
+  // chains whose last state satisfies the constraint. The result doesn't depend on workers, cuts of
+  // units, order or sessions. Method: compare random runs with a loop that counts one start after
+  // another.
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const Odds odds{.seed = i,

@@ -145,7 +145,8 @@ TEST(Transitions, AreTheExactOnes) {
 }
 
 TEST(Transitions, StartIsADrawFromThePrior) {
-  // Goal: initialize draws from p_w with its chain's streams. Method: chi-square of 100,000 chains.
+  // Goal: initialize() draws from p_w with its chain's streams. Method: chi-square of 100,000
+  // chains.
   const Ring ring;
   std::vector<int> counts(k_states, 0);
   for (std::uint32_t chain = 0; chain < 100'000; ++chain) {

@@ -60,8 +60,8 @@ double speed_of(const RoundBody& body, const Twist& twist) {
   return norm(twist.velocity_mps) + body.radius_m * norm(twist.angular_velocity_radps);
 }
 
-/// Excess of the friction that rolling needs over the contacts' limit, divided by gravity. Uses
-/// Newton's and Euler's equations for one face or two.
+/// Returns by how much the friction that rolling needs exceeds the contacts' limit, divided by
+/// gravity. Uses Newton's and Euler's equations for one face or two.
 double friction_missing(const Trial& trial, const ContactMotion& motion) {
   const RoundBody& body = trial.body;
   const Vec3 force = motion.acceleration_mps2 - trial.gravity_mps2;
@@ -231,7 +231,7 @@ TEST(ContactMotionAtRandom, BecomesSteady) {
 TEST(ContactMotion, HopsKeepEnergy) {
   // Goal: a hop keeps the kinetic energy, takes at most half of the energy of sliding and spin,
   // reaches the requested speed if that suffices, and keeps rolling balls rolling. Method: test
-  // random twists that don't approach, over all decades of speeds.
+  // random twists that don't approach, with speeds of all magnitudes.
   const std::uint64_t seed = 52;
   Dice dice(seed);
   double worst = 0;

@@ -47,7 +47,7 @@ Vec3 last_place(const RecordedRun& run) {
   return testing::place_at(run.recording.segments({0}).back().segment, run.recording.end());
 }
 
-/// Kinetic and potential energy over mass of a solid ball, for any orientation.
+/// Kinetic plus potential energy of a solid ball, per mass, for any orientation.
 double energy_jpkg(const Scene& scene, std::uint32_t body, const Segment& segment, Tick tick) {
   const double radius_m = std::get<Sphere>(scene.bodies[body].shape).radius_m;
   const Twist twist = testing::twist_in(segment, scene.bodies[body].inertia, tick);

@@ -65,8 +65,9 @@ TEST(Reflected, ATableOnlyPushes) {
 }
 
 TEST(Motion, LandingIsTheMotionsLanding) {
-  // Goal: simulate_landing() and simulate_motion() give the same bits. Method: compare random
-  // worlds and normals and the number of hops. Hops must follow each other in time and space.
+  // Goal: simulate_landing() and simulate_motion() give the same bits. Method: compare both for
+  // random worlds and normals, and check the number of hops. Hops must follow each other in time
+  // and space.
   for (const std::uint64_t index : property::cases(1000)) {
     random::Stream stream = stream_of(k_seed, index);
     const WorldParameters world = random_world(stream);

@@ -37,7 +37,8 @@ double distance(const Goal& goal, const DieView& die, double rest_s = 1) {
 }
 
 TEST(DiceGoals, MeasureDistances) {
-  // Goal: each sort of goal has the measure in goals.h. Method: use poses with known distances.
+  // Goal: each sort of goal is measured as goals.h specifies. Method: use poses with known
+  // distances.
   DieView die{.position_m = {3, 4, 9}};
   EXPECT_EQ(distance(goal_of(Place{.centre_m = {0, 0}}), die), 5);
   EXPECT_EQ(distance(goal_of(Region{.low_m = {0, 0}, .high_m = {3, 5}}), die), 0);

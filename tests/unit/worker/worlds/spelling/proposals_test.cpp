@@ -274,7 +274,7 @@ TEST(Proposals, DrawsBelongToTheDensity) {
 
 TEST(Proposals, ABallMovesOnARing) {
   // Goal: drop places stay in the region, wrapped at its edges, and nothing else changes. Method:
-  // make many moves as long as the region.
+  // make many moves, typically about as long as the region.
   const Prior prior{.vertices = 2, .balls = 3, .drop_half_m = {0.07, 0.05}};
   State state = with_active(prior, 2);
   state.drops_m[1] = {0.06, -0.04};
