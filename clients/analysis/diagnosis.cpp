@@ -270,8 +270,9 @@ void refuse_tours(Diagnosis& diagnosis, std::int64_t tour_scans) {
   diagnosis.reasons.insert(
       diagnosis.reasons.begin(),
       fmt::format(
-          "each draw ends a separate tour of {} scans, so draws are independent even if tours are "
-          "too short; rerun with longer tours to check that the means stay the same",
+          "each draw is the last scan of its own tour of {} scans, so draws are independent, but "
+          "their means are wrong if tours are too short; rerun with longer tours to check that the "
+          "means stay the same",
           tour_scans));
 }
 

@@ -90,7 +90,7 @@ void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
   } else if (!(std::abs(change) <= k_drift_max * error)) {
     doubts.push_back({.kind = DoubtOf::rounds_disagree,
                       .reason = fmt::format(
-                          "the estimates of {} and of the round before differ by {:.2f} +- {:.2f}, "
+                          "the estimates of {} and the previous round differ by {:.2f} +- {:.2f}, "
                           "so the estimate is still drifting",
                           facts.round, std::abs(change), error),
                       .at_least = true});

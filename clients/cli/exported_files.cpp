@@ -47,7 +47,7 @@ void make_export_folder(const std::string& given) {
   fs::create_directories(path, failed);
   if (!failed && fs::is_directory(path)) return;
   throw base::Error(fmt::format("{}: can't create this folder: {}", path,
-                                failed ? failed.message() : "a file has the same name"));
+                                failed ? failed.message() : "a file with this name exists"));
 }
 
 void refuse_others_file(const std::string& path, bool force) {

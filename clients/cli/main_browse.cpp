@@ -133,9 +133,10 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
 /// Adds the options that choose animations; add_export() adds the format's options.
 void add_choice(CLI::App& command, cli::ExportChoice& choice) {
   command
-      .add_option("--ids", choice.ids,
-                  "Animation ids, such as c0.250 (chain 0, draw 250) or find.3 (find 3 of a "
-                  "search). An id can begin with the run's id, as in RUN:c0.250")
+      .add_option(
+          "--ids", choice.ids,
+          "Animation ids, such as c0.250 (chain 0, draw 250) or find.3 (found by a search). "
+          "An id can begin with the run's id, as in RUN:c0.250")
       ->type_name("ID...");
   command
       .add_option("--select", choice.select,

@@ -264,7 +264,7 @@ void add_priority(CLI::App& app, Action& action) {
       ->check(CLI::Range(-k_priority_max, k_priority_max))
       ->type_name("N");
   command->footer(
-      "Priorities order the jobs of one user. Different users share the machine fairly.\n"
+      "A priority matters only among jobs of the same user. Users share the machine fairly.\n"
       "A job with a higher priority replaces a running job of the same user after the running job\n"
       "has used its time slice (10 s by default).\n\n"
       "Examples:\n  sleight priority 17 --to 5\n  sleight priority g5 --to -1");

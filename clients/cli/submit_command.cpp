@@ -225,7 +225,7 @@ std::string submitted_text(const rpc::Submitted& submitted, const std::string& n
   add("watch " + id, "show progress");
   add("wait " + id, is_group ? "wait until all jobs end" : "wait until the job ends");
   add("fetch " + id, is_group ? "download the archives"
-                              : "download the archive (until the job ends, add --so-far)");
+                              : "download the archive (while the job is running, add --so-far)");
   add("cancel " + id, is_group ? "cancel the jobs" : "cancel the job");
   return text;
 }

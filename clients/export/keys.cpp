@@ -35,8 +35,7 @@ bool moves(const Segment& s) {
           s.angular_acceleration_radps2 != Vec3::Zero());
 }
 
-/// Returns the segments that have a duration after time 0, and the last segment, which may have
-/// none.
+/// Returns the segments that end after time 0 and take time, and always the last segment.
 std::vector<Piece> pieces_of(const motion::Path& path, double end_s) {
   std::vector<Piece> pieces;
   const auto segments = path.segments();

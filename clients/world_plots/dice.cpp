@@ -341,9 +341,9 @@ plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior&
 
 std::string plausibility_words(const DicePlausibility& found) {
   return fmt::format(
-      "Bars: {} kept animations of {} lineages{}; the outermost bars include all values beyond "
-      "them. "
-      "Curve: blind throws.\n"
+      "Bars: {} kept animations of {} lineages{}; the first and last bars include all values "
+      "outside "
+      "the plot. Curve: blind throws.\n"
       "starts: {}\n"
       "table:  {}\n"
       "{}\n",

@@ -58,7 +58,7 @@ class SceneReader {
     scene.high_m = vector_at(view, 1);
     if (const Attribute* offsets = find_attribute(group_.attributes, "offset_variable")) {
       const auto* name = std::get_if<std::string>(&offsets->value);
-      if (name == nullptr) return "the scene's attribute offset_variable is not a text";
+      if (name == nullptr) return "the scene's attribute offset_variable is not a string";
       scene.offset_variable = *name;
     }
     for (const std::string_view group : {k_animations, k_finds}) {

@@ -1,6 +1,6 @@
 // Limits of archives. Our writer stays far below these limits, so a file beyond a limit is damaged
 // or hostile. The HDF5 reader (hdf5/reader.h) checks the limits in files. The client of a reader
-// process (remote/remote_source.h) checks the limits again in the process's answers.
+// process (remote/remote_source.h) checks the limits again in answers from that process.
 #pragma once
 
 #include <cstdint>

@@ -281,9 +281,9 @@ struct Cut {
 /// the archive exactly. If there are neither scans nor takes, the text describes a search. If there
 /// are islands, the text retains the rules `odds` and `independent_solutions` besides the scans,
 /// because results of islands decide when these rules end a run. An archive needs the rules to
-/// decide whether its islands count. A run that was ended by such a rule before the cut ends at the
-/// same scan again. REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max, found <=
-/// k_found_max.
+/// decide whether its islands count. If such a rule ended the run before the cut, the reproduced
+/// run ends at the same scan. REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max,
+/// found <= k_found_max.
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 
 /// Returns [world], [constraint] and [sampler] of the normalised text. Requests with equal text

@@ -107,7 +107,7 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
       const auto call = content.getCall();
       if (!call.getSendResultsTo().isCaller())
         kj::throwFatalException(
-            refusal("a call asks to send its answer to someone other than the caller"));
+            refusal("a call requests that its answer be sent to someone other than the caller"));
       if (call.getParams().getCapTable().size() > 0)
         kj::throwFatalException(refusal("a call contains capabilities"));
       questions_.insert(call.getQuestionId());

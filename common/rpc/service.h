@@ -145,7 +145,7 @@ struct StateChange {
   bool operator==(const StateChange&) const = default;
 };
 
-/// Counts of solutions: finds, which a search built, and independent solutions, which chains made.
+/// Numbers of solutions: those found by a search, and independent solutions of chains.
 struct SolutionCounts {
   std::uint64_t found = 0;
   std::uint64_t found_wanted = 0;  ///< 0: none requested

@@ -23,7 +23,7 @@ constexpr const char* k_motions_schema = R"(
     checksum INTEGER NOT NULL);
 )";
 
-/// Size of a segment: each element of its fields as a double.
+/// Stored size of a segment. Each element of the segment's fields is a double.
 constexpr std::size_t k_segment_bytes = motion::k_elements * sizeof(double);
 
 base::Bytes bytes_of(std::span<const motion::Segment> segments) {

@@ -4,7 +4,7 @@
 // daemon needs no backend for attempts on this machine (daemon/local_attempts.h).
 //
 //   `launch(order)`   submits the attempt, unless the system has or had it already.
-//   `state(name)`     is waiting, running, gone, or absent: the system never had it, or forgot it.
+//   `state(name)`     returns waiting, running, gone, or absent (never there, or forgotten).
 //   `list()`          returns the states of all attempts of one daemon, by one query.
 //   `signal(name)`    sends SIGUSR1 to the keeper, ends a waiting attempt, or ends any attempt now.
 //   `log(name)`       returns the system's messages, such as why the attempt never began.

@@ -18,7 +18,7 @@ namespace sleight::coordinator {
 inline constexpr core::WorkerId k_local_worker{0};
 
 /// Each thread takes the oldest assignment. Only the driving thread calls send() and receive(). The
-/// threads start with the first assignment, so that the process may fork before that, to read
+/// threads start with the first assignment. Until then the process may fork in order to read
 /// untrusted files.
 class LocalCrew final : public Crew {
  public:

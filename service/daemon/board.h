@@ -1,5 +1,6 @@
-// The board shows the durable state of all jobs, which is what clients see. The machine of jobs may
-// be ahead of the board by the changes that are being saved. Thread safety: one thread.
+// The board shows the durable state of all jobs, which is what clients see. The state machine
+// of jobs may already contain changes that are still being saved, and that the board lacks. Thread
+// safety: one thread.
 #pragma once
 
 #include <cstdint>

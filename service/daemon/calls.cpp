@@ -121,7 +121,7 @@ rpc::Refusal Calls::stalled() const {
           .sentence = "The service can't save changes because its disk is full or failing.",
           .what_to_do =
               "Free some space on the disk of the service's state folder. Changes that were "
-              "accepted before are not lost."};
+              "already accepted are not lost."};
 }
 
 void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,

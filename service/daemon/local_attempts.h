@@ -1,7 +1,7 @@
 // Attempts on this machine. The daemon awaits each keeper's end (service/keeper/backend.h).
 //
 //   `Launch` writes request.toml and starts a keeper, whose record leads to Launched.
-//   `Look` reads the folder's record, which leads to a Sight, and awaits a running keeper.
+//   `Look` reads the folder's record and reports a Sight. A running keeper's end is awaited.
 //   `Stop` sends a signal to the keeper.
 //   When a keeper exits, Sight {Ended or Died} follows, or LaunchFailed if there is no record.
 //   From time to time, running attempts lead to Sight {Running}.

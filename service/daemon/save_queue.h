@@ -41,7 +41,7 @@ class SaveQueue {
   SaveQueue(const SaveQueue&) = delete;
   SaveQueue& operator=(const SaveQueue&) = delete;
 
-  /// Without a save, `then` is still posted in the order of put().
+  /// Posts `then` after all earlier callbacks, and once `save` (if any) is stored.
   void put(std::optional<Save> save, Callback then);
 
  private:

@@ -1,8 +1,8 @@
 // Starts a program (an attempt's, or a tool) as a child that doesn't outlive its starter.
 //
 // The kernel kills the child when this process ends for any reason (PR_SET_PDEATHSIG). The child
-// has its own session and the given environment, only standard descriptors, no terminal, and no
-// core dumps.
+// has its own session, the given environment and only standard descriptors. The child has no
+// terminal and leaves no core dump.
 //
 // Thread safety: the calling thread must outlive the child, because the kernel watches the thread.
 #pragma once

@@ -138,7 +138,7 @@ void check_coordinates(const Reader& reader, Findings& findings) {
     place.report(findings);
     return;
   }
-  Rule newest("/replicas/scan must be the last multiple of thin in the run");
+  Rule newest("/replicas/scan must be the run's last multiple of 'thin'");
   for_each_batch(
       reader.elements(k_replicas, "scan"), [&](std::uint64_t first, std::uint64_t count) {
         for (const auto scan : reader.read<std::int64_t>(k_replicas, "scan", first, count)) {

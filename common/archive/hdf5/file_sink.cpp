@@ -46,7 +46,7 @@ std::size_t width_in_file(const DatasetSpec& spec) {
 
 Handle fixed_text_type(const Api& api, std::size_t bytes, H5T_str_t padding) {
   Handle type = api.id(H5Tcopy(H5T_C_S1), H5Tclose, "", "create a text type");
-  api.ok(H5Tset_size(type.get(), bytes), "", "set the size of a text type");
+  api.ok(H5Tset_size(type.get(), bytes), "", "set the size of a string type");
   api.ok(H5Tset_strpad(type.get(), padding), "", "set the padding of a text type");
   api.ok(H5Tset_cset(type.get(), H5T_CSET_UTF8), "", "set the encoding of a text type");
   return type;

@@ -299,7 +299,8 @@ class Walk {
     }
   }
 
-  /// Converts a group's datasets to the model's, with dimension names from the scales.
+  /// Fills a group of the archive model from the datasets found in the file. The names of
+  /// dimensions come from the dimension scales.
   void name_dimensions(std::vector<FoundDataset>& datasets, Group& group) {
     for (FoundDataset& found : datasets) {
       if (found.attributes.is_bare_dimension) continue;

@@ -205,7 +205,8 @@ inline PieceContact contact_of_spheres(const Vec3& place_a_m, const Vec3& betwee
 
 // ---- a point of a body and a spline surface -----------------------------------------------------
 
-/// Returns a point's height above a spline surface, which is its gap, and the height's rate.
+/// Returns a point's gap, which is its height above the spline surface, and the gap's rate of
+/// change.
 inline GapAndRate height_above(const SurfacePlace& below, const Vec3& place_m,
                                const Vec3& velocity_mps) {
   return {.gap_m = place_m.z() - below.height_m,

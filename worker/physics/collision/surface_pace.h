@@ -12,7 +12,8 @@
 namespace sleight::physics::surface_pace {
 
 /// The bounds hold while the box's centre moves by less than this share of the box's reach. If the
-/// box is above everything near, it may move by its whole reach plus one patch. Affects speed only.
+/// box is above all points nearby, the box may move by its whole reach plus one patch. Affects
+/// speed only.
 inline constexpr double k_room = 0.25;
 
 /// Rounding changes gaps and rates by less than this share of the numbers they are computed from.

@@ -17,8 +17,8 @@
 // The balance test keeps slow bodies that are about to topple or slide from being frozen. The test
 // includes loads. One system of contact forces (force_balance.h) must hold the set and all resting
 // bodies that are connected with it by leaning, in structures of up to k_held_together_max bodies.
-// If the forces can't hold the set, the set goes to rest without its least balanced members, and
-// resting bodies that can't bear the set wake. In larger structures, and for a body that has been
+// If the forces can't hold the set, the set goes to rest without its least balanced members. A
+// resting body that can't bear the set wakes. In larger structures, and for a body that has been
 // slow for 64 rest times, each body is tested alone.
 //
 // A decision requests the state of one body after another from the caller, and then returns an

@@ -272,7 +272,7 @@ void Marbles::comes_near_replayed(BodyId index, const TouchBox& box, Tick to, bo
   hasten(found);
 }
 
-/// Whether another ball, in its history, starts so near to this ball that the two may overlap.
+/// Whether another ball's history starts so near to this ball that the two may overlap.
 bool Marbles::starts_at(BodyId ball, const MarbleHistory::Flight& way) const {
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   return apart_m2(path_box_of(ball, way.begin, way.begin),

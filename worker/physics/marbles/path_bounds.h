@@ -1,10 +1,10 @@
 // Bounds for a part of a ball's path: the earliest time at which the ball may collide with a
 // feature.
 //
-// Idea. A path meets few of the features near it, and usually late. The coefficients of three
-// parabolas along a feature's own directions bound the first possible collision, for a tenth of the
-// cost of testing one tick. This header computes the bounds; the caller tests ticks from there on
-// (marbles_predictions.cpp).
+// Idea. A ball usually collides with only a few of the features near its path, and late on the
+// path. The coefficients of three parabolas along a feature's own directions bound the first
+// possible collision, for a tenth of the cost of testing one tick. This header computes the bounds;
+// the caller tests ticks from there on (marbles_predictions.cpp).
 //
 // Faces. The height n.(p - q) is a parabola in time. For a falling centre, the height is lowest at
 // an end of the path.

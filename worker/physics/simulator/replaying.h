@@ -45,7 +45,7 @@ class Replaying {
   /// live. Returns whether the event was replayed; if so, the world's changed() lists the bodies
   /// that began a segment.
   bool play();
-  /// Number of equal controls in the scene and the history before the first difference.
+  /// Number of controls before the first one that differs between the scene and the history.
   std::size_t same_controls() const { return replay_->changes.same_controls; }
   /// Ends the replay if no body is replayed or will be replayed.
   void end_if_over() {

@@ -307,7 +307,9 @@ std::optional<SceneError> error_of_period(const Scene& scene) {
     if (!(period > 0 && period <= k_coordinate_m_max)) {
       return error(
           Kind::bad_number,
-          fmt::format("period is {} m, expected a number above 0, or 0 for no period", period));
+          fmt::format(
+              "period: expected a length above 0, or 0 for a scene that isn't periodic; found {} m",
+              period));
     }
     if (!scene.planes.empty() || !scene.convexes.empty() || !scene.meshes.empty() ||
         !scene.surfaces.empty() || scene.gravity_mps2 != Vec3::Zero()) {

@@ -325,7 +325,7 @@ class DiceReader final : public archive::StateReader {
 
   bool is_unlike(std::span<const double> a, std::span<const double> b,
                  double distance) const override {
-    // More times can only increase the distance, so the first times may suffice.
+    // The distance is the largest over the compared moments, so the first moments may suffice.
     const Likeness left(a, world_.dice());
     const Likeness right(b, world_.dice());
     double most_m = 0;

@@ -205,7 +205,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   length_mm(world, "vertex_sd_mm", p.vertex_sd_m,
             {.help = "standard deviation of each coordinate of a partition's vertices"});
   length_mm(world, "dome_mm", p.dome_m,
-            {.help = "height of a bin floor's centre above the floor's rim"});
+            {.help = "height of the centre of a bin's floor above the floor's rim"});
   length_mm(world, "ball_diameter_mm", p.ball_diameter_m,
             {.minimum_mm = 0.5, .help = "diameter of a ball"});
   world.number("density_kgpm3", p.density_kgpm3,
@@ -451,7 +451,8 @@ void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
   settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
 }
 
-/// Number of scans that relax a find. docs/MEASUREMENTS reports how much of the start remains.
+/// Number of scans by which a chain relaxes a find. docs/MEASUREMENTS shows how similar the result
+/// still is to the find.
 std::uint32_t relax_scans_for(std::uint32_t balls) {
   return 90 + 3 * balls / 2;
 }

@@ -50,7 +50,7 @@ export function makeToolbar(ui: Ui, focusedName: () => string | null): Part {
       "aria-label": "Grouping method",
       title:
         "Medoids: the best groups for this number of groups. " +
-        "Hierarchy: nested groups; a smaller number merges groups.",
+        "Hierarchy: nested groups; if you lower the number, groups merge.",
     },
   );
   const groupTools = el("div", { class: "tool-group" }, field("Groups", groups), by);
@@ -182,7 +182,7 @@ function toolbarWords(state: AppState): string {
   const few =
     groups.list.length < page.grouping.groups && groups.of.length > 0 ? "; no more are possible" : "";
   const approximate = groups.isApproximate
-    ? " Groups come from a sample of 200; the other animations join the nearest group."
+    ? " Groups are based on a sample of 200 animations. Each other animation joins the nearest group."
     : "";
   const shares = groups.shareWords === "" ? "" : ` ${groups.shareWords}`;
   return `${many} of similar animations (${count(within(state).length)} in all${few}).${approximate}${shares}`;

@@ -92,7 +92,7 @@ TEST_F(Verify, NamesEachBrokenRule) {
   broken([&] { values<double>(k_sample_stats, "acceptance_rate")[9] = 7; }, "acceptance_rate =");
   broken([&] { values<std::int64_t>(k_sample_stats, "draw")[9] = 8; }, "count 0, 1");
   broken([&] { values<std::int64_t>(k_posterior, "draw")[3] = 31; }, "count 0, 10");
-  broken([&] { values<std::int64_t>(k_replicas, "scan")[0] = 90; }, "last multiple of thin");
+  broken([&] { values<std::int64_t>(k_replicas, "scan")[0] = 90; }, "last multiple of 'thin'");
   broken([&] { archive_.group(k_posterior).attributes[0].value = std::int64_t{0}; }, "thin is 0");
   broken([&] { archive_.group(k_posterior).attributes[0].value = std::int64_t{5}; }, "11 draws");
   auto place = [&](const char* name) -> auto& {
