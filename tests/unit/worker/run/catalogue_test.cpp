@@ -38,7 +38,8 @@ request::DirectionRequest read(const Catalogue& catalogue, const std::string& te
 }
 
 TEST(Catalogue, ListsItsWorldsInOrder) {
-  // Goal: help and errors list worlds alphabetically, with a line about each.
+  // Goal: the catalogue lists its worlds alphabetically. Each world has a summary and a reader that
+  // reports the world's name.
   const Catalogue catalogue;
   const std::vector<request::WorldBinding> worlds = catalogue.bindings();
   ASSERT_FALSE(worlds.empty());
@@ -52,11 +53,12 @@ TEST(Catalogue, ListsItsWorldsInOrder) {
 }
 
 TEST(Catalogue, WorkerFollowsTheRequest) {
-  // Goal: every key that affects a unit's results reaches the worker. Method: compare the
-  // catalogue's worker with one built by hand. Another value of any key would change the results.
+  // Goal: the keys of a request that affect a unit's results reach the worker. Method: run a unit
+  // with the catalogue's worker and with workers that the test constructs itself. Only a worker
+  // with the same three options gives the same results.
   const Catalogue catalogue;
   const request::DirectionRequest request = read(catalogue, k_request);
-  read(catalogue, "[world]\nname = \"ball_2d\"\n");  // a later read must change nothing
+  read(catalogue, "[world]\nname = \"ball_2d\"\n");  // a later request must not affect the first
   const auto worker = catalogue.world_of(request).make_worker(request);
   worlds::ball_2d::Parameters parameters;
   parameters.world.restitution = 0.5;
@@ -77,8 +79,9 @@ TEST(Catalogue, WorkerFollowsTheRequest) {
 }
 
 TEST(Catalogue, PlanFollowsTheRequest) {
-  // Goal: chains, rounds and all three stop rules reach the plan. Method: compare totals, and the
-  // first unit of a plan that must wait for a round's end.
+  // Goal: the request's number of chains and its three stop rules reach the plan. Method: compare
+  // the plan's total number of scans with the request. A plan that stops by solutions has no total,
+  // and its first unit ends with the first round.
   const Catalogue catalogue;
   request::DirectionRequest request = read(catalogue, k_request);
   EXPECT_EQ(make_plan(request, catalogue.world_of(request))->scans_total(), 3U * 30U);
@@ -92,8 +95,8 @@ TEST(Catalogue, PlanFollowsTheRequest) {
 }
 
 TEST(Catalogue, UnitsHaveTheRequestsSeed) {
-  // Goal: the seed reaches all random draws of each method through its units. Method: run all units
-  // of a short run, with and without annealing.
+  // Goal: for each sampling method, with and without annealing, every unit contains the request's
+  // seed.
   const Catalogue catalogue;
   request::DirectionRequest request = read(catalogue, k_request);
   const auto worker = catalogue.world_of(request).make_worker(request);
@@ -119,9 +122,11 @@ TEST(Catalogue, UnitsHaveTheRequestsSeed) {
 }
 
 TEST(Catalogue, WhatItChoosesReadsBack) {
-  // Goal: the default sampler for a request accepts all of its stop rules. Reading the normalised
-  // request again repeats the run. Method: test each subset of the rules, for a short word, a long
-  // word and the other worlds. Only the rules themselves can make a request invalid.
+  // Goal: a request without a sampler is valid with every combination of stop rules that its world
+  // allows. Reading the normalised request again gives the same request. Method: try every
+  // combination of the rules for a short word, a long word and the other worlds. A request is
+  // invalid only in two cases. Either it has `found` or `odds` for a world without stages, or it
+  // combines `odds` with `rounds` or `independent_solutions`.
   const Catalogue catalogue;
   const std::vector<std::pair<std::string, bool>> worlds{
       {"name = \"spelling\"\nword = \"HI\"", true},

@@ -83,8 +83,8 @@ plan::UnitResult run_in_units(const Worker& worker, std::uint32_t chain,
   return all;
 }
 
-/// Expects equal records and states. These worlds have no NaN, so == compares bits except for the
-/// sign of zero, which the outcome's bytes would show.
+/// Expects equal records and states. These worlds have no NaN, so == misses only the sign of zero.
+/// The comparison of the outcomes' bits detects a different sign.
 void expect_equal(const plan::UnitResult& a, const plan::UnitResult& b) {
   ASSERT_EQ(a.scans.size(), b.scans.size());
   for (std::size_t i = 0; i < a.scans.size(); ++i) {
@@ -102,8 +102,9 @@ BallWorker ball_worker(std::uint32_t iterations_per_scan = 1, std::uint64_t thin
 }
 
 TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
-  // Goal: a chain's stored results don't depend on how the chain is cut into units. Method: compare
-  // 200 random cuts of 300 scans with one unit, for two worlds and several options.
+  // Goal: a chain's stored results don't depend on how the chain is cut into units. Method: cut 300
+  // scans into units at random, 200 times, and compare the results with one unit of 300 scans. Use
+  // two worlds and several options.
   constexpr std::uint64_t k_seed = 5;
   constexpr std::uint32_t k_scans = 300;
   const auto check = [&](const auto& worker) {
@@ -131,8 +132,9 @@ TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
 }
 
 TEST(ChainWorker, IsPure) {
-  // Goal: equal units give equal results, even in several threads at once and after other units.
-  // Method: in four threads, run units of different chains, each twice, in different orders.
+  // Goal: a worker's result depends only on the unit, not on other threads or on earlier units.
+  // Method: in four threads, run units of six chains in different orders, each chain twice. Compare
+  // the results with results of one thread.
   const BallWorker worker = ball_worker();
   std::vector<plan::UnitResult> reference;
   for (std::uint32_t chain = 0; chain < 6; ++chain)
@@ -151,8 +153,9 @@ TEST(ChainWorker, IsPure) {
 }
 
 TEST(ChainWorker, WalksByIterationsFromOne) {
-  // Goal: scan s is iterations (s - 1) k + 1 .. s k of Algorithm 2.1. Method: compute the same
-  // steps by hand. The meaning of an archive includes which random numbers a chain draws.
+  // Goal: with k iterations per scan, scan s consists of iterations (s - 1) k + 1 to s k of
+  // Algorithm 2.1. Other numbers would change the random numbers that a chain draws. Method:
+  // compare the worker's states with a loop over single steps.
   const Ball2d ball({});
   const sampling::ChainStreams streams{
       .seed = 11, .chain = base::ChainId{4}, .replica = base::ReplicaId{0}};
@@ -167,8 +170,10 @@ TEST(ChainWorker, WalksByIterationsFromOne) {
 }
 
 TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
-  // Goal: a unit runs at its own beta. At beta 0 each scan is a new prior draw with its own
-  // lineage, but records still contain log p_c at beta = 1. Method: forbid half of all states.
+  // Goal: a worker runs a unit at the unit's inverse temperature beta. At beta 0, each scan is a
+  // new prior draw with its own lineage, but its record still contains log p_c at beta 1. Method:
+  // use a world that forbids half of all states. Forbidden states must occur at beta 0, and never
+  // at a small positive beta.
   const ChainWorker<Counter> worker(Counter{}, {});
   const base::Bytes start = Counter{}.encode(100);
   std::uint64_t forbidden = 0;
@@ -186,8 +191,9 @@ TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
 }
 
 TEST(ChainWorker, CountsByKind) {
-  // Goal: proposals and acceptances are counted by kind. Method: use a world in which kind 1 always
-  // advances the state by two and is always accepted from allowed states.
+  // Goal: a record counts proposals and acceptances separately for each kind of proposal. Method:
+  // use a world with two kinds. A proposal of kind 1 adds two to the state and is always accepted
+  // from allowed states.
   const ChainWorker<Counter> worker(Counter{}, {.iterations_per_scan = 50});
   const plan::UnitResult result = worker.run(unit(0, 1, 20), Counter{}.encode(0));
   double before = 0;
@@ -201,14 +207,15 @@ TEST(ChainWorker, CountsByKind) {
 }
 
 TEST(ChainWorkerDeathTest, MisuseIsABug) {
-  // Goal: a unit without scans stops the process.
+  // Goal: a worker stops the process if a unit has no scans.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const BallWorker worker = ball_worker();
   EXPECT_DEATH((void)worker.run(unit(0, 0, 0), {}), "check failed");
 }
 
 TEST(ChainWorker, DamagedStateIsAnErrorWithAdvice) {
-  // Goal: bytes from a damaged run store give an error. Method: decode no bytes and too few bytes.
+  // Goal: a worker throws an error if the bytes of a stored state are damaged. Method: run units
+  // from no bytes and from too few bytes.
   const BallWorker worker = ball_worker();
   EXPECT_THROW((void)worker.run(unit(0, 1, 1), {}), base::Error);
   EXPECT_THROW((void)worker.run(unit(0, 1, 1), base::Bytes(39)), base::Error);

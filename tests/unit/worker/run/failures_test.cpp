@@ -9,7 +9,7 @@ namespace {
 
 using failing::FailingBall;
 
-/// Counts simulations and their failures, independently of the chains' records.
+/// Counts failed simulations, independently of the chains' records.
 struct Counted : FailingBall {
   explicit Counted(plan::FailureCounts& failures) : FailingBall({}), failures_(&failures) {}
   Outcome simulate(const State& state) const {
@@ -37,9 +37,10 @@ plan::FailureCounts counts_of(const plan::UnitResult& result) {
 }
 
 TEST(Failures, AreNeverSamplesAndAllCounted) {
-  // Goal: no state of a chain has a failing simulation, and records count failures by kind. Method:
-  // run chains at inverse temperatures 0 to 1, with and without excursions, and simulate their
-  // states again. Compare the counts with the simulator's own counts.
+  // Goal: a chain never contains a state whose simulation fails, and the records count failed
+  // simulations by kind. Method: run chains at three inverse temperatures from 0 to 1, with and
+  // without excursions. Simulate the chains' states again, and compare the records' counts with the
+  // simulator's counts.
   for (const double beta : {0.0, 0.3, 1.0}) {
     for (const bool excursions : {false, true}) {
       plan::FailureCounts asked;
@@ -59,8 +60,8 @@ TEST(Failures, AreNeverSamplesAndAllCounted) {
 }
 
 TEST(Failures, ComeBackWhole) {
-  // Goal: a unit returns its first failed simulations with their scans, and each state fails in the
-  // recorded way. Method: run a long unit and simulate the states again.
+  // Goal: the result of a unit contains the unit's first failed simulations and their scans.
+  // Simulating a failed state again gives the same failure.
   const ChainWorker<FailingBall> worker(FailingBall({}), {});
   const plan::UnitResult result = worker.run(unit_of(4, 3000, 1), {});
   ASSERT_EQ(result.failed.size(), plan::k_failed_told_max);
@@ -77,8 +78,10 @@ TEST(Failures, ComeBackWhole) {
 }
 
 TEST(Failures, DoNotKnowHowUnitsAreCut) {
-  // Goal: records, including failures, don't depend on cuts or held samples. Method: compare one
-  // unit with units of 7 scans, each started from bytes.
+  // Goal: a chain's records, including failures, don't depend on how the chain is cut into units or
+  // whether the worker caches samples. Method: compare one unit of 700 scans with units of 7 scans,
+  // each of which starts from an encoded state. Use a worker with a cache and a worker without a
+  // cache.
   const ChainWorkerOptions options{.iterations_per_scan = 3};
   const ChainWorker<FailingBall> whole(FailingBall({}), options);
   const plan::UnitResult expected = whole.run(unit_of(5, 700, 1), {});
@@ -105,7 +108,8 @@ TEST(Failures, DoNotKnowHowUnitsAreCut) {
 }
 
 TEST(Failures, DrawsFromThePriorAreDrawnAgain) {
-  // Goal: a draw at inverse temperature 0 is the first of its stream that doesn't fail.
+  // Goal: at inverse temperature 0, each sample is the first draw of its random stream whose
+  // simulation succeeds.
   const ChainWorker<FailingBall> worker(FailingBall({}), {});
   const plan::UnitResult result = worker.run(unit_of(6, 1000, 0), {});
   const FailingBall ball({});
@@ -141,7 +145,8 @@ struct Hopeless : FailingBall {
 };
 
 TEST(Failures, ThatNeverEndAreAnError) {
-  // Goal: a world without a valid draw gives an error instead of drawing forever.
+  // Goal: if no draw from the prior can be simulated, a worker throws an error instead of drawing
+  // forever.
   const ChainWorker<Hopeless> worker(Hopeless(worlds::ball_2d::Parameters{}), {});
   try {
     worker.run(unit_of(6, 1, 1), {});
@@ -153,7 +158,8 @@ TEST(Failures, ThatNeverEndAreAnError) {
 }
 
 TEST(Failures, OfAStoredStateAreABug) {
-  // Goal: a state that was once a sample but fails now is refused. Method: run from its bytes.
+  // Goal: a worker refuses to continue from a stored state whose simulation fails. Method: start a
+  // unit from the bytes of a state that failed before.
   const FailingBall ball({});
   const ChainWorker<FailingBall> worker(ball, {});
   const plan::UnitResult result = worker.run(unit_of(6, 3000, 1), {});
@@ -163,7 +169,8 @@ TEST(Failures, OfAStoredStateAreABug) {
 }
 
 TEST(Failures, StartsThatOverlapAreSamplesAtInverseTemperatureZero) {
-  // Goal: a failing start is drawn again from the prior, and counted.
+  // Goal: at inverse temperature 0, a draw with overlapping starts is a sample with log p_c =
+  // -infinity. The records count such draws.
   const ChainWorker<FailingBall> worker(FailingBall({}), {});
   const plan::UnitResult result = worker.run(unit_of(7, 5000, 0), {});
   std::uint64_t counted = 0;

@@ -67,8 +67,8 @@ struct Counted : W {
 static_assert(World<Counted<Ball2d>> && World<Counted<Spelling>>);
 static_assert(sampling::HasSurrogate<Counted<Spelling>>);
 
-/// A unit with random inverse temperatures: one for all scans, or one for each scan. May have an
-/// excursion.
+/// A random unit: with one random inverse temperature for all scans, with one for each scan, or
+/// with an excursion.
 plan::Unit random_unit(const plan::ReplicaKey& replica, std::uint64_t first,
                        random::Stream& stream) {
   const auto below = [&](std::uint64_t count) {
@@ -99,8 +99,9 @@ struct Replica {
   bool held = false;
 };
 
-/// Runs six replicas in turns, in random units. One worker runs from held samples if it can.
-/// Another worker holds nothing and runs from bytes.
+/// Runs random units of six replicas with two workers, and expects equal results. One worker
+/// continues from held samples if it can. The other worker holds no samples and continues from
+/// encoded states.
 template <class MakeWorld>
 void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions options) {
   const auto held_count = std::make_shared<std::atomic<std::uint64_t>>(0);
@@ -137,7 +138,7 @@ void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions op
     // A held sample saves only the simulation of the state before the unit.
     EXPECT_EQ(given.simulations - result->simulations, !next.starts && replica.held ? 1U : 0U);
     replica.held = true;
-    // Lose a result now and then, so that the held sample belongs to another scan.
+    // Drop every seventh result, so that the held sample belongs to another scan.
     if (turn % 7 == 3) {
       replica.held = false;
       continue;
@@ -153,11 +154,11 @@ void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions op
 }
 
 TEST(HeldSamples, GiveWhatBytesGive) {
-  // Goal: run_from_held returns the same bits as run with the state's bytes, or nothing if the
-  // worker doesn't hold the sample. `simulations` counts all of the target's simulations, including
-  // those of states that weren't held. Method: compare with a worker without a cache, in worlds
-  // that count simulations, at all temperatures, with excursions, a surrogate and several
-  // iterations.
+  // Goal: run_from_held() returns the same bits as run() with the state's bytes, or nothing if the
+  // worker doesn't hold the sample. The result's field `simulations` counts all of the target's
+  // simulations. Method: compare a worker with a cache with a worker without a cache, in worlds
+  // that count their simulations. Run units at several inverse temperatures, with excursions, with
+  // a surrogate and with several iterations per scan.
   expect_held_equals_given(
       [](Count count) { return Counted<Ball2d>(worlds::ball_2d::Parameters{}, std::move(count)); },
       {.iterations_per_scan = 2});
@@ -171,8 +172,9 @@ TEST(HeldSamples, GiveWhatBytesGive) {
 }
 
 TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
-  // Goal: a worker with full memory evicts the sample that it ran longest ago, and holds() reports
-  // that. Method: use room for three of five replicas, and room for none.
+  // Goal: a worker whose cache is full evicts the sample that was run longest ago. Method: run five
+  // replicas with a cache for three samples, and one replica with a cache that is too small for one
+  // sample.
   const ChainWorker<Ball2d> roomy(Ball2d({}), {});
   (void)roomy.run(unit(key(0), 0, 3), {});
   const std::size_t one = roomy.cache_use().bytes;
@@ -192,7 +194,8 @@ TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
 }
 
 TEST(HeldSamplesDeathTest, MisuseIsABug) {
-  // Goal: a run from a held sample fails a CHECK if the unit begins at scan 0 or has no scans.
+  // Goal: run_from_held() and holds() stop the process if the unit begins at scan 0.
+  // run_from_held() also stops the process if the unit has no scans.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const ChainWorker<Ball2d> worker(Ball2d({}), {});
   EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 0, 1)), "check failed");
@@ -202,9 +205,10 @@ TEST(HeldSamplesDeathTest, MisuseIsABug) {
 
 TEST(HeldSamples, OwnedBytesCoverAllArrays) {
   // Goal: the size that a world reports for a sample covers all of the sample's arrays, including
-  // the surrogate's outcome and the history, for any outcome. The size is not much larger than
-  // these arrays plus the history's objects. Method: compare with the capacities of prior draws'
-  // arrays, including impossible draws, whose outcome has no arrays, and arrays with spare room.
+  // the surrogate's outcome and the history. The size exceeds these arrays and the history's
+  // objects by at most 64 bytes. Method: compare the size with the sum of the arrays' capacities
+  // for 50 prior draws. Among them are impossible draws, whose outcome has no arrays, and draws
+  // with spare capacity.
   worlds::spelling::Parameters parameters = two_bins();
   parameters.world.drop_interval_s = 0.001;
   const Spelling world(parameters);

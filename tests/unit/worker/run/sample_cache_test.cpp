@@ -90,9 +90,9 @@ class PlainCache {
 
 constexpr std::uint64_t k_steps = 20'000;
 
-/// Makes random puts and takes of samples of random sizes. Compares the cache with the plain list:
-/// results, reported use and number of live samples. Returns the first step at which they differ;
-/// k_steps if they never differ. `use` becomes the use that the plain list counts.
+/// Puts and takes samples of random sizes in random order. Compares the cache with the plain list:
+/// results, reported use and number of live samples. Returns the first step at which they differ,
+/// or k_steps if they never differ. Sets `use` to the plain list's use.
 template <class Cache>
 std::uint64_t first_difference(plan::CacheUse& use) {
   const std::size_t besides = bytes_besides<PlainCache::Sample>();
@@ -133,8 +133,9 @@ std::uint64_t first_difference(plan::CacheUse& use) {
 using RightCache = SampleCache<PlainCache::Sample>;
 
 TEST(SampleCache, IsAPlainListWithinItsBytes) {
-  // Goal: the cache is bounded in bytes, evicts the least recently put sample first, and counts
-  // correctly. Method: compare random puts and takes (the seed is printed) with a plain list.
+  // Goal: the cache never exceeds its limit in bytes, evicts the least recently put sample first,
+  // and counts hits, misses and evictions correctly. Method: put and take random samples, and
+  // compare the cache with a plain list.
   plan::CacheUse use;
   EXPECT_EQ(first_difference<RightCache>(use), k_steps) << "seed " << k_seed;
   EXPECT_GT(use.hits, 1000U);
@@ -174,7 +175,8 @@ struct FondCache : RightCache {
 };
 
 TEST(SampleCache, PropertyFindsWrongCaches) {
-  // Goal: first_difference() detects faulty caches. Method: use caches with one small mistake each.
+  // Goal: first_difference() detects faulty caches. Method: use three caches, each with one small
+  // mistake.
   plan::CacheUse use;
   EXPECT_LT(first_difference<LooseCache>(use), k_steps);
   EXPECT_LT(first_difference<LightCache>(use), k_steps);
@@ -182,7 +184,8 @@ TEST(SampleCache, PropertyFindsWrongCaches) {
 }
 
 TEST(SampleCache, IsSharedByThreads) {
-  // Goal: each sample is taken once, and each take is counted once. Method: four threads.
+  // Goal: several threads can share a cache. Each sample is taken at most once, and the cache
+  // counts each take once. Method: put and take samples of twelve replicas in four threads.
   SampleCache<std::unique_ptr<int>> cache(8 * (100 + bytes_besides<std::unique_ptr<int>>()));
   std::atomic<int> taken = 0;
   std::vector<std::thread> threads;
@@ -205,9 +208,9 @@ TEST(SampleCache, IsSharedByThreads) {
 }
 
 TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
-  // Goal: a unit starts from a new draw exactly if `starts` is set, whatever its first scan. The
-  // draw and its lineage then belong to that first scan. Without `starts`, a unit continues even
-  // from scan 0.
+  // Goal: a unit starts from a new draw exactly if its flag `starts` is set, whatever its first
+  // scan is. The draw and its lineage belong to the unit's first scan. Without the flag, the unit
+  // continues from the given state.
   const worlds::ball_2d::Ball2d ball({});
   const ChainWorker<worlds::ball_2d::Ball2d> worker(ball, {});
   const plan::Unit unit{.replica = key(2, 5),
@@ -236,9 +239,9 @@ TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
 }
 
 TEST(ChainWorker, KeepsStatesFromTheFirstDrawOn) {
-  // Goal: thinning starts at the first draw, here at scan 25 of 60. Before that scan, states
-  // at inverse temperature 1 are stored only if satisfied. Hot states are stored every hot_thin
-  // scans.
+  // Goal: at inverse temperature 1, a worker stores all satisfying states, and from the first draw
+  // on also one state per `thin` scans. At other inverse temperatures, it stores one state per
+  // `hot_thin` scans. Method: run 60 scans with the first draw at scan 25.
   const worlds::ball_2d::Ball2d ball({});
   const ChainWorker<worlds::ball_2d::Ball2d> worker(ball,
                                                     {.thin = 4, .first_draw = 25, .hot_thin = 6});

@@ -8,8 +8,8 @@
 namespace sleight::sampling {
 namespace {
 
-/// Returns whether a candidate with this ratio is accepted for every random number in (0, 1), or
-/// for none.
+/// always() returns whether a candidate with this ratio is accepted for every random number in (0,
+/// 1). never() returns whether it is rejected for every random number.
 bool always(double log_ratio) {
   return std::log(1 - 0x1p-53) < log_ratio;
 }
@@ -18,7 +18,8 @@ bool never(double log_ratio) {
 }
 
 TEST(TemperedLogDensity, WeighsTheConstraintAlone) {
-  // Goal: the density is log p_w + beta log p_c, and p_c^0 = 1 even if p_c = 0.
+  // Goal: the tempered log density is log p_w + beta log p_c. At beta 0 it is log p_w, even if p_c
+  // is 0.
   EXPECT_EQ(tempered_log_density(-2, -8, 1), -10);
   EXPECT_EQ(tempered_log_density(-2, -8, 0.25), -4);
   EXPECT_EQ(tempered_log_density(-2, -8, 0), -2);
@@ -27,7 +28,7 @@ TEST(TemperedLogDensity, WeighsTheConstraintAlone) {
 }
 
 TEST(LogAcceptanceRatio, IsLine7) {
-  // Goal: the ratio is log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)).
+  // Goal: log_acceptance_ratio() returns the log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)).
   EXPECT_EQ(log_acceptance_ratio(-1, -2, -3, -5, 1, 0), -5);
   EXPECT_EQ(log_acceptance_ratio(-1, -2, -3, -5, 0.5, 0), -3.5);
   EXPECT_EQ(log_acceptance_ratio(-1, -2, -3, -5, 1, 7), 2);
@@ -36,9 +37,9 @@ TEST(LogAcceptanceRatio, IsLine7) {
 }
 
 TEST(LogAcceptanceRatio, NeverEntersZeroDensity) {
-  // Goal: a candidate of zero density is always rejected, even if infinities give NaN. Method: let
-  // constraint, prior or both be zero, from states with and without density, with any finite or
-  // infinite ratio of a valid proposal.
+  // Goal: a chain always rejects a candidate of zero density or a proposal that cannot be reversed,
+  // even if infinities give NaN. Method: try candidates without constraint density, without prior
+  // density and without both. Start from states with and without density.
   for (const double q : {-5.0, 0.0, 5.0}) {
     EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -3, -k_infinity, 1, q)));
     EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -k_infinity, -2, 1, q)));
@@ -50,19 +51,20 @@ TEST(LogAcceptanceRatio, NeverEntersZeroDensity) {
 }
 
 TEST(LogAcceptanceRatio, LeavesZeroDensityByThePrior) {
-  // Goal: from a start that breaks a hard constraint, only the prior decides. Method: check that
-  // the ratio equals the priors' ratio for candidates with and without constraint density.
+  // Goal: from a state that breaks a hard constraint, acceptance depends only on the prior and on
+  // the proposal's ratio. Method: try candidates with and without constraint density.
   for (const double candidate_constraint : {-k_infinity, -3.0, 0.0}) {
     EXPECT_EQ(log_acceptance_ratio(-1, -k_infinity, -4, candidate_constraint, 1, 0.5), -2.5);
     EXPECT_TRUE(always(log_acceptance_ratio(-4, -k_infinity, -1, candidate_constraint, 1, 0)));
   }
-  // At beta = 0 the constraint is not evaluated.
+  // At beta = 0 the constraint has no effect.
   EXPECT_EQ(log_acceptance_ratio(-1, -k_infinity, -4, -k_infinity, 0, 0), -3);
 }
 
 TEST(ChainStreams, DifferByEveryField) {
-  // Goal: seeds, chains, replicas, purposes and iterations never share random numbers. Method:
-  // change one field at a time, and compare each stream's first word.
+  // Goal: streams of different seeds, chains, replicas, purposes or iterations have different
+  // random numbers. Method: change one field at a time, and compare each stream's first random
+  // number.
   const ChainStreams base{.seed = 1, .chain = base::ChainId{2}, .replica = base::ReplicaId{3}};
   const auto word = [](const ChainStreams& streams, random::Purpose purpose, std::uint64_t at) {
     return streams.at(purpose, at).bits();

@@ -33,9 +33,9 @@ const std::vector<double>& row(const std::vector<ChainPart::Row>& rows, std::str
 }
 
 TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
-  // Goal: units have the right temperatures, sizes, lanes and starts. Method: compare units of one
-  // scan and of maximum length with values by hand. An ascent's first draw is in the same unit as
-  // the next scans. Sizes never change within a unit, and no unit continues into the next ascent.
+  // Goal: each unit has the right inverse temperatures, proposal size, lane and start. A unit ends
+  // where the proposal size changes or where its ascent ends. Method: compare the longest possible
+  // units of two lanes with a table of expected values.
   AnnealedImportance part(burn_in(), 2, 2);
   const std::vector<double> betas{0, 0.05, 0.1, 0.25, 0.4, 0.7, 1};
   ASSERT_EQ(part.schedule().size(), betas.size());
@@ -49,8 +49,8 @@ TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
     std::uint32_t scans;
     std::vector<double> scales;
   };
-  // In each ascent, 3 scans have the size of level 0.1. Then 4 scans have the size of levels 0.4
-  // and 1.
+  // In each ascent, the first 3 scans use the proposal size of level 0.1. The next 4 scans use the
+  // size of levels 0.4 and 1.
   const std::vector<Expected> expected{{0, 0, 3, {2}},  {1, 0, 3, {2}}, {0, 3, 4, {3}},
                                        {1, 3, 4, {3}},  {0, 7, 3, {2}}, {1, 7, 3, {2}},
                                        {0, 10, 2, {3}}, {1, 10, 2, {3}}};
@@ -75,8 +75,9 @@ TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
 }
 
 TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
-  // Goal: log weights, their order and their sums are right. Method: compare made-up densities,
-  // some of them zero, with sums over plain doubles, draw by draw.
+  // Goal: the log weights, their order and the estimates that use them follow the formula. Method:
+  // report random densities, some of them zero. Compare the results with products and sums of plain
+  // doubles.
   for (const std::uint64_t index : property::cases(50)) {
     Dice dice(k_seed, index);
     const auto lanes = static_cast<std::uint32_t>(1 + dice.below(4));
@@ -152,7 +153,8 @@ TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
 }
 
 TEST(WeightSummary, OfNothingOfOneOfZerosAndOfEqualWeights) {
-  // Goal: extreme weights are right, even if exp of their logs overflows.
+  // Goal: summary_of() is right for no weight, for one weight, for zero weights and for equal
+  // weights. A weight may be too small for a double.
   EXPECT_TRUE(std::isnan(summary_of({}).log_mean.value));
   EXPECT_EQ(summary_of({}).effective_size, 0);
   const WeightSummary one = summary_of(std::vector{-3.0});
@@ -167,7 +169,8 @@ TEST(WeightSummary, OfNothingOfOneOfZerosAndOfEqualWeights) {
   EXPECT_NEAR(equal.log_mean.value, -2000, 1e-12);
   EXPECT_NEAR(equal.log_mean.error, 0, 1e-6);
   EXPECT_NEAR(equal.effective_size, 4, 1e-12);
-  // A single nonzero weight: (sum w)^2 / sum w^2 = 1, relative error sqrt(4/3 (1 - 1/4)) = 1.
+  // If one of four weights is nonzero, (sum w)^2 / sum w^2 is 1, and the relative error is sqrt(4/3
+  // (1 - 1/4)) = 1.
   const WeightSummary single = summary_of(std::vector{-k_infinity, 5.0, -k_infinity, -k_infinity});
   EXPECT_NEAR(single.log_mean.value, 5 - std::log(4.0), 1e-12);
   EXPECT_NEAR(single.log_mean.error, 1, 1e-12);

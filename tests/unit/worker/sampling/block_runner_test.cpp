@@ -1,4 +1,5 @@
-// Compares parallel tempering, by units and in blocks, with the lockstep reference, bit for bit.
+// Compares parallel tempering, in units and in blocks, bit for bit with a reference that runs all
+// replicas in lockstep.
 #include "worker/sampling/block_runner.h"
 
 #include <fmt/format.h>
@@ -25,7 +26,8 @@ constexpr std::uint64_t k_scans_max = 260;
 std::uint64_t cases() {
   return property::of_tier(40, k_cases);
 }
-constexpr std::uint64_t k_longest = 2 * k_scans_max;  ///< of a run with other rules
+/// Scans in which the reference looks for the stop.
+constexpr std::uint64_t k_longest = 2 * k_scans_max;
 
 struct Case {
   ParallelTemperingOptions options;
@@ -98,7 +100,7 @@ std::uint64_t solutions_between(const SlowLadder& ladder, std::uint64_t first, s
   return lineages.size();
 }
 
-/// Scan at which the run must stop, from all results, by the plain rules.
+/// Applies the stop rules to all results. Returns the scan at which the run must stop.
 std::uint64_t stop_of(const Case& given, const std::vector<SlowLadder>& all) {
   const StopRule& stop = given.options.stop;
   const auto burnt_in = burnt_in_at(given, all, k_longest);
@@ -208,9 +210,9 @@ struct LadderShapes {
 
 TEST(BlockRunner, EqualsTheLockstepReference) {
   // Goal: units, records, states, rounds, solutions and the stop equal the reference's, whether
-  // replicas run in units or in blocks. Cuts, workers and the order of members' results don't
-  // matter. Method: run random cases with ladders that grow and shrink, with and without searches,
-  // in several random sessions each. Count which shapes of blocks and ladders occurred.
+  // replicas run in units or in blocks. They don't depend on workers, cuts of units or the order of
+  // results. Method: run each random case in three random sessions. Some cases start with a search.
+  // At the end, check that ladders grew and shrank, and that all shapes of blocks occurred often.
   BlockShapes shapes;
   LadderShapes ladders;
   for (const std::uint64_t index : property::cases(cases())) {
@@ -298,10 +300,10 @@ class SlowWorker final : public plan::UnitWorker {
 };
 
 TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
-  // Goal: each member runs at least one scan, and all members together run as many scans as the
-  // limit allows, unless something else ends the block. The cost is shared equally among scans, and
-  // simulations are counted. Method: run a ladder of six with every limit up to 70, and compare
-  // smaller ladders with results by hand.
+  // Goal: in a block, each member runs at least one scan, and all members together run as many
+  // scans as the limit allows. The runner shares the block's cost equally among the scans, and
+  // counts the simulations. Method: run a ladder of six levels with every limit up to 70. Then run
+  // only three middle levels, whose block ends earlier because their swap partners are outside.
   constexpr std::uint32_t k_levels = 6;
   const ScanByScan numbers({.seed = 5, .roughness = {5}});
   base::ManualClock clock;
@@ -326,7 +328,7 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
     EXPECT_DOUBLE_EQ(clock.now_s() - begin_s, scans);
   }
 
-  // Three middle levels make five scans: three in scan 1 and two in scan 2.
+  // Three middle levels run five scans: all three levels run scan 1, and two levels run scan 2.
   plan::LadderPart& part = *second.block.ladder;
   const std::uint32_t first = 2;
   second.block.members = {second.block.members.begin() + first, second.block.members.begin() + 5};
@@ -368,9 +370,10 @@ double half_ratio(const SwapPair& pair) {
 }
 
 TEST(BlockRunner, WrongSwapsAreNoticed) {
-  // Goal: a plan rejects results of a runner that decides swaps differently, because their
-  // temperatures differ from the plan's. Method: use wrong partners, numbers, ratios and seeds, one
-  // at a time, with results that often leave swaps to chance. The right formulas pass.
+  // Goal: a plan rejects the results of a runner that decides swaps differently, because the
+  // reported temperatures differ from the plan's. Method: replace one of the swap's formulas at a
+  // time by a wrong formula: for the partner, the random number, the ratio or the seed. With the
+  // right formulas, the plan accepts all results.
   ParallelTemperingOptions options = small_ladder(6);
   options.ladder.seed = 11;
   const ScanByScan numbers({.seed = 11, .roughness = {3}});

@@ -1,5 +1,6 @@
-// Tests properties of every method: orders of delivery, blocks, stored results, stop rules and
-// draws, with burn-in and simulated annealing.
+// Tests properties of every sampling method. For example, results don't depend on blocks,
+// interruptions or the order in which they arrive. Also tests stop rules, draws, burn-in and
+// simulated annealing.
 #include "worker/sampling/burnt_in_chains.h"
 
 #include <fmt/format.h>
@@ -79,7 +80,8 @@ Case random_case(Dice& dice, std::uint64_t index) {
   return made;
 }
 
-/// Lets some ladders of parallel tempering start from searches, whose finds must be forgotten.
+/// Lets some ladders of parallel tempering start from searches. These ladders must forget the
+/// searches' finds.
 Case from_searches(Case given, Dice& dice) {
   if (given.method != Method::parallel || !dice.once_in(2)) return given;
   given.ladder.starts_by_search = true;
@@ -123,7 +125,8 @@ StopRule after(std::uint64_t scans) {
   return {.scans = scans, .rounds = {}, .independent_solutions = {}};
 }
 
-/// Number of draws (records at inverse temperature 1), and the least number per chain.
+/// The smallest number of draws of a chain. A draw is a record at inverse temperature 1 after the
+/// burn-in.
 std::uint64_t draws_of(const Case& given, const ScanRuns& runs) {
   std::vector<std::uint64_t> draws(given.chains, 0);
   for (const auto& [place, run] : runs) {
@@ -169,10 +172,12 @@ struct Decided {
 };
 
 TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
-  // Goal: units, results, stop, draws and report don't depend on how units and blocks are cut or in
-  // which order they complete, and the stop obeys the rules. Method: compare serial runs with
-  // random sessions by units and by blocks. Recompute the stop and the draws from a longer run.
-  std::set<std::pair<std::uint64_t, bool>> stops;  // by method: whether solutions ended it
+  // Goal: units, results, the stop, draws and the report don't depend on how a run is cut into
+  // units and blocks. The order in which these complete has no effect, either. The run stops where
+  // its rules say. Method: compare random sessions, in units and in blocks, with a serial run.
+  // Recompute the stop and the draws from a longer run.
+  // By method: whether the run ended before its limit on scans.
+  std::set<std::pair<std::uint64_t, bool>> stops;
   std::vector<BlockShapes> shapes(k_methods);
   for (const std::uint64_t index : property::cases(cases())) {
     Dice dice(k_seed, index);
@@ -221,9 +226,10 @@ TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
 }
 
 TEST(EveryMethod, GoesOnFromAnyStoredResults) {
-  // Goal: a fresh plan that consumes stored results replica by replica equals the stopped plan, and
-  // reaches the same end. Method: stop at a random moment, with results in flight lost or stored.
-  // Replay results in the store's order or in another order, then run by units or by blocks.
+  // Goal: a fresh plan that consumes stored results equals the plan that was stopped, and reaches
+  // the same end. Method: stop a session at a random moment, and lose or store the results in
+  // flight. Let a fresh plan consume the stored results in stored or random order. Then continue in
+  // units or in blocks.
   BlockShapes shapes;
   for (const std::uint64_t index : property::cases(2 * cases())) {
     Dice dice(k_seed, k_cases + index);
@@ -255,11 +261,10 @@ TEST(EveryMethod, GoesOnFromAnyStoredResults) {
 }
 
 TEST(EveryMethod, DecidesTheSameInAnySteps) {
-  // Goal: the solutions and rounds that a plan reports between two frontiers are a function of the
-  // results up to the frontiers. All reports together equal the report of a run that reports only
-  // at its end. Each solution is a satisfied scan at inverse temperature 1, and all counted
-  // solutions are reported. Method: query random sessions, including stopped and resumed ones, at
-  // random moments.
+  // Goal: reports of solutions and rounds at any moments add up to the single report of a run that
+  // reports only at its end. Each reported solution is a satisfying scan at inverse temperature 1,
+  // and all counted solutions are reported. Method: request reports at random moments of random
+  // sessions, some of which are stopped and resumed.
   std::set<Method> methods;
   for (const std::uint64_t index : property::cases(cases())) {
     Dice dice(k_seed, 5 * k_cases + index);
@@ -307,8 +312,8 @@ TEST(EveryMethod, DecidesTheSameInAnySteps) {
 }
 
 TEST(EveryMethod, CutAtAnyScanIsTheRunOfThatManyScans) {
-  // Goal: a plan that consumes the stored scans below N equals a run of N scans. Method: cut whole
-  // runs at a random N, sometimes in the burn-in.
+  // Goal: a plan that consumes the stored scans below N of a longer run equals a plan that runs N
+  // scans. Method: cut whole runs at a random scan N, sometimes in the burn-in.
   for (const std::uint64_t index : property::cases(cases())) {
     Dice dice(k_seed, 3 * k_cases + index);
     const Case given = from_searches(random_case(dice, index), dice);
@@ -335,9 +340,9 @@ TEST(EveryMethod, CutAtAnyScanIsTheRunOfThatManyScans) {
 }
 
 TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
-  // Goal: if a plan reports its total, it does so at the start, including annealing. The total
-  // stays constant and equals the consumed scans at the end. Method: query the total at every step,
-  // for chains and for ladders of four fixed levels.
+  // Goal: a plan with a fixed number of scans reports its total from the start, annealing included.
+  // The total never changes, and equals the number of consumed scans at the end. Method: read the
+  // total at every step, for independent chains and for ladders of four fixed levels.
   for (const Method method : {Method::plain, Method::parallel}) {
     Dice dice(k_seed, 5 * k_cases);
     Case given = random_case(dice, 0);
@@ -360,8 +365,8 @@ TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
 }
 
 TEST(BurntInChains, BurnInIsParallelTempering) {
-  // Goal: a burn-in equals the same number of rounds of parallel tempering. Method: run both with
-  // the same options, and compare all scans and the tables of ladders.
+  // Goal: a burn-in equals a run of parallel tempering with the same number of rounds. Method: run
+  // both with the same options, and compare all scans and the reported tables of ladders.
   for (const std::uint64_t index : property::cases(20)) {
     Dice dice(k_seed, 6 * k_cases + index);
     Case given = random_case(dice, 2 + index % 3);
@@ -390,7 +395,7 @@ TEST(BurntInChains, BurnInIsParallelTempering) {
 
 TEST(Annealing, GoesFromThePriorInEqualSteps) {
   // Goal: in scan s of n, annealing uses s / n of a replica's final inverse temperature, which is 1
-  // for plain chains. Method: compare every scan of a run.
+  // for plain chains.
   for (const std::uint64_t index : property::cases(30)) {
     Dice dice(k_seed, 7 * k_cases + index);
     Case given = random_case(dice, index);

@@ -21,7 +21,7 @@ constexpr std::uint64_t k_cases = 200;
 struct World {
   std::uint64_t seed = 0;
   double log_sd = 1;
-  double dead = 0;  ///< share of islands
+  double dead = 0;  ///< share of dead islands
   double log_satisfied(std::uint64_t number) const {
     random::Stream stream({.seed = seed, .purpose = random::Purpose::ground}, number);
     if (stream.uniform() < dead) return k_log_zero;
@@ -129,9 +129,10 @@ void expect_end(const FreeIslands& plan, const World& world, const Reference& ex
 }
 
 TEST(FreeIslands, EndsWhereTheIslandsSay) {
-  // Goal: which islands run, and which of them yield the odds, depends only on their results, not
-  // on order, cuts of units or stored results beyond the end. Method: compare random islands,
-  // errors and sessions with a second implementation of the rule.
+  // Goal: only the islands' results determine which islands run and which of them yield the odds.
+  // The order of units, their cuts and stored results beyond the end have no effect. Method: run
+  // random islands in random sessions, with two allowed errors. Compare the end with a second
+  // implementation of the rule.
   std::uint64_t extended = 0;
   std::uint64_t long_pilots = 0;
   for (const std::uint64_t index : property::cases(k_cases)) {
@@ -167,9 +168,9 @@ TEST(FreeIslands, EndsWhereTheIslandsSay) {
 }
 
 TEST(FreeIslands, ACutEndsThereAndTellsTheOddsOnlyWhole) {
-  // Goal: the request in an archive repeats its run. A limited run ends at its limit, and yields
-  // the odds only if the limit is the unlimited run's final number of islands. Method: limit runs
-  // to the final number, and to a random number up to that number.
+  // Goal: a limited run ends at its limit. It yields the odds only if its limit is the number of
+  // islands at which the unlimited run ends. So the request in an archive repeats its run. Method:
+  // limit runs to that final number, and to a random number up to it.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(13, index);
     const World world = random_world(index, dice);
@@ -187,7 +188,7 @@ TEST(FreeIslands, ACutEndsThereAndTellsTheOddsOnlyWhole) {
 }
 
 TEST(FreeIslands, WhatNeverSatisfiesEnds) {
-  // Goal: a run in which all islands die ends without a batch.
+  // Goal: a run in which all islands die ends after a pilot of 1024 islands, without a batch.
   FreeIslands plan({.seed = 1, .log_error = 0.1});
   const World world{.dead = 1};
   Dice dice(17, 0);

@@ -38,10 +38,10 @@ struct Chains {
 };
 
 TEST(FurthestBehind, IsWhoASearchFinds) {
-  // Goal: among the chains that can give a unit, first() finds the one with the fewest scans, and
-  // the lowest number if several are equal. If no chain can give a unit, first() finds none.
-  // least() and going() return the right numbers. Method: compare with a search in 200 random
-  // histories of one to nine chains. While the horizon grows, chains advance, give units, and run
+  // Goal: among the chains that can give a unit, first() finds the chain with the fewest scans, and
+  // the lowest number among equals. If no chain can give a unit, first() finds none. least(), sum()
+  // and going() return the right numbers. Method: compare with a linear search in 200 random
+  // histories of one to nine chains. While the horizon grows, chains advance, give units and run
   // out of units.
   int given = 0;
   int dry = 0;
@@ -85,8 +85,8 @@ TEST(FurthestBehind, IsWhoASearchFinds) {
 }
 
 TEST(FurthestBehind, AsksNobodyTwiceInVain) {
-  // Goal: if a chain has no unit to give, first() calls it again only after the chain moves or the
-  // query changes. Method: count the calls for chains that never give.
+  // Goal: if a chain has no unit to give, first() asks the chain again only after the chain moves
+  // or the query changes. Method: count the calls for chains that never give a unit.
   constexpr std::size_t k_chains = 1000;
   FurthestBehind order(k_chains);
   std::size_t asked = 0;
@@ -109,7 +109,8 @@ TEST(FurthestBehind, AsksNobodyTwiceInVain) {
 }
 
 TEST(FurthestBehind, RefusesWhatCannotBe) {
-  // Goal: zero chains, and a chain whose scans decrease, stop the program. Method: death tests.
+  // Goal: FurthestBehind stops the process if it has no chains, or if a chain's number of scans
+  // decreases.
   EXPECT_DEATH(FurthestBehind(0), "check failed");
   FurthestBehind order(2);
   order.moved(1, 5);

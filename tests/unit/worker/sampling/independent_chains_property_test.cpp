@@ -84,7 +84,7 @@ bool has_enough_solutions(const Case& given, std::uint64_t scans) {
   return wanted && solved.size() >= *wanted;
 }
 
-/// Reference: the scan at which the run must stop, from all results, by the plain rules.
+/// Reference: applies the stop rules to all results. Returns the scan at which the run must stop.
 std::uint64_t end_of(const Case& given) {
   const StopRule& stop = given.options.stop;
   std::uint64_t round_end = 0;
@@ -186,7 +186,8 @@ std::optional<double> odds_until_island(const plan::Report& report, std::uint32_
   return std::nullopt;
 }
 
-/// Expects the end. Islands of a complete first round yield the odds if solutions can end a run.
+/// Expects that the session ended at scan `end`. If solutions can end a run, the islands of a
+/// complete first round yield the odds.
 void expect_end(Session& session, const Case& given, std::uint64_t end) {
   EXPECT_TRUE(session.plan().finished());
   EXPECT_EQ(session.plan().scans_common(), end);
@@ -203,9 +204,9 @@ void expect_end(Session& session, const Case& given, std::uint64_t end) {
 }
 
 TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
-  // Goal: the stop is a function of the results, independent of cuts and of the order of
-  // completion, and nothing is computed beyond it. Method: draw random results and rules, run
-  // several random sessions for each, and compare the sessions with the reference.
+  // Goal: only the results determine where a run stops, not the cuts of units or the order of
+  // completion. The run computes nothing beyond the stop. Method: draw random results and stop
+  // rules. Run four random sessions for each, and compare their stops with the reference.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(index);
     const Case given = random_case(dice);
@@ -222,9 +223,9 @@ TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
 }
 
 TEST(IndependentChainsProperty, StopsThereWhateverMoreIsStored) {
-  // Goal: stored results of a session with a later stop don't move the stop (invariant 3 of Plan).
-  // Method: replay random lengths of each chain in batches, some of them beyond the end, then
-  // resume.
+  // Goal: stored results beyond the stop don't move the stop (invariant 3 of Plan). Method: let a
+  // plan consume a random number of each chain's scans, some of them beyond the stop. Then resume
+  // the run.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_cases + index);
     const Case given = random_case(dice);

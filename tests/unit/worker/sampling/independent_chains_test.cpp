@@ -30,7 +30,8 @@ plan::Unit unit(std::uint32_t chain, std::uint64_t first, std::uint32_t scans) {
 }
 
 TEST(ScansThroughRound, IsTheSumOfDoublingRounds) {
-  // Goal: round r has round_scans 2^(r-1) scans, and sums beyond 64 bits saturate.
+  // Goal: scans_through_round() adds rounds of round_scans 2^(r-1) scans each. If the sum exceeds
+  // 64 bits, the function returns the largest 64-bit number.
   for (const std::uint64_t round_scans : {std::uint64_t{1}, std::uint64_t{3}, std::uint64_t{64},
                                           std::uint64_t{1'000'000}, k_largest / 3, k_largest}) {
     std::uint64_t sum = 0;
@@ -44,8 +45,9 @@ TEST(ScansThroughRound, IsTheSumOfDoublingRounds) {
 }
 
 TEST(IndependentChains, ManyChainsStayFast) {
-  // Goal: a plan of 65,536 chains costs little per chain. Method: run two units of each chain, with
-  // one outstanding unit per chain. A quadratic cost would exceed the test's time limit.
+  // Goal: a plan of 65,536 chains needs little time per chain. Method: run two units of each chain,
+  // one after the other. A cost that is quadratic in the number of chains would exceed the test's
+  // time limit.
   constexpr std::uint32_t k_chains = 65'536;
   IndependentChains chains({.chains = k_chains, .round_scans = 1, .stop = stop_at({}, 2, 1)});
   for (int round = 0; round < 2; ++round) {
@@ -61,7 +63,8 @@ TEST(IndependentChains, ManyChainsStayFast) {
 }
 
 TEST(IndependentChainsDeathTest, MisuseIsABug) {
-  // Goal: a plan without an end, and results that don't continue a chain, stop the process.
+  // Goal: a plan without a stop rule, without chains or with empty rounds stops the process. So do
+  // a request for a unit without scans, and results that don't continue a chain.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(IndependentChains({.chains = 2, .stop = stop_at({})}), "check failed");
   EXPECT_DEATH(IndependentChains({.chains = 0, .stop = stop_at(1)}), "check failed");

@@ -10,10 +10,10 @@ namespace sleight::sampling {
 namespace {
 
 TEST(IndexProcess, KeepsWhatTheNumberOfScansSays) {
-  // Goal: the record never exceeds the bound. After enough scans, the record has at least half as
-  // many entries as the bound. Entries are evenly spaced and have the right levels, for any first
-  // scan. Method: compare with all scans so far after each of 10,000 scans. One of two replicas is
-  // hotter every third scan.
+  // Goal: the process never stores more moments than its bound, and after enough scans at least
+  // half as many. Moments are evenly spaced and contain the right levels, for any first scan.
+  // Method: after each of 10,000 scans, compare the moments with the scans so far. In every third
+  // scan, the two replicas have each other's levels.
   for (const std::uint64_t first : {0U, 1U, 777U}) {
     IndexProcess process;
     std::uint64_t stride = 1;

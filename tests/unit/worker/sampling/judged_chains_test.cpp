@@ -22,7 +22,7 @@ namespace sleight::sampling::judged_chains_test {
 struct World {
   std::uint64_t seed = 1;
   double forgets =
-      0.2;  ///< share of the missing value gained per scan; 0: chains never leave their start
+      0.2;  ///< rate per scan at which chains leave their start; 0: chains never leave it
   double satisfied = 0.2;
 
   plan::ScanRecord record(std::uint32_t chain, std::uint64_t begin, std::uint64_t scan) const {
@@ -68,8 +68,8 @@ End end_of(const JudgedChains& plan) {
 }
 
 /// Hands units to `workers` workers, whose results arrive in any order, until the plan is done or
-/// `results_max` results have arrived. A unit's `starts` is set if and only if its first scan is
-/// the first scan of its tour.
+/// `results_max` results have arrived. Expects that a unit's flag `starts` is set exactly if its
+/// first scan begins a tour.
 void work(JudgedChains& plan, const World& world, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -95,10 +95,10 @@ void work(JudgedChains& plan, const World& world, std::size_t workers, random::S
 }
 
 TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
-  // Goal: tours, draws and solutions are functions of the results, independent of workers, order
-  // and interruption. A run that is cut short has the same tours, draws and solutions as the whole
-  // run up to the cut. Method: compare random runs, cut runs and replayed runs with a run by one
-  // worker.
+  // Goal: tours, draws and solutions depend only on the results, not on workers, order or
+  // interruptions. A run that is cut short has the same tours, draws and solutions as the whole run
+  // up to the cut. Method: compare runs by several workers, cut runs and replayed runs with a run
+  // by one worker.
   for (const std::uint64_t i : property::cases(60)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const World world{.seed = i,
@@ -128,7 +128,7 @@ TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
     work(together, world, 1 + random::UniformInteger{.count = 6}.draw(stream), stream);
     EXPECT_EQ(end_of(together), end_of(alone));
 
-    // A run ended by scans, even within a tour, keeps the results that were judged before.
+    // If a limit on scans ends a run within a tour, the run keeps the draws of earlier tours.
     const std::uint64_t cut =
         1 + random::UniformInteger{.count = alone.scans_common()}.draw(stream);
     JudgedChains shorter(options(cut, {}));
@@ -161,8 +161,9 @@ TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
 }
 
 TEST(JudgedChains, CountASatisfyingScanOfEachChainOfEachTour) {
-  // Goal: a solution is any satisfying scan among the draws, one per chain and tour. Method: run
-  // many tours and examine the places of counted scans.
+  // Goal: a solution is any satisfying scan among the draws, and each chain contributes at most one
+  // solution per tour. Method: run until 400 solutions are counted. Check that the counted scans
+  // are at many different places among their tours' draws.
   const World world{.forgets = 0.5, .satisfied = 0.3};
   JudgedChains plan(options({}, 400));
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
@@ -186,8 +187,8 @@ TEST(JudgedChains, CountASatisfyingScanOfEachChainOfEachTour) {
 }
 
 TEST(JudgedChains, ChainsThatNeverLeaveTheirStartNeverBurnIn) {
-  // Goal: chains that never leave their start fail the judge, even if all agree. Method: run such
-  // chains for many rounds. The same chains pass if starts_at_one_end is false.
+  // Goal: chains that never leave their start don't pass the judge, even if all of them agree.
+  // Method: run such chains for 4000 scans. The same chains pass if starts_at_one_end is false.
   const World stuck{.forgets = 0};
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
   JudgedChains plan(options(4000, {}));
@@ -205,8 +206,9 @@ TEST(JudgedChains, ChainsThatNeverLeaveTheirStartNeverBurnIn) {
 }
 
 TEST(JudgeValue, SeesDriftsAndChainsThatDisagree) {
-  // Goal: chains that haven't forgotten their start fail. Method: judge 8 chains of 200 draws: with
-  // one distribution, with a common drift, with different means, and constant.
+  // Goal: judge_value() rejects chains that haven't forgotten their start. Method: judge sets of 8
+  // chains of 200 draws. One set has a single distribution, one has a common drift, one has
+  // different means, and some are constant.
   random::Stream stream({.seed = 2, .purpose = random::Purpose::scene}, 0);
   std::vector<double> starts{0};
   const auto judged = [&](auto&& value, bool starts_at_one_end = true) {

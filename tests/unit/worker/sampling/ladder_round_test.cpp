@@ -23,8 +23,8 @@ LadderOptions options_of(bool levels_chosen) {
           .anneal_scans = 7};
 }
 
-/// A whole round in which all swaps are accepted, or none. Of 100 proposals, each of the first two
-/// kinds accepts 0, 100 and 30 at the three levels. The third kind accepts none of 49 proposals.
+/// A whole round in which all swaps are accepted, or none. Each of the first two kinds accepts 0,
+/// 100 and 30 of 100 proposals at the three levels. The third kind accepts none of 49 proposals.
 RoundReport round_of(const LadderOptions& options, bool swaps) {
   RoundReport round = first_round(options);
   for (std::uint64_t scan = 0; scan < options.round_scans; ++scan) {
@@ -43,9 +43,9 @@ RoundReport round_of(const LadderOptions& options, bool swaps) {
 }
 
 TEST(LadderRound, LearnsSizesLevelByLevel) {
-  // Goal: a proposal size is multiplied by exp(3 (acceptance - 0.3)). The hottest level uses its
-  // neighbour's factor. Kinds without a size or with few proposals are unchanged. A round begins
-  // empty at the previous round's end and is twice as long. Method: compare with numbers by hand.
+  // Goal: a round multiplies each level's proposal size by exp(3 (acceptance - 0.3)). The hottest
+  // level uses its neighbour's factor. Kinds without a size or with few proposals don't change. The
+  // next round begins at the previous round's end, without counts, and is twice as long.
   const RoundReport round = round_of(options_of(false), true);
   EXPECT_EQ(round.first_scan, 7U);
   const RoundReport next = next_round(options_of(false), round);
@@ -66,8 +66,9 @@ TEST(LadderRound, LearnsSizesLevelByLevel) {
 }
 
 TEST(LadderRound, ReadsSizesOffWhereTheNewLevelsAre) {
-  // Goal: the number of levels is twice the barrier plus one, and a size's logarithm is linear
-  // between old levels. Method: accept all swaps, and reject all swaps (a barrier of 2).
+  // Goal: the number of new levels is twice the barrier plus one, but at least 2. The logarithm of
+  // a proposal size is linear between old levels. Method: accept all swaps, which gives a barrier
+  // of 0, and reject all swaps, which gives a barrier of 2.
   for (const auto& [swaps, levels] : {std::pair{true, 2U}, {false, 5U}}) {
     const RoundReport next = next_round(options_of(true), round_of(options_of(true), swaps));
     ASSERT_EQ(next.ladder().size(), levels);
@@ -80,7 +81,8 @@ TEST(LadderRound, ReadsSizesOffWhereTheNewLevelsAre) {
 }
 
 TEST(Tuned, StaysWithinBounds) {
-  // Goal: no size diverges. Method: reject or accept all proposals for a hundred rounds.
+  // Goal: tuned() keeps proposal sizes within fixed bounds. Method: tune the sizes of two kinds for
+  // a hundred rounds. One kind rejects all proposals, and the other accepts all.
   const KindCounts counts{.proposed = {60, 60}, .accepted = {0, 60}};
   std::vector<double> scales{1, 1};
   for (int round = 0; round < 100; ++round)

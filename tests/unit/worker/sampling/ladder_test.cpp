@@ -14,7 +14,7 @@ namespace sleight::sampling::ladder_test {
 
 constexpr std::uint64_t k_seed = 161803;
 
-/// Rejection rates for a known barrier: differences of a smooth curve.
+/// Rejection rates between neighbouring levels for a known barrier, a smooth curve.
 std::vector<double> differences(const std::vector<double>& ladder, double (*barrier)(double)) {
   std::vector<double> rates;
   for (std::size_t i = 0; i + 1 < ladder.size(); ++i)
@@ -32,7 +32,7 @@ double bend(double beta) {
   return 2 * beta + std::sin(3 * beta) / 2;
 }
 
-/// Fine levels that are denser at hot temperatures.
+/// A ladder from 0 to 1 whose levels are denser at hot temperatures.
 std::vector<double> uneven(std::uint32_t levels) {
   std::vector<double> ladder;
   for (std::uint32_t i = 0; i < levels; ++i)
@@ -41,7 +41,7 @@ std::vector<double> uneven(std::uint32_t levels) {
 }
 
 TEST(FirstLadder, LiesCloserWhereItIsHot) {
-  // Goal: first_ladder ascends from 0 to 1 with growing steps, for every size.
+  // Goal: first_ladder() ascends from 0 to 1 in growing steps, for every number of levels.
   EXPECT_EQ(first_ladder(2), (std::vector<double>{0, 1}));
   for (std::uint32_t levels = k_levels_min; levels <= k_levels_max; ++levels) {
     const std::vector<double> ladder = first_ladder(levels);
@@ -54,8 +54,8 @@ TEST(FirstLadder, LiesCloserWhereItIsHot) {
 }
 
 TEST(FirstLadder, IsAPowerOfEvenSteps) {
-  // Goal: each level is (i / (levels - 1))^power, and the hottest level can be above 0. Method:
-  // compare with std::pow, and with equal steps computed by hand.
+  // Goal: level i of the first ladder is (i / (levels - 1))^power. The second level is above 0 even
+  // for a large power. Method: compare the levels with std::pow.
   EXPECT_EQ(first_ladder(5, 1), (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
   EXPECT_EQ(first_ladder(7), first_ladder(7, 6));
   for (const std::uint32_t power : {1U, 2U, 3U, 6U, 12U}) {
@@ -69,8 +69,8 @@ TEST(FirstLadder, IsAPowerOfEvenSteps) {
 }
 
 TEST(LevelsFor, AreTwiceTheBarrierAndOne) {
-  // Goal: levels_for returns known numbers. For barriers that no ladder can serve, it returns the
-  // maximum.
+  // Goal: levels_for() returns twice the barrier plus one, rounded up, but at least 2. For barriers
+  // that no ladder can serve, it returns the maximum.
   EXPECT_EQ(levels_for(0), 2U);
   EXPECT_EQ(levels_for(0.5), 2U);
   EXPECT_EQ(levels_for(0.51), 3U);
@@ -81,15 +81,17 @@ TEST(LevelsFor, AreTwiceTheBarrierAndOne) {
 }
 
 TEST(Barrier, IsTheSumOfRejections) {
-  // Goal: the cumulative barrier is 0 at the hottest level and the total at the coolest.
+  // Goal: the cumulative barrier is 0 at the hottest level, and grows by the rejection rate at each
+  // cooler level.
   EXPECT_EQ(cumulative_barrier(std::vector{0.5, 0.25, 0.125}),
             (std::vector{0.0, 0.5, 0.75, 0.875}));
 }
 
 TEST(LocalBarrier, IsTheSlope) {
-  // Goal: the local barrier is the slope of the cumulative barrier: exact for a straight line,
-  // close for a smooth curve, never negative. Method: use known curves on a fine uneven ladder. The
-  // error of a three-point slope is of second order in the spacing, which is at most 1/40.
+  // Goal: local_barrier() returns the slope of the cumulative barrier. It is exact for a straight
+  // line, close for a smooth curve, and never negative. Method: compare with the slopes of known
+  // curves on an uneven ladder of 41 levels. The error of a three-point slope is of second order in
+  // the spacing, which is at most 1/20.
   const std::vector<double> ladder = uneven(41);
   const std::vector<double> line =
       local_barrier(ladder, differences(ladder, [](double beta) { return 2.5 * beta; }));
@@ -103,9 +105,9 @@ TEST(LocalBarrier, IsTheSlope) {
 }
 
 TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
-  // Goal: the barrier grows equally between new levels. Method: respace fine ladders with known
-  // curves, both to fewer and to more levels. One curve has an infinite slope at 0. A monotone
-  // cubic through 200 points is accurate enough.
+  // Goal: the barrier grows equally between the levels that respaced() returns. Method: respace
+  // ladders of 200 levels with known barriers, to fewer and to more levels. One barrier has an
+  // infinite slope at 0. The tolerance covers the error of a monotone cubic through 200 points.
   const std::vector<double> ladder = uneven(200);
   for (const auto& barrier : {square_root, logarithm, bend}) {
     for (const std::uint32_t levels : {2U, 3U, 8U, 33U, 250U}) {
@@ -119,8 +121,8 @@ TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
 }
 
 TEST(Respaced, IsAtRestWhenAllRejectionsAreEqual) {
-  // Goal: a ladder that is already the best doesn't change, up to rounding. Method: use equal rates
-  // on uneven levels.
+  // Goal: if all rejection rates are equal, respaced() returns the same ladder, up to rounding.
+  // Method: test several rates on a ladder of uneven levels.
   for (const double rate : {0.0, 1e-6, 0.3, 0.5, 1.0}) {
     const std::vector<double> ladder{0, 1e-9, 0.01, 0.5, 0.501, 1};
     const std::vector<double> same = respaced(ladder, std::vector<double>(5, rate), 6);
@@ -130,9 +132,10 @@ TEST(Respaced, IsAtRestWhenAllRejectionsAreEqual) {
 }
 
 TEST(Respaced, IsALadderWhateverTheRates) {
-  // Goal: levels ascend from 0 to 1 without ties for any rates, including 0 and 1, over many
-  // rounds. Method: space random ladders again and again with random rates and sizes. The worst
-  // case is a hard constraint with the whole barrier at the hot end, which crowds levels near 0.
+  // Goal: the levels that respaced() returns ascend from 0 to 1 without ties, for any rejection
+  // rates. Method: respace random ladders for 20 rounds, with random rates and random numbers of
+  // levels. In the worst case, a hard constraint puts the whole barrier at the hot end, which
+  // crowds levels near 0.
   for (const std::uint64_t index : property::cases(200)) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
     const bool hard = index % 4 == 0;
@@ -155,16 +158,15 @@ TEST(Respaced, IsALadderWhateverTheRates) {
 }
 
 TEST(PredictedRoundTripRate, IsTheFormula) {
-  // Goal: the round-trip rate is 1 / (2 + 2 sum r / (1 - r)) (Syed et al. 2022, corollary 2).
-  // Method: compare by hand. Without rejections, a trip takes two scans. A rejection rate of 1
-  // prevents trips.
+  // Goal: the predicted round-trip rate is 1 / (2 + 2 sum r / (1 - r)) (Syed et al. 2022, corollary
+  // 2). Without rejections, a trip takes two scans. A rejection rate of 1 prevents trips.
   EXPECT_EQ(predicted_round_trip_rate(std::vector{0.0, 0.0, 0.0}), 0.5);
   EXPECT_EQ(predicted_round_trip_rate(std::vector{0.5, 0.75}), 1 / (2 + 2 * (1.0 + 3.0)));
   EXPECT_EQ(predicted_round_trip_rate(std::vector{0.5, 1.0}), 0);
 }
 
 TEST(Interpolated, IsStraightBetweenLevels) {
-  // Goal: interpolation is exact at levels and linear between them, the ends included.
+  // Goal: interpolated() is exact at all levels, including both ends, and linear between them.
   const std::vector<double> ladder{0, 0.25, 1};
   const std::vector<double> values{4, 2, 5};
   EXPECT_EQ(interpolated(ladder, values, 0), 4);

@@ -10,7 +10,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// A ladder driven by hand: every result is a function of (inverse temperature, scan).
+/// A ladder whose every result is a given function of (inverse temperature, scan).
 class Played {
  public:
   using Score = std::function<plan::ScanRecord(double beta, std::uint64_t scan)>;
@@ -69,14 +69,14 @@ plan::ScanRecord never_swaps(double beta, std::uint64_t /*scan*/) {
 }
 
 TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
-  // Goal: all counts are right for a ladder that is easy to follow by hand. Method: replicas swap
-  // only at even scans, so replica 0 is at levels 0 1 1 0 0 1 1 0 0, and replica 1 is at levels 1 0
-  // 0 1 1 0 0 1 1.
-  //   - Replica 0 restarts at scans 1 and 5, replica 1 at scans 3 and 7.
-  //   - Replica 0 ends a round trip at scans 3 and 7, replica 1 at scan 5.
+  // Goal: a ladder counts restarts, round trips and solutions correctly, and records lineages and
+  // levels. Method: use two levels that always swap, but only after even scans. So replica 0 is at
+  // levels 0 1 1 0 0 1 1 0 0, and replica 1 is at levels 1 0 0 1 1 0 0 1 1.
+  //   - Replica 0 restarts at scans 1 and 5, and replica 1 restarts at scans 3 and 7.
+  //   - Replica 0 ends a round trip at scans 3 and 7, and replica 1 ends one at scan 5.
   //     Replica 1's start at the cool end doesn't count.
   //   - Solutions are at scans 0 (replica 1's start), 1, 3, 5 and 7.
-  //     A lineage counts once, though it stays at the cool end for two scans.
+  //     Each lineage counts once, though it stays at the cool end for two scans.
   Played played(fixed({0, 1}), 9, always_swaps);
   EXPECT_EQ(played.betas(0), (std::vector<double>{0, 1, 1, 0, 0, 1, 1, 0, 0}));
   EXPECT_EQ(played.betas(1), (std::vector<double>{1, 0, 0, 1, 1, 0, 0, 1, 1}));
@@ -104,8 +104,9 @@ TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
 }
 
 TEST(LadderTrips, GoOnOverTheEndsOfRounds) {
-  // Goal: a trip counts in the round in which it ends, and parity and replicas continue across
-  // rounds. Method: use the same two levels in rounds of 2, 4 and 8 scans.
+  // Goal: a round trip counts in the round in which it ends. The parity of swaps and the replicas'
+  // places continue across rounds. Method: run two levels that always swap, in rounds of 2, 4 and 8
+  // scans.
   Played played(fixed({0, 1}, 2), 14, always_swaps);
   const std::vector<RoundReport>& rounds = played.run().rounds();
   ASSERT_EQ(rounds.size(), 4U);
@@ -122,11 +123,11 @@ TEST(LadderTrips, GoOnOverTheEndsOfRounds) {
 }
 
 TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
-  // Goal: if levels are added, existing replicas stay the coolest, in order, and new replicas start
-  // from the prior in the round's first scan. If levels are removed, the hottest replicas leave and
-  // never return. Method: start with two levels that never swap. Their barrier of 1 gives three
-  // levels. The three levels never swap either, and their barrier of 2 gives five levels. The five
-  // levels always swap, and their barrier of 0 gives two levels.
+  // Goal: if levels are added, existing replicas stay the coolest, in the same order. New replicas
+  // start from the prior in the round's first scan. If levels are removed, the hottest replicas
+  // leave and never return. Method: start with two levels that never swap. Their barrier of 1 gives
+  // three levels, whose barrier of 2 gives five levels. Then let all levels swap, so that the
+  // barrier of 0 gives two levels.
   LadderOptions options = fixed({0, 1}, 4);
   options.levels_chosen = true;
   Played played(options, 40, [](double beta, std::uint64_t scan) {
@@ -147,7 +148,7 @@ TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
   EXPECT_EQ(played.betas(2)[8], rounds[2].statistics.ladder()[2]);
   EXPECT_EQ(played.betas(3)[0], 0);
   EXPECT_EQ(played.betas(4)[0], rounds[2].statistics.ladder()[1]);
-  // Removed replicas have no level, and future replicas are unknown.
+  // Removed replicas have no level, and replicas that have not started yet are not listed.
   const std::vector<IndexProcess::Moment>& moments = played.run().index_process().moments();
   ASSERT_EQ(moments.size(), 40U);
   EXPECT_EQ(moments[3].level, (std::vector<std::uint16_t>{0, 1}));

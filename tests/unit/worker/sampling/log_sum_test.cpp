@@ -14,7 +14,7 @@ namespace sleight::sampling::log_sum_test {
 constexpr std::uint64_t k_seed = 577215;
 
 TEST(LogSum, IsNothingAtFirst) {
-  // Goal: an empty sum is 0 and its mean is unknown. Zeros count as numbers.
+  // Goal: an empty sum is 0, and its mean is NaN. Each added zero counts as a number.
   LogSum sum;
   EXPECT_EQ(sum.log_sum(), k_log_zero);
   EXPECT_TRUE(std::isnan(sum.log_mean()));
@@ -29,9 +29,9 @@ TEST(LogSum, IsNothingAtFirst) {
 }
 
 TEST(LogSum, EqualsASumInWiderArithmetic) {
-  // Goal: the sum is right for any order of sizes, including zeros. Method: use random numbers in
-  // the range of a long double, and compare with the plain sum. The tolerance allows for 1000
-  // roundings of 1e-16.
+  // Goal: LogSum adds numbers of all sizes correctly in any order, including zeros. Method: add
+  // random numbers within the range of a long double, and compare with a plain sum of long doubles.
+  // The tolerance allows for 1000 rounding errors of 1e-16.
   for (const std::uint64_t index : property::cases(50)) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
     const double range = index % 2 == 0 ? 3 : 5000;
@@ -49,8 +49,9 @@ TEST(LogSum, EqualsASumInWiderArithmetic) {
 }
 
 TEST(LogSum, HoldsWhatNoDoubleHolds) {
-  // Goal: numbers far beyond exp's range are summed correctly, in rising and in falling order.
-  // Method: add 1e6 and -1e6 twice each, in two orders. The two larger numbers determine the sum.
+  // Goal: LogSum adds numbers that are far beyond exp's range, in rising and in falling order.
+  // Method: add numbers with the logs 1e6 and -1e6, twice each, in two orders. The two larger
+  // numbers determine the sum.
   for (const double first : {-1e6, 1e6}) {
     LogSum sum;
     sum.add(first);
@@ -62,8 +63,8 @@ TEST(LogSum, HoldsWhatNoDoubleHolds) {
 }
 
 TEST(LogSum, AddsSums) {
-  // Goal: sums of parts add up to the whole sum. Method: use four parts, one with zeros and one
-  // empty.
+  // Goal: the sums of parts add up to the whole sum. Method: use four parts, of which one contains
+  // only zeros and one is empty.
   random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 1000);
   LogSum whole;
   LogSum parts[4];

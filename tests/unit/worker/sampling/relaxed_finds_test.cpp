@@ -14,7 +14,8 @@
 namespace sleight::sampling {
 namespace {
 
-/// Decides which starts succeed, and whether the last state of a relaxed find satisfies.
+/// Decides which starts succeed, and whether the last state of a relaxed find satisfies the
+/// constraint.
 struct Odds {
   std::uint64_t seed = 0;
   double of_start = 0;
@@ -110,9 +111,8 @@ struct Takes {
 
 TEST(RelaxedFinds, TakesAreTheSameWhoeverRelaxes) {
   // Goal: chain k starts from find k, and each prior draw is made once. The takes are the first
-  // chains whose last state satisfies the constraint. The result doesn't depend on workers, cuts of
-  // units, order or sessions. Method: compare random runs with a loop that counts one start after
-  // another.
+  // chains whose last state satisfies the constraint. Workers, cuts of units, order and sessions
+  // have no effect on the result. Method: compare random runs with a loop over the starts.
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const Odds odds{.seed = i,
@@ -158,7 +158,8 @@ TEST(RelaxedFinds, TakesAreTheSameWhoeverRelaxes) {
 }
 
 TEST(RelaxedFinds, GivesUpWhereNothingLasts) {
-  // Goal: a run ends if no find satisfies after relaxation, and if nothing is found.
+  // Goal: a run gives up and ends if no find satisfies the constraint after relaxation, or if the
+  // search finds nothing.
   for (const Odds& odds : {Odds{.of_start = 1.1}, Odds{.of_chain = 1.1}}) {
     random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
     const Takes asked{.wanted = 3, .scans = 4};
@@ -174,7 +175,7 @@ TEST(RelaxedFinds, GivesUpWhereNothingLasts) {
 }
 
 TEST(WithPriorDraws, TakesTurnsOnceNothingIsSearched) {
-  // Goal: the search never waits, and afterwards neither chains nor prior draws wait. Method: check
+  // Goal: the search runs first, and afterwards chains and prior draws take turns. Method: check
   // the order in which one worker gets units.
   const Takes asked{.wanted = 2, .scans = 5};
   Runs runs({.of_start = 1.1, .of_chain = 1.1}, asked.scans);

@@ -20,9 +20,9 @@ const std::vector<std::vector<double>> k_shares{
     {0.5, 0.3, 0.2}, {0.1, 0.9}, {0.25, 0, 0.4, 0.35}, {1, 0, 0}, {1}, {0.02, 0.38, 0.2, 0.2, 0.2}};
 
 TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
-  // Goal: each next particle descends from particle m with probability W_m. Particle m has W_m *
-  // count descendants, rounded down or up. Method: compare shares of 20,000 draws, within 5
-  // standard errors.
+  // Goal: each new particle descends from particle m with probability W_m, the weight of m.
+  // Particle m has W_m * count descendants, rounded down or up. Method: compare the shares of
+  // descendants in 20,000 draws with the weights, within 5 standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
     const std::size_t count = shares.size();
@@ -49,9 +49,10 @@ TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
 }
 
 TEST(Resampling, ConditionalDrawsAreThoseWithTheFirstFromTheFirst) {
-  // Goal: resampled_with_first has the distribution of resampled, given that place 0 descends from
-  // particle 0. Method: make 20,000 draws of each and drop draws whose place 0 descends from
-  // another particle. Shares of each outcome agree within 5 standard errors.
+  // Goal: resampled_with_first() has the distribution of resampled() under the condition that place
+  // 0 descends from particle 0. Method: make 20,000 draws with each function, and reject draws of
+  // resampled() that don't meet the condition. Compare the counts of each outcome, within 5
+  // standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
     std::map<Ancestors, std::array<int, 2>> counts;
@@ -77,14 +78,16 @@ TEST(Resampling, ConditionalDrawsAreThoseWithTheFirstFromTheFirst) {
 }
 
 TEST(Resampling, SizesOfWeights) {
-  // Goal: the effective size of equal weights is their number; a single weight has size one.
+  // Goal: the effective size of equal weights is their number, and the effective size of a single
+  // weight is one.
   EXPECT_DOUBLE_EQ(effective_size(std::vector<double>{0.25, 0.25, 0.25, 0.25}), 4);
   EXPECT_DOUBLE_EQ(effective_size(std::vector<double>{0, 1, 0}), 1);
   EXPECT_DOUBLE_EQ(effective_size(std::vector<double>{0.5, 0.5, 0}), 2);
 }
 
 TEST(IslandWeights, MeansGoIntoZ) {
-  // Goal: Z is the product of mean weights, including dead particles.
+  // Goal: the estimate of Z is the product of the mean weights. Dead particles count as zero
+  // weights.
   IslandWeights weights(4);
   EXPECT_DOUBLE_EQ(weights.log_z(), 0);
   weights.add(0, std::log(3.0));

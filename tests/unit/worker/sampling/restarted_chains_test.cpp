@@ -16,8 +16,9 @@ namespace {
 
 constexpr std::uint64_t k_tour = 6;
 
-/// Chains of two states by an independence sampler that rarely proposes the heavy state (half of
-/// the target, one proposal in ten). A scan is a pure function of (chain, scan, state before).
+/// Chains on two states by an independence sampler. The heavy state has half of the target's
+/// probability, but only one proposal in ten. A scan is a pure function of (chain, scan, previous
+/// state).
 struct World {
   static constexpr double k_heavy_proposed = 0.1;
   static constexpr double k_heavy_weight = 9;  ///< makes p_w p_c equal for both states
@@ -77,7 +78,7 @@ class Work {
   static double log_p_of(std::uint32_t chain, std::uint64_t scan) {
     return -static_cast<double>(3 * scan + chain);
   }
-  /// Whether each chain was at the heavy state, by chain and scan.
+  /// States by chain and scan.
   const std::map<std::uint32_t, std::vector<World::State>>& states() const { return states_; }
 
  private:
@@ -89,7 +90,7 @@ class Work {
       states.push_back(World::after(unit.replica.chain.value, unit.first_scan.value + nth,
                                     unit.starts && nth == 0, before));
       plan::ScanRecord& record = records.emplace_back();
-      // Two of three scans are satisfied, in either state.
+      // In either state, a scan satisfies the constraint with probability 2/3.
       random::Stream satisfies(
           {.seed = 6, .chain = unit.replica.chain, .purpose = random::Purpose::counted},
           unit.first_scan.value + nth);
@@ -114,8 +115,9 @@ RestartedChainsOptions options(std::optional<std::uint64_t> scans,
 }
 
 TEST(RestartedChains, CountsTheLastScanOfATour) {
-  // Goal: solutions have the distribution of a chain at the tour's age, far from the distribution
-  // of states that begin a lineage. Method: compare 20,000 solutions with the exact law.
+  // Goal: a solution has the distribution of a chain's state at the end of a tour. This differs
+  // from the distribution of states that begin a lineage. Method: compare the share of heavy states
+  // in 20,000 solutions with the exact probability.
   RestartedChains plan(options({}, 20000));
   Work work(1);
   work.carry_out(plan, 4);
@@ -153,8 +155,9 @@ TEST(RestartedChains, CountsTheLastScanOfATour) {
 }
 
 TEST(RestartedChains, EndAlikeHoweverTheyAreRun) {
-  // Goal: a run's end and counts depend only on the results, even if the number of scans is given.
-  // Method: run with one and with five workers, then with the resulting number of scans.
+  // Goal: a run's end and its counts depend only on the results. A run with a limit at the same
+  // scan has the same counts. Method: compare a run by one worker, a run by five workers and a run
+  // with that limit.
   RestartedChains alone(options({}, 7));
   Work(2).carry_out(alone, 1);
   RestartedChains many(options({}, 7));
@@ -176,7 +179,8 @@ TEST(RestartedChains, EndAlikeHoweverTheyAreRun) {
 }
 
 TEST(RestartedChains, AToursBeginningIsNoDraw) {
-  // Goal: an archive cut within a tour has the draws of whole tours. Method: cut after 2 1/3 tours.
+  // Goal: a run that ends within a tour has only the draws of its whole tours. Method: end a run
+  // after 2 1/3 tours.
   RestartedChains plan(options(2 * k_tour + 2, {}));
   Work(5).carry_out(plan, 2);
   EXPECT_TRUE(plan.finished());

@@ -56,7 +56,8 @@ double plain_log_satisfied(const Scans& scans) {
   return plain_log_z(scans) + std::log(sum / static_cast<double>(scans.size()));
 }
 
-/// Leaves out each part in turn. Part p contains the scans s with floor(20 s / wanted) = p.
+/// The jackknife's error: leaves out each part in turn. Part p contains the scans s with floor(20 s
+/// / wanted) = p.
 double plain_jackknife(const Scans& scans, std::uint64_t wanted, double (*value)(const Scans&)) {
   std::vector<double> values;
   for (std::uint64_t part = 0; part < k_batches; ++part) {
@@ -78,7 +79,8 @@ double plain_jackknife(const Scans& scans, std::uint64_t wanted, double (*value)
 
 TEST(RoundStatistics, EqualsDirectComputation) {
   // Goal: rejections, log Z, log P(satisfied) and their errors follow the header's formulas.
-  // Method: compare random arrays of whole and shortened rounds, of lengths not divisible by 20.
+  // Method: compare random rounds with plain arithmetic. Some rounds are shortened, and some
+  // lengths are not divisible by 20.
   for (const auto& [count, wanted] : {std::pair<std::uint64_t, std::uint64_t>{100, 100},
                                       {64, 64},
                                       {37, 64},
@@ -111,8 +113,9 @@ TEST(RoundStatistics, EqualsDirectComputation) {
 }
 
 TEST(RoundStatistics, SaysWhereItCannotSay) {
-  // Goal: a round of one part has no error estimate. A round without solutions has log P =
-  // -infinity and no error estimate. Broken starts at the coolest level are no solutions.
+  // Goal: a round with a single part has no error estimate. A round without solutions has log
+  // P(satisfied) = -infinity and no error estimate for it. States without density at the coolest
+  // level are no solutions.
   const std::vector<LevelScan> scan(4, {.log_constraint = -1, .satisfied = false});
   std::vector<LevelScan> broken = scan;
   broken.back() = {.log_constraint = -k_infinity, .satisfied = true};
@@ -127,12 +130,13 @@ TEST(RoundStatistics, SaysWhereItCannotSay) {
 }
 
 TEST(RoundStatistics, ErrorsAreRightForIndependentDraws) {
-  // Goal: the jackknife's error matches the estimate's spread. Method: simulate 2000 rounds of 400
-  // scans with exact independent draws at each level of a Gaussian prior N(0, 1) and constraint
-  // exp(-x^2 / 2 (1 / 0.5^2)), satisfied when |x| < 0.4. Compute z-scores of log Z and log P. With
-  // 20 parts z has Student's distribution with 19 degrees of freedom: variance 19/17 and kurtosis
-  // 3.4. So over 2000 rounds the mean is within 5 x 1.06 / sqrt(2000) = 0.12 of 0, which includes a
-  // bias of half a variance. The variance is within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
+  // Goal: the jackknife's error matches the spread of the estimates. Method: simulate 2000 rounds
+  // of 400 scans with exact independent draws at each level. The prior is N(0, 1), the constraint
+  // is exp(-x^2 / 2 (1 / 0.5^2)), and |x| < 0.4 satisfies it. Compute z-scores of log Z and log
+  // P(satisfied). With 20 parts, z has Student's distribution with 19 degrees of freedom, whose
+  // variance is 19/17 and whose kurtosis is 3.4. So over 2000 rounds the mean is within 5 x 1.06 /
+  // sqrt(2000) = 0.12 of 0. This limit also covers a bias of half a variance. The variance is
+  // within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
   constexpr double k_precision = 4;
   const double log_z = -0.5 * std::log(1 + k_precision);
   const double log_satisfied = std::log(std::erf(0.4 / std::sqrt(2.0)));

@@ -46,7 +46,7 @@ std::vector<plan::ScanRecord> results(const Starts& starts, const plan::Unit& un
 }
 
 /// Hands units to `workers` workers, whose results arrive in any order, until no units are left or
-/// `results_max` results have arrived. At that point, units still in flight are lost.
+/// `results_max` results have arrived. Units that are still in flight then are lost.
 void work(SearchLanes& lanes, const Starts& starts, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -67,9 +67,9 @@ void work(SearchLanes& lanes, const Starts& starts, std::size_t workers, random:
 }
 
 TEST(SearchLanes, FindTheSameWhoeverSearches) {
-  // Goal: a search ends with exactly the requested finds, from the first starts. The result doesn't
-  // depend on workers, cuts of units, order or sessions. A request for more finds extends the
-  // search. Method: compare random runs with a loop that counts one start after another.
+  // Goal: a search ends with exactly the requested number of finds, from the first starts that
+  // succeed. Workers, cuts of units, order and sessions have no effect on the result. A request for
+  // more finds extends the search. Method: compare random runs with a loop over the starts.
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const Starts starts{.seed = i, .odds = 0.3 + 0.7 * stream.uniform()};
@@ -113,8 +113,8 @@ TEST(SearchLanes, FindTheSameWhoeverSearches) {
 }
 
 TEST(SearchLanes, HardlySearchesTooMuch) {
-  // Goal: if every start succeeds, no start is wasted: the number of starts in flight never exceeds
-  // the number of missing finds. Method: let one worker request all units.
+  // Goal: if every start succeeds, the search wastes no start. Starts in flight never outnumber the
+  // missing finds. Method: let one worker request units until the search has no more units.
   SearchLanes lanes(1, 5);
   std::vector<plan::Unit> out;
   while (const auto unit = lanes.next_unit(100))
@@ -128,8 +128,9 @@ TEST(SearchLanes, HardlySearchesTooMuch) {
 }
 
 TEST(SearchLanes, GivesUpWhenNothingIsFound) {
-  // Goal: a search ends after k_starts_in_vain_max failed starts in a row, and not before. Method:
-  // use starts that never succeed, and starts that succeed late.
+  // Goal: a search gives up after k_starts_in_vain_max failed starts in a row, and not before.
+  // Method: test a search in which no start succeeds, and a search in which only the last lane's
+  // start succeeds.
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
   SearchLanes lanes(1, 5);
   work(lanes, {.odds = 0}, 3, stream);
@@ -151,9 +152,9 @@ TEST(SearchLanes, GivesUpWhenNothingIsFound) {
 }
 
 TEST(SearchLanes, SaysWhatTheyAreStuckAt) {
-  // Goal: a search that gives up names the stage at which the best of its last starts failed, or no
-  // stage if all of them failed at the same stage. Method: in turn, let starts after a find fail at
-  // a later, an earlier and the same stage as starts before it.
+  // Goal: a search that gives up names the stage at which the best start since the last find
+  // failed. It names no stage if that start completed all stages. Method: let start 20 succeed, and
+  // let the best starts before and after it fail at different stages.
   const auto stuck_at = [](std::uint32_t furthest_before_find, std::uint32_t furthest_after) {
     SearchLanes lanes(1, 5, {"ball 1", "ball 2", "ball 3"});
     for (std::uint64_t scan = 0; !lanes.finished(); ++scan) {
@@ -202,8 +203,8 @@ class ThreeScans final : public plan::Plan {
 };
 
 TEST(SearchFirst, SearchesAndThenGoesOn) {
-  // Goal: the search runs first, then the plan runs unchanged. Search and plan receive their own
-  // results. Method: run a chain of three scans after a search for two finds.
+  // Goal: the search runs first, and then the plan runs unchanged. The search and the plan each
+  // receive their own results. Method: run a chain of three scans after a search for two finds.
   SearchFirst plan(SearchLanes(1, 2), std::make_unique<ThreeScans>());
   std::vector<bool> searched;
   while (const auto unit = plan.next_unit(1)) {
@@ -225,7 +226,7 @@ TEST(SearchFirst, SearchesAndThenGoesOn) {
 }
 
 TEST(SearchFirst, MayBeAll) {
-  // Goal: a search can be a whole run, without a plan after it. Method: let one find end it.
+  // Goal: a search can be a whole run, without a plan after it.
   SearchFirst plan(SearchLanes(1, 1), nullptr);
   EXPECT_TRUE(plan.finds().is_all);
   EXPECT_FALSE(plan.finished());

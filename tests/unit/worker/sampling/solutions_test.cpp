@@ -17,8 +17,8 @@ plan::ScanRecord record_of(std::uint64_t lineage, double beta, bool satisfied) {
 }
 
 TEST(Solutions, CountEachLineageOnce) {
-  // Goal: a lineage counts at its first satisfying scan at inverse temperature 1. Scans are in
-  // order, whichever chain reports first. Method: report by hand, with lanes out of step.
+  // Goal: each lineage counts once, at its first satisfying scan at inverse temperature 1. The list
+  // of counted scans is in ascending order, whichever lineage is reported first.
   Solutions solutions;
   solutions.add(3, record_of(7, 1, false));
   solutions.add(4, record_of(7, 0.9, true));
@@ -36,8 +36,9 @@ TEST(Solutions, CountEachLineageOnce) {
 }
 
 TEST(Solutions, OfChainsAreInOneOrder) {
-  // Goal: decisions of several chains are ordered by scan, chain and lineage, in any order of
-  // arrival. Method: report decisions by hand, while one chain has no decision yet.
+  // Goal: solutions_between() orders the solutions of several chains by scan, chain and lineage,
+  // whatever the order of arrival. Method: use three chains, one of which has nothing to report
+  // yet.
   Solutions early;
   Solutions late;
   plan::ScanRecord dense = record_of(3, 1, true);

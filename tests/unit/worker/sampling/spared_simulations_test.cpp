@@ -18,7 +18,8 @@ constexpr std::array<double, k_places> k_log_prior{-1.5,  -2.5,  -1.25, -3.5,
                                                    -2.25, -1.75, -4,    -k_infinity};
 constexpr std::array<double, k_places> k_log_constraint{0,    2,           -k_infinity, 4,
                                                         -1.5, -k_infinity, 7,           7};
-/// Some bounds equal the value, some are far above, and one is +infinity.
+/// Upper bounds on k_log_constraint. Some bounds equal the value, some are above it, and one is
+/// +infinity.
 constexpr std::array<double, k_places> k_at_most{0, 2.5, -0.5, 4, k_infinity, -k_infinity, 7.5, 7};
 
 struct Plain {
@@ -90,7 +91,7 @@ struct Tally {
   std::uint64_t simulated = 0, accepted = 0, same = 0, same_accepted = 0, out_of_zero = 0;
 };
 
-/// Runs a chain beside the reference. `expected(report, same)`: whether a simulation is necessary.
+/// Expects that a chain equals the reference. `expected` returns whether a step needs a simulation.
 template <class T, class Expected>
 Tally compare(double beta, std::uint32_t chain, const Expected& expected) {
   using S = typename T::State;
@@ -143,8 +144,9 @@ bool has_a_chance(double beta, std::uint64_t step, std::uint32_t chain, const Sa
 }
 
 TEST(SparedSimulations, ATargetThatKnowsNothingSimulatesAll) {
-  // Goal: without operator== and without a bound no simulation is skipped, even for a candidate
-  // without prior density. Method: run chains beside the reference at four inverse temperatures.
+  // Goal: if a target has no operator== and no bound, a chain skips no simulation, even for a
+  // candidate without prior density. Method: compare chains at four inverse temperatures with the
+  // reference.
   for (const double beta : k_betas) {
     const Tally tally =
         compare<Walk<Plain>>(beta, 1, [](auto, const auto&, const auto&, auto) { return true; });
@@ -153,8 +155,9 @@ TEST(SparedSimulations, ATargetThatKnowsNothingSimulatesAll) {
 }
 
 TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
-  // Goal: operator== doesn't change the chain. Equal candidates cost no simulation but are still
-  // judged by their ratio. Method: run chains beside the reference, also from zero density.
+  // Goal: operator== doesn't change the chain. A candidate that equals the current state needs no
+  // simulation, but its ratio still decides whether it is accepted. Method: compare chains with the
+  // reference, including steps from states of zero density.
   std::uint64_t out_of_zero = 0;
   for (const double beta : k_betas) {
     for (std::uint32_t chain = 0; chain < 6; ++chain) {
@@ -174,10 +177,10 @@ TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
 }
 
 TEST(SparedSimulations, ACandidateThatTheBoundRejectsIsNotSimulated) {
-  // Goal: a bound on the constraint doesn't change the chain. A simulation runs exactly if the
-  // candidate would be accepted with the bound as its constraint density. At beta 0, and from zero
-  // density, exactly the accepted candidates are simulated. Method: run chains beside the
-  // reference, with the ratio in probabilities.
+  // Goal: a bound on the constraint doesn't change the chain. The chain simulates a candidate
+  // exactly if the candidate would be accepted with the bound as its constraint density. At beta 0,
+  // and from zero density, the chain simulates exactly the accepted candidates. Method: compare
+  // chains with the reference. Compute the expected decision from probabilities instead of logs.
   for (const double beta : k_betas) {
     std::uint64_t simulated = 0;
     std::uint64_t accepted = 0;

@@ -43,7 +43,7 @@ random::Stream stream_of(std::uint64_t number) {
 }
 
 TEST(StageSearch, FindsSolutionsBeyondDeadEnds) {
-  // Goal: a find is a solution, and a stage without promising successors is taken back. Method:
+  // Goal: search() finds solutions, and takes back a stage without promising successors. Method:
   // search a lock with dead ends 500 times. Every stage of a find must be promising.
   const Lock lock;
   SearchEffort effort;
@@ -66,8 +66,8 @@ TEST(StageSearch, FindsSolutionsBeyondDeadEnds) {
 }
 
 TEST(StageSearch, SpendsItsTriesAndGivesUp) {
-  // Goal: the documented limits hold. Method: use a lock without a solution, a lock whose second
-  // stage is always a dead end, and zero tries.
+  // Goal: a search stops at its limits on tries and turns. Method: search a lock without a
+  // solution. Then search with a limit of zero turns, and with a limit of zero tries.
   SearchEffort effort;
   random::Stream stream = stream_of(0);
   const Lock unsolvable{.has_dead_ends = false, .has_a_solution = false};

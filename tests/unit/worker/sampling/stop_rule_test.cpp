@@ -14,7 +14,7 @@ std::uint64_t none(std::uint64_t /*scan*/) {
 }
 
 TEST(StopJudge, CountsRoundsFromAfterTheScansBefore) {
-  // Goal: the scan limit counts all scans; rounds and solutions skip the first `before` scans.
+  // Goal: a limit on scans counts all scans. Rounds begin after the first `before` scans.
   const StopRule scans{.scans = 100, .rounds = {}, .independent_solutions = {}};
   EXPECT_EQ(StopJudge(scans, 10, 35).end(), 100U);
   EXPECT_EQ(StopJudge(scans, 10, 200).end(), 100U);
@@ -29,8 +29,8 @@ TEST(StopJudge, CountsRoundsFromAfterTheScansBefore) {
 }
 
 TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
-  // Goal: no scan beyond a round's end is handed out before the round is judged. The first round's
-  // end with enough solutions is the run's end. Method: use rounds that end at scans 17, 37 and 77.
+  // Goal: the horizon stays at the end of a round until the round is judged. A run ends at the end
+  // of the first round with enough solutions. Method: use rounds that end at scans 17, 37 and 77.
   const StopRule rule{.scans = {}, .rounds = {}, .independent_solutions = 3};
   StopJudge judge(rule, 10, 7);
   EXPECT_EQ(judge.horizon(), 17U);
@@ -48,7 +48,8 @@ TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
 }
 
 TEST(StopJudge, SomeScansAreMadeInAnyCase) {
-  // Goal: if solutions end a run, its first round is run anyway, unless scans end it earlier.
+  // Goal: if solutions can end a run, the run contains at least its first round, unless a limit on
+  // scans ends the run earlier.
   const StopRule by_solutions{.scans = {}, .rounds = {}, .independent_solutions = 1};
   EXPECT_EQ(StopJudge(by_solutions, 10, 7).scans_in_any_case(), 17U);
   const StopRule either{.scans = 12, .rounds = {}, .independent_solutions = 1};
@@ -58,7 +59,7 @@ TEST(StopJudge, SomeScansAreMadeInAnyCase) {
 }
 
 TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {
-  // Goal: judge() returns even if it reaches the largest count without a solution.
+  // Goal: judge() returns even if it reaches the largest number of scans without a solution.
   const StopRule rule{.scans = {}, .rounds = {}, .independent_solutions = 1};
   StopJudge judge(rule, std::uint64_t{1} << 60U, 7);
   judge.judge(StopJudge::k_no_end, none);
@@ -66,7 +67,7 @@ TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {
 }
 
 TEST(StopJudgeDeathTest, WantsARuleAndARound) {
-  // Goal: a judge without a rule, or with rounds without scans, stops the process.
+  // Goal: a judge without a stop rule, or with rounds of zero scans, stops the process.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(StopJudge({.scans = {}, .rounds = {}, .independent_solutions = {}}, 10),
                "check failed");

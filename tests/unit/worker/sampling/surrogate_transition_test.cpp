@@ -23,8 +23,8 @@ constexpr Row k_prior{0.1, 0.25, 0.2, 0.15, 0.2, 0.1};
 /// State 3 breaks the constraint.
 constexpr Row k_log_constraint{-0.2, -1.5, 0, -k_infinity, -0.7, -1};
 constexpr Row k_guess{-1.2, 0, -0.9, -0.5, -0.1, -2};
-/// Two parts of each state, one bit each. The simulation determines the parts; the surrogate
-/// doesn't.
+/// Parts of each state, one bit each. The simulation determines which parts a state has; the
+/// surrogate doesn't.
 constexpr std::array<std::uint32_t, k_states> k_parts{0b01, 0b00, 0b11, 0b10, 0b11, 0b01};
 
 /// A step to a neighbour in a ring, more often clockwise.
@@ -99,7 +99,7 @@ struct Ring : RingPart {
 };
 static_assert(HasSurrogate<Ring>);
 
-/// A faulty ring: ignores that the way back must have the same anchor.
+/// A faulty ring, which ignores the anchors' probabilities.
 struct ForgetfulRing : Ring {
   double log_anchor_probability(const Anchor& /*anchor*/, const Outcome& /*outcome*/,
                                 const Outcome& /*guessed*/, double /*keep*/) const {
@@ -158,8 +158,9 @@ double p_of_transition(const World& world, double beta, double keep, std::uint32
 }
 
 TEST(SurrogateTransition, KeepsTheDistribution) {
-  // Goal: contract C3 holds for any anchor and any length of the walk. Method: move exact draws of
-  // six states once. A p-value below 1e-6 fails.
+  // Goal: a surrogate transition leaves the target distribution invariant, for any anchor and any
+  // length of the walk. Method: draw one of six states exactly from the target, and move it once.
+  // The moved states must have the target distribution, with a p-value above 1e-6.
   for (const double beta : {0.4, 1.0}) {
     for (const double keep : {0.0, 0.5, 0.9, 1.0}) {
       for (const std::uint32_t steps : {1U, 4U})
@@ -170,15 +171,15 @@ TEST(SurrogateTransition, KeepsTheDistribution) {
 }
 
 TEST(SurrogateTransition, NeedsTheAnchorsProbabilities) {
-  // Goal: the test above fails for the faulty ring.
+  // Goal: the test KeepsTheDistribution would detect a transition that ignores the anchors'
+  // probabilities.
   if (!property::all_cases()) GTEST_SKIP() << "asks all cases together";
   for (const double keep : {0.5, 1.0})
     EXPECT_LT(p_of_transition(ForgetfulRing{}, 1, keep, 4), 1e-9) << keep;
 }
 
 TEST(SurrogateTransition, WeighsWhatTheGuessesLeave) {
-  // Goal: the ratio's formula is right for all terms and zero densities. Method: compare with
-  // ratios computed by hand.
+  // Goal: log_surrogate_ratio() follows its formula for all terms and for zero densities.
   EXPECT_DOUBLE_EQ(log_surrogate_ratio({.inverse_temperature = 0.5,
                                         .current = 1,
                                         .current_guess = 2,
@@ -195,8 +196,8 @@ TEST(SurrogateTransition, WeighsWhatTheGuessesLeave) {
 }
 
 TEST(Iteration, KeepsTheDistribution) {
-  // Goal: a mixture of walks and single steps is valid, and so are steps of Algorithm 2.1 if
-  // neither is requested. Method: move exact draws once.
+  // Goal: iterate() leaves the target distribution invariant with surrogate walks, with single
+  // steps, with both and with neither. Method: move exact draws once, and test their distribution.
   for (const auto& [walk, single] : {std::pair{0U, 0U}, {3U, 0U}, {0U, 3U}, {4U, 2U}}) {
     Ring ring;
     ring.steps = {.walk = walk, .single = single, .walk_kind = 1, .single_kind = 2};
@@ -209,8 +210,9 @@ TEST(Iteration, KeepsTheDistribution) {
 }
 
 TEST(SurrogateTransition, LeavesAStartWithoutDensity) {
-  // Goal: a replica whose start breaks a hard constraint still moves, for any anchor. Method: make
-  // one step from state 3 many times. The chain leaves the state, and no simulation is wasted.
+  // Goal: a chain whose start breaks a hard constraint still moves, for any anchor. Method: make
+  // 100 transitions from state 3, which breaks the constraint. Most transitions must leave the
+  // state, and every simulated candidate must be accepted.
   for (const double keep : {0.0, 0.5, 1.0}) {
     int left = 0;
     for (std::uint64_t i = 1; i <= 100; ++i) {
@@ -229,7 +231,7 @@ TEST(SurrogateTransition, LeavesAStartWithoutDensity) {
   }
 }
 
-/// A ring with a bound, in which lost parts are impossible.
+/// A surrogate in which a state without an anchored part is impossible.
 struct StrictGuess : GuessedRing {
   double log_constraint(const Outcome& outcome) const {
     return (anchor & ~k_parts[outcome]) != 0 ? -k_infinity : GuessedRing::log_constraint(outcome);
@@ -249,8 +251,9 @@ struct BoundedRing : UnboundedRing {
 static_assert(BoundsConstraint<BoundedRing> && !BoundsConstraint<UnboundedRing>);
 
 TEST(SurrogateTransition, SparesSimulationsExactly) {
-  // Goal: a bound only changes which simulations run, and guesses of zero density keep the
-  // distribution. Method: use a bound equal to the constraint, and move exact draws.
+  // Goal: a bound changes only which simulations run. Guesses of zero density leave the target
+  // distribution invariant. Method: compare a chain with a bound that equals the constraint with a
+  // chain without a bound. Also move exact draws, and test their distribution.
   std::uint64_t spared = 0;
   std::uint64_t rejected = 0;
   for (const double keep : {0.0, 0.5, 1.0}) {
@@ -282,8 +285,8 @@ TEST(SurrogateTransition, SparesSimulationsExactly) {
 }
 
 TEST(Iteration, ReportsEachStepAndTransition) {
-  // Goal: reports contain each of the surrogate's proposals, and each successful transition as a
-  // report of its own kind.
+  // Goal: iterate() reports each of the surrogate's proposals. If the state changes, iterate() also
+  // reports the transition, as a kind of its own.
   Ring ring;
   ring.steps = {.walk = 4, .single = 3, .walk_kind = 1, .single_kind = 2};
   const ChainStreams streams{.seed = random::k_test_seed, .chain = {}, .replica = {}};

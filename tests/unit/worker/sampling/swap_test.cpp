@@ -18,8 +18,9 @@ double ratio(double beta, double cooler_beta, double l, double cooler_l) {
 }
 
 TEST(LogSwapRatio, IsTheRatioOfTheSwappedDensities) {
-  // Goal: the ratio is log of p_b(x_c) p_c(x_b) / (p_b(x_b) p_c(x_c)). Method: compute the four
-  // densities by hand, for swaps that improve or worsen the states.
+  // Goal: for a hotter level b and a cooler level c, the ratio is p_b(x_c) p_c(x_b) / (p_b(x_b)
+  // p_c(x_c)). Method: compare its log with a sum of the four log densities, for swaps that improve
+  // or worsen the cooler level's state.
   for (const auto& [l, cooler_l] : {std::pair{-1.5, -4.0}, {-4.0, -1.5}, {0.0, 7.0}, {2.0, 2.0}}) {
     const double by_hand = 0.2 * cooler_l + 0.7 * l - (0.2 * l + 0.7 * cooler_l);
     EXPECT_NEAR(ratio(0.2, 0.7, l, cooler_l), by_hand, 1e-15);
@@ -27,8 +28,8 @@ TEST(LogSwapRatio, IsTheRatioOfTheSwappedDensities) {
 }
 
 TEST(LogSwapRatio, KnowsStatesWithoutDensity) {
-  // Goal: a state that breaks a hard constraint never gets cooler, unless neither state has
-  // density. No result is NaN, even at the hot end. Method: test every combination.
+  // Goal: a state that breaks a hard constraint never moves to a cooler level, unless neither state
+  // has density. No ratio is NaN, even at inverse temperature 0.
   for (const double beta : {0.0, 0.3}) {
     EXPECT_EQ(ratio(beta, 1, -k_infinity, -2), -k_infinity);
     EXPECT_EQ(ratio(beta, 1, -2, -k_infinity), k_infinity);
@@ -37,8 +38,9 @@ TEST(LogSwapRatio, KnowsStatesWithoutDensity) {
 }
 
 TEST(EvenOddPartner, PairsTheLevelsOfTheScansParity) {
-  // Goal: after scan s, exactly levels i and i+1 with i + s even are partners. Method: list the
-  // pairs for ladders of several lengths and scans of both parities.
+  // Goal: after scan s, levels i and i + 1 are partners exactly if i + s is even. Method: compare
+  // the partners of all levels with a list of pairs. Use ladders of several lengths and scans of
+  // both parities.
   for (const std::uint32_t levels : {2U, 3U, 4U, 7U}) {
     for (const std::uint64_t scan : {0U, 1U, 2U, 1001U}) {
       std::set<std::pair<std::uint32_t, std::uint32_t>> expected;
@@ -57,7 +59,8 @@ TEST(EvenOddPartner, PairsTheLevelsOfTheScansParity) {
 }
 
 TEST(SwapNumber, IsAnotherAtEachPlace) {
-  // Goal: no two swaps share a random number. Method: change one field of a SwapPlace at a time.
+  // Goal: swaps of different seeds, chains, levels or scans have different random numbers. Method:
+  // change one field of a SwapPlace at a time.
   const SwapPlace place{.seed = 3, .chain = base::ChainId{1}, .level = 2, .scan = 7};
   SwapPlace seed = place;
   SwapPlace chain = place;
@@ -75,9 +78,9 @@ TEST(SwapNumber, IsAnotherAtEachPlace) {
 }
 
 TEST(Swaps, AreAsFrequentAsTheRatio) {
-  // Goal: a pair swaps with probability min(1, ratio). Method: count swaps in 10,000 scans of each
-  // of three pairs: with ratio 0.3, with ratio above 1, and without density at the hotter state.
-  // Allow five standard errors.
+  // Goal: a pair of replicas swaps with probability min(1, ratio). Method: count the swaps in
+  // 10,000 scans of each of three pairs. The ratios are 0.3, above 1, and zero because the hotter
+  // state has no density. The counts must agree within five standard errors.
   const auto count = [](const SwapPair& pair) {
     int swapped = 0;
     for (std::uint64_t scan = 0; scan < 10'000; ++scan)

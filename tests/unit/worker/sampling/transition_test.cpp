@@ -87,9 +87,9 @@ Matrix exact_transitions(double beta) {
 }
 
 TEST(Transitions, OracleIsInDetailedBalance) {
-  // The next test compares transitions with a matrix. Goal: the matrix leaves p_w p_c^beta
-  // invariant. Method: check detailed balance of every pair, row sums of 1, and no way into state
-  // 3.
+  // Goal: the exact transition matrix, with which the next test compares steps, leaves p_w p_c^beta
+  // invariant. Method: check the detailed balance of every pair of states, and that each row adds
+  // up to 1. If beta is above 0, no state leads to state 3, which breaks the constraint.
   for (const double beta : {0.0, 0.5, 1.0}) {
     const Matrix matrix = exact_transitions(beta);
     for (std::size_t i = 0; i < k_states; ++i) {
@@ -107,9 +107,9 @@ TEST(Transitions, OracleIsInDetailedBalance) {
 
 TEST(Transitions, AreTheExactOnes) {
   // Goal: a step has exactly the transition probabilities of Algorithm 2.1. From a state with zero
-  // density, it has those of Algorithm 2.1 for the prior. Method: compare 200,000 steps from each
-  // state at three inverse temperatures with the exact row by chi-square. Impossible steps never
-  // happen.
+  // density, it has those of Algorithm 2.1 for the prior. Method: make 200,000 steps from each
+  // state at three inverse temperatures, and compare with the exact matrix by chi-square.
+  // Impossible steps never happen.
   constexpr std::uint64_t k_steps = 200'000;
   const Ring ring;
   for (const double beta : {0.0, 0.5, 1.0}) {
@@ -145,8 +145,8 @@ TEST(Transitions, AreTheExactOnes) {
 }
 
 TEST(Transitions, StartIsADrawFromThePrior) {
-  // Goal: initialize() draws from p_w with its chain's streams. Method: chi-square of 100,000
-  // chains.
+  // Goal: initialize() draws a chain's start from the prior p_w with the chain's own streams.
+  // Method: compare the starts of 100,000 chains with the prior by chi-square.
   const Ring ring;
   std::vector<int> counts(k_states, 0);
   for (std::uint32_t chain = 0; chain < 100'000; ++chain) {

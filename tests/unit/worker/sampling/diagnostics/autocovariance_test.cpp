@@ -1,5 +1,6 @@
-// Goal: autocovariances by the fast transform equal the definition. Method: compare with explicit
-// sums for every length up to 40 and some longer ones, for odd and even numbers of chains.
+// Goal: mean_autocovariances(), which uses the fast Fourier transform, equals the definition.
+// Method: compare the results with explicit sums for every number of draws up to 40 and for two
+// larger numbers. Use odd and even numbers of chains.
 #include "worker/sampling/diagnostics/autocovariance.h"
 
 #include <gtest/gtest.h>
@@ -28,8 +29,8 @@ void expect_alike(const OwnedChains& draws) {
   const std::vector<double> found = mean_autocovariances(draws.view());
   const std::vector<double> expected = by_definition(draws.view());
   ASSERT_EQ(found.size(), draws.draws);
-  // Rounding errors are about 1e-16 for each of the transform's log2(4 draws) levels, or for the
-  // sum over draws.
+  // The transform's rounding error is about 1e-16 for each of its log2(4 draws) levels. The
+  // explicit sums also have rounding errors.
   for (std::size_t t = 0; t < found.size(); ++t)
     ASSERT_NEAR(found[t], expected[t], 1e-14 * expected[0]) << draws.draws << " lag " << t;
 }

@@ -1,5 +1,5 @@
-// Goal: reports explain why chains have not mixed, and give no false alarm. Method: check the exact
-// sentences for chains of each sort.
+// Goal: complaints() explains why chains have not mixed, and gives no false alarm. Method: check
+// the complaints about chains with one fault each, and about chains without a fault.
 #include "worker/sampling/diagnostics/convergence.h"
 
 #include <gmock/gmock.h>
@@ -29,8 +29,9 @@ std::vector<std::string> complaints_of(const OwnedChains& draws) {
 }
 
 TEST(Convergence, collects_the_measures) {
-  // Goal: each field contains the measure that it is named after. Method: use two chains of four
-  // known draws.
+  // Goal: each field of a Convergence contains the measure that it is named after. Method: check
+  // the fields for two chains of four known draws. For longer chains, compare the fields with the
+  // functions that compute single measures.
   const OwnedChains draws{.values = {1, 2, 3, 4, 5, 5, 5, 5}, .chains = 2, .draws = 4};
   const Convergence found = convergence_of(draws.view());
   EXPECT_EQ(found.chains, 2U);
@@ -60,9 +61,10 @@ TEST(Complaints, are_none_of_what_is_the_same_everywhere) {
 }
 
 TEST(Complaints, are_none_of_mixed_chains_of_two_values) {
-  // Goal: a missing tail isn't reported as a fault. Method: use equally many 0 and 1 (equal
-  // distances from the median make the tail's R-hat NaN), and 3 in 10 (the 0.95 quantile is the
-  // maximum).
+  // Goal: complaints() doesn't report a missing tail as a fault. Method: use chains of the values 0
+  // and 1. If both are equally frequent, all draws have equal distances from the median, and the
+  // tail's R-hat is NaN. If 3 in 10 draws are 1, the 0.95 quantile is the maximum, and the tail's
+  // effective sample size is NaN.
   OwnedChains even = made({});
   for (std::size_t i = 0; i < even.values.size(); i += 2) {
     const bool up = even.values[i] > 0;
@@ -87,8 +89,9 @@ TEST(Complaints, name_shifted_chains) {
 }
 
 TEST(Complaints, name_chains_that_never_move) {
-  // Goal: the sentence is right if R-hat is infinite, about 1e15, or smaller. Method: give each
-  // chain its own value, with exact or rounded means. Then let one of four chains differ.
+  // Goal: complaints() reports chains that never move, whether R-hat is infinite, about 1e15 or
+  // smaller. Method: give each chain its own constant value, with numbers of draws for which means
+  // are exact or rounded. Then make only one of four chains constant.
   const auto own = [](double, std::size_t chain) { return 0.1 * static_cast<double>(chain); };
   for (const std::size_t draws : {64U, 1000U, 1024U, 2000U}) {
     const std::vector<std::string> found = complaints_of(changed(made({.draws = draws}), own));
@@ -110,7 +113,8 @@ TEST(Complaints, name_what_cannot_be_judged) {
 }
 
 TEST(Complaints, keep_to_the_thresholds) {
-  // Goal: each limit is the documented one. Method: test convergences at and just past the limit.
+  // Goal: complaints begin just beyond the documented limits. Method: test measures exactly at each
+  // limit and just beyond it.
   const Convergence at{.chains = 4,
                        .draws = 1000,
                        .r_hat_bulk = 1,

@@ -1,6 +1,7 @@
-// Goal: the measures equal R's, without running R. Method: compare with the results of posterior
-// 1.4.0 (R 4.2.2) for six integer arrays x <- outer(0:(draws-1), 0:(chains-1), f). sprintf("%.17g")
-// printed the numbers in the order of `measures`. tests/posterior compares more.
+// Goal: the measures equal those of the R package posterior. Method: compare with stored results of
+// posterior 1.4.0 (R 4.2.2) for six arrays x <- outer(0:(draws-1), 0:(chains-1), f). R's
+// sprintf("%.17g") printed these results in the order of `measures`. The tests in tests/posterior
+// run R and compare more arrays.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -73,13 +74,13 @@ TEST(Golden, ties) {
 }
 
 TEST(Golden, three_draws_are_transposed) {
-  // f = (3*d + 2*c + d*c) %% 7: posterior's result if each half is one draw (split_in_halves).
+  // f = (3*d + 2*c + d*c) %% 7: split_in_halves() splits three draws per chain as posterior does.
   expect_golden(outer(4, 3, [](int d, int c) { return (3 * d + 2 * c + d * c) % 7; }),
                 {0.87715026984727928, 4, k_na, 4, 4, 1.075730900224108});
 }
 
 TEST(Golden, antithetic_is_capped) {
-  // f = (-1)^d*(10 + (d*d + c) %% 7): 80 log10(80) = 152.247...
+  // f = (-1)^d*(10 + (d*d + c) %% 7): the effective size is capped at 80 log10(80) = 152.247...
   expect_golden(
       outer(2, 40, [](int d, int c) { return (d % 2 == 0 ? 1 : -1) * (10 + (d * d + c) % 7); }),
       {1.0759986249150764, 152.24719895935547, k_na, 152.24719895935547, 152.24719895935547,

@@ -16,7 +16,9 @@ using testing::changed;
 using testing::made;
 
 TEST(Nan, is_the_answer_where_there_is_none) {
-  // Goal: each documented reason for NaN gives NaN. Method: use one array for each reason.
+  // Goal: a measure is NaN if one of the documented reasons applies. Method: test one array for
+  // each reason: a NaN, an infinity, equal values, values whose variance overflows, and a single
+  // draw per chain.
   const OwnedChains draws = made({.chains = 2, .draws = 21});
   const auto with = [&](std::size_t at, double value) {
     OwnedChains other = draws;
@@ -45,7 +47,8 @@ TEST(Nan, is_the_answer_where_there_is_none) {
 }
 
 TEST(Shapes, must_fit) {
-  // Goal: a view with a wrong number of values is refused. Method: leave out one draw.
+  // Goal: a measure stops the process if its view has a wrong number of values or no draws, or if
+  // the quantile is above 1.
   const std::vector<double> five(5, 1.0);
   EXPECT_DEATH(r_hat({.values = five, .chains = 2, .draws = 3}), "check failed");
   EXPECT_DEATH(ess_mean({.values = {}, .chains = 1, .draws = 0}), "check failed");

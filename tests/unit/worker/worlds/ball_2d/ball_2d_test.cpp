@@ -22,7 +22,7 @@ using testing::stream_of;
 constexpr std::uint64_t k_seed = 77;
 
 TEST(Ball2d, DefaultsAreTheThesis) {
-  // Goal: a request without numbers is the example of thesis 2.4.1.
+  // Goal: a request without numbers describes the example of thesis section 2.4.1.
   const std::array worlds{request_binding()};
   const auto request =
       request::read_request("[world]\nname = \"ball_2d\"\n[stop]\nscans = 1\n", "r", worlds);
@@ -44,8 +44,8 @@ TEST(Ball2d, DefaultsAreTheThesis) {
 }
 
 TEST(Ball2d, LogPriorIsTheSumOfNormalDensities) {
-  // Goal: log p_w is normalised and counts only the world's collisions. Method: compare with
-  // Boost's density, for several numbers of collisions.
+  // Goal: log p_w is the normalised log density of the normals' angles, one for each of the world's
+  // collisions. Method: compare with Boost's density, for several numbers of collisions.
   for (const std::uint32_t collisions : {1U, 5U, k_collisions_max}) {
     Parameters parameters;
     parameters.world.collisions = collisions;
@@ -63,8 +63,9 @@ TEST(Ball2d, LogPriorIsTheSumOfNormalDensities) {
 }
 
 TEST(Ball2d, PriorDrawsAreNormal) {
-  // Goal: normals are independent draws from N(0, sd), and unused normals are zero. Method: test
-  // 20,000 draws by chi-square: each normal, and signs of products, which reveal dependence.
+  // Goal: the prior draws the normals' angles independently from N(0, sd), and leaves unused angles
+  // at zero. Method: test 20,000 draws by chi-square: each angle, and the combination of all signs,
+  // which reveals dependence.
   const Ball2d ball({});
   constexpr int k_cells = 20;
   const boost::math::normal oracle(0, Parameters{}.world.normal_sd_rad);
@@ -91,7 +92,8 @@ TEST(Ball2d, PriorDrawsAreNormal) {
 }
 
 TEST(Ball2d, ConstraintIsInDiameters) {
-  // Goal: log p_c = -1/2 ((x/D - target)/sigma)^2, and the tolerance includes its edge.
+  // Goal: log p_c is -1/2 ((x/D - target)/sigma)^2 for a landing at x and a ball of diameter D. The
+  // tolerance includes its edge.
   Parameters parameters;
   parameters.world.diameter_m = 0.5;
   parameters.constraint = {
@@ -107,9 +109,9 @@ TEST(Ball2d, ConstraintIsInDiameters) {
 }
 
 TEST(Ball2d, ProposalIsAlgorithm22) {
-  // Goal: each normal changes with probability 1/2, independently, by a uniform offset within 5
-  // degrees. The proposal's ratio is 1 and its kind is 0. Method: test 20,000 proposals by
-  // chi-square: the 32 subsets of changed normals, and offsets in 20 cells.
+  // Goal: a proposal changes each normal independently with probability 1/2, by a uniform offset of
+  // at most 5 degrees. Its ratio is 1 and its kind is 0. Method: test 20,000 proposals by
+  // chi-square: the 32 subsets of changed normals, and the offsets in 20 cells.
   const Ball2d ball({});
   const double half_width = Parameters{}.proposal.change_half_width_rad;
   std::vector<int> subsets(32, 0);
@@ -139,8 +141,8 @@ TEST(Ball2d, ProposalIsAlgorithm22) {
 }
 
 TEST(Ball2d, StatesComeBack) {
-  // Goal: encoding keeps every bit. Method: encode and decode random states of several sizes, and a
-  // negative zero.
+  // Goal: decoding an encoded state returns every bit of the state. Method: test random states of
+  // several sizes, each with a negative zero.
   for (const std::uint32_t collisions : {1U, 5U, k_collisions_max}) {
     Parameters parameters;
     parameters.world.collisions = collisions;
@@ -158,8 +160,8 @@ TEST(Ball2d, StatesComeBack) {
 }
 
 TEST(Ball2d, RefusesWhatIsNoState) {
-  // Goal: bytes of a wrong length, or with an angle that isn't finite, are refused. Method: test
-  // every length up to twice the right one, and NaN and infinities in each place.
+  // Goal: decode() refuses bytes of a wrong length, and angles that aren't finite. Method: test
+  // every length up to twice the right one, and put NaN and infinities into each place.
   const Ball2d ball({});
   for (std::size_t size = 0; size <= 80; ++size)
     EXPECT_EQ(ball.decode(base::Bytes(size)).has_value(), size == 40) << size;

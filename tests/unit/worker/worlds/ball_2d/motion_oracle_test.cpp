@@ -1,4 +1,4 @@
-// Compares the closed-form hops with a ball stepped through time.
+// Compares the simulator's closed-form hops with a ball that moves in small time steps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 namespace sleight::worlds::ball_2d {
 namespace {
 
-/// A ball stepped by fixed intervals. A collision is detected when the centre is below the table,
-/// and the interval is bisected to find the time. Velocities change in the frame of the tilted
-/// surface. Shares no code with the simulator, only the world's numbers.
+/// A ball that moves in fixed time steps. If a step ends with the centre below the table, bisection
+/// of the step finds the time of the collision. Velocities change in the frame of the tilted
+/// surface. The class shares only the world's parameters with the simulator, no code.
 class SteppedBall {
  public:
   SteppedBall(const WorldParameters& world, double step_s) : world_(world), step_s_(step_s) {
@@ -29,7 +29,8 @@ class SteppedBall {
     vz_ = -along * std::sin(tilt_rad) + away * std::cos(tilt_rad);
   }
 
-  /// Steps until the ball is down again. Does nothing if the ball doesn't rise from the table.
+  /// Steps until the ball reaches the table again. Does nothing if the ball doesn't rise from the
+  /// table.
   void fly() {
     if (z_m_ <= 0 && vz_ <= 0) return;
     while (true) {
@@ -71,8 +72,9 @@ class SteppedBall {
 };
 
 TEST(MotionOracle, HopsAreThoseOfASteppedBall) {
-  // Goal: the simulation is the model of thesis 2.4.1. Method: step random worlds and normals, mild
-  // and wild (tilts beyond 90 degrees), in a hundredth of the fall's time.
+  // Goal: the simulation follows the model of thesis section 2.4.1. Method: compare landings with a
+  // ball that moves in steps of a hundredth of the fall's time. Use random worlds and random
+  // normals, some of them tilted by more than 90 degrees.
   constexpr std::uint64_t k_seed = 31;
   std::uint64_t moved = 0;
   for (const std::uint64_t index : property::cases(300)) {

@@ -22,11 +22,12 @@ using testing::stream_of;
 constexpr std::uint64_t k_seed = 2024;
 
 TEST(Motion, OneBounceByHand) {
-  // Goal: the landing after one collision is right. Method: compare with the closed form. The ball
-  // falls by h, arrives at u = sqrt(2 g h) and leaves a surface of tilt t with
+  // Goal: after one collision, the ball lands at the right place and time. Method: compare with the
+  // closed form. The ball falls by h, arrives with speed u = sqrt(2 g h), and leaves a surface of
+  // tilt t with
   //   v_x = (1 + e) u sin t cos t and v_z = u ((1 + e) cos^2 t - 1).
-  // The ball lands at x = 4 h (1 + e) sin t cos t ((1 + e) cos^2 t - 1), or stays in place if v_z
-  // <= 0.
+  // The ball lands at x = 4 h (1 + e) sin t cos t ((1 + e) cos^2 t - 1) if v_z is positive.
+  // Otherwise, it stays in place.
   WorldParameters world;
   world.collisions = 1;
   for (const double e : {0.2, 0.70710678118654752, 1.0}) {
@@ -49,8 +50,8 @@ TEST(Motion, OneBounceByHand) {
 
 TEST(Reflected, ATableOnlyPushes) {
   // Goal: a surface changes no bit of the velocity of a ball that moves away from it or along it.
-  // Method: compare both cases with values computed by hand; then simulate a motion that meets such
-  // a surface.
+  // Method: reflect such velocities. Then simulate a motion that meets a surface turned by 180
+  // degrees.
   EXPECT_EQ(reflected({0.3, 2.5}, {0, 1}, 0.5), math::Vec2(0.3, 2.5));
   EXPECT_EQ(reflected({0.3, 0}, {0, 1}, 0.5), math::Vec2(0.3, 0));
   EXPECT_EQ(reflected({3, -4}, {0.8, 0.6}, 0.5), math::Vec2(3, -4));
@@ -65,9 +66,8 @@ TEST(Reflected, ATableOnlyPushes) {
 }
 
 TEST(Motion, LandingIsTheMotionsLanding) {
-  // Goal: simulate_landing() and simulate_motion() give the same bits. Method: compare both for
-  // random worlds and normals, and check the number of hops. Hops must follow each other in time
-  // and space.
+  // Goal: simulate_landing() and simulate_motion() return the same bits. The motion's hops follow
+  // each other in time and space. Method: compare both functions for random worlds and normals.
   for (const std::uint64_t index : property::cases(1000)) {
     random::Stream stream = stream_of(k_seed, index);
     const WorldParameters world = random_world(stream);

@@ -26,8 +26,9 @@ Goal goal_of(std::variant<Place, Region, FaceDirection, Turn, Velocity, RestBefo
 }
 
 TEST(Dice, ComeToRestOnTheTable) {
-  // Goal: throws end at rest after some distance, with a face up and the centre half a side above
-  // the bumps. Method: simulate prior draws with a goal for a face, whose distance is the tilt.
+  // Goal: thrown dice come to rest with a face up and with the centre about half a side above the
+  // table. Method: simulate prior draws with a goal for one face. Dice are numbered after the
+  // throw, so the distance to this goal is the die's tilt.
   Parameters parameters;
   parameters.goals = {goal_of(FaceDirection{.face = 6}, 0.2, 0.3)};
   const Dice world(parameters);
@@ -45,8 +46,9 @@ TEST(Dice, ComeToRestOnTheTable) {
 }
 
 TEST(Dice, ContactsShareTheirWeights) {
-  // Goal: shares of control points are in ascending order, are at most 4/9 each, and add up to at
-  // most 1, or exactly 1 if all collisions are on the table. Plausibility sums their densities.
+  // Goal: the outcome lists control points in ascending order. Each point's share is positive and
+  // at most 4/9, and the shares add up to 1. The log plausibility is the sum of the points' log
+  // densities.
   const Dice world(testing::all_random(2));
   for (std::uint64_t number = 0; number < 10; ++number) {
     const State state = state_of(world, number);
@@ -69,10 +71,10 @@ TEST(Dice, ContactsShareTheirWeights) {
 }
 
 TEST(Dice, HeightsThatTheyMetAreCounted) {
-  // Goal: `offsets` counts each control point that affects collisions once, by its height, and
-  // `offset_squares` sums the squares of these heights. Constant heights don't count. Method: move
-  // one point of a prior draw far up or down, and count heights between the bins' edges. Then use a
-  // flat table.
+  // Goal: `offsets` counts each control point that affects collisions once, by its height.
+  // `offset_squares` sums the squares of these heights. If the table's height is constant, both are
+  // 0. Method: move one control point of a prior draw far up or down, and compare with a direct
+  // count. Then use a flat table.
   Parameters parameters;
   const Dice world(parameters);
   const double sd_m = parameters.world.table.height_sd_m;
@@ -110,7 +112,7 @@ TEST(Dice, HeightsThatTheyMetAreCounted) {
 }
 
 TEST(Dice, WithoutRoomHaveNoAnimation) {
-  // Goal: dice that start in one place have zero density and meet no goal.
+  // Goal: dice that start in the same place have zero density and meet no goal.
   Parameters parameters;
   DieStart start;
   start.position_sd_m = {0, 0, 0};
@@ -128,7 +130,8 @@ TEST(Dice, WithoutRoomHaveNoAnimation) {
 }
 
 TEST(Dice, ThatStillMoveSatisfyNothing) {
-  // Goal: at a time limit, goals are measured but not satisfied. Method: set it during flight.
+  // Goal: if a die still moves at the time limit, its goals are measured, but the outcome doesn't
+  // satisfy the request. Method: set the time limit to a moment of the die's flight.
   Parameters parameters;
   parameters.world.time_max_s = 0.05;
   parameters.goals = {goal_of(Place{}, 10, 10)};
@@ -142,9 +145,9 @@ TEST(Dice, ThatStillMoveSatisfyNothing) {
 }
 
 TEST(Dice, AreSeenAtTheTimesOfGoals) {
-  // Goal: goals can be measured for dice in flight, before their start and long after they come to
-  // rest. Method: compare a die at 0.03 s with its parabola, and at 5.9 s with the end. Also test a
-  // second die before its start.
+  // Goal: a goal can be measured before a die's start, in flight and long after the die comes to
+  // rest. Method: compare a die in flight with its parabola, a die at rest with the end, and a die
+  // before its start with its start position.
   Parameters parameters;
   parameters.world.dice.assign(2, DieStart{});
   parameters.world.dice[1].position_m.y() = 0.1;
@@ -185,9 +188,9 @@ void expect_same(const Outcome& a, const Outcome& b) {
 }
 
 TEST(Dice, ReplaysMakeNoDifference) {
-  // Goal: a candidate has the same outcome computed from a similar state as from scratch, for
-  // proposals of every kind. Method: run chains of one die and of four dice. Chains accept every
-  // second candidate, and are 40 times longer with SLEIGHT_SOAK=1.
+  // Goal: simulating a candidate from a similar state gives the same outcome as simulating it from
+  // scratch, for proposals of every kind. Method: run chains of one die and of four dice, which
+  // accept half of the candidates. With SLEIGHT_SOAK=1, the chains are 40 times longer.
   const std::uint64_t longer = property::long_run() ? 40 : 1;
   for (const std::uint32_t dice : {1U, 4U}) {
     Parameters parameters = testing::all_random(dice);

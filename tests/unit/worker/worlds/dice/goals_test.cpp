@@ -37,8 +37,8 @@ double distance(const Goal& goal, const DieView& die, double rest_s = 1) {
 }
 
 TEST(DiceGoals, MeasureDistances) {
-  // Goal: each sort of goal is measured as goals.h specifies. Method: use poses with known
-  // distances.
+  // Goal: distance_of() measures each sort of goal as goals.h specifies. Method: use poses whose
+  // distances are known.
   DieView die{.position_m = {3, 4, 9}};
   EXPECT_EQ(distance(goal_of(Place{.centre_m = {0, 0}}), die), 5);
   EXPECT_EQ(distance(goal_of(Region{.low_m = {0, 0}, .high_m = {3, 5}}), die), 0);
@@ -60,7 +60,8 @@ TEST(DiceGoals, MeasureDistances) {
 }
 
 TEST(DiceGoals, LookAtTheirTimes) {
-  // Goal: a goal with a time is measured at that time. Method: test three times and two dice.
+  // Goal: a goal with a time is measured at that time, and a goal without a time at the end.
+  // Method: use three goals with times and one without, for two dice.
   std::vector<Goal> goals(4, goal_of(Place{}));
   goals[0].at_s = 2;
   goals[1].at_s = 0.5;
@@ -78,8 +79,8 @@ TEST(DiceGoals, LookAtTheirTimes) {
 }
 
 TEST(DiceGoals, AreGaussianAndMetWithinTolerances) {
-  // Goal: log p_c is the sum of -d^2 / 2 sigma^2, and goals are met if all are within tolerance.
-  // Method: test two goals around their tolerances.
+  // Goal: log p_c is the sum of -d^2 / (2 sigma^2), and goals are met if each distance d is within
+  // its tolerance. Method: use two goals, and move a distance from its tolerance to just beyond it.
   const std::vector<Goal> goals{goal_of(Place{.centre_m = {1, 0}}, 2, 3),
                                 goal_of(RestBefore{.time_s = 0}, 0.5, 1)};
   const Judgement near = judge(goals, Numbering::free, view({}, 1), {});
@@ -93,9 +94,10 @@ TEST(DiceGoals, AreGaussianAndMetWithinTolerances) {
 }
 
 TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
-  // Goal: in each of its 24 orientations, a die meets its goals of faces by the smallest suitable
-  // numbering, and numberings_that_meet counts these. Method: turn all 24 orientations slightly,
-  // with goals for one face, two, and all.
+  // Goal: in each of its 24 orientations, a die can be numbered so that it meets its goals for
+  // faces. The judgement uses the smallest such numbering, and numberings_that_meet() returns how
+  // many there are. Method: turn a die slightly from each orientation. Use goals for no face, for
+  // one face, for two faces and for the whole orientation.
   const Quat bit = math::quaternion_of_rotation_vector({0.03, -0.02, 0.04});
   struct Case {
     std::vector<Goal> goals;
@@ -136,8 +138,8 @@ TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
 }
 
 TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
-  // Goal: goals that one throw can meet are not refused as a contradiction. Method: use random
-  // dice, and pairs of random goals whose tolerances are barely wide enough for the dice.
+  // Goal: contradiction_of() accepts goals that one throw can meet. Method: use random dice and
+  // pairs of random goals, whose tolerances are barely wide enough for the dice.
   constexpr double k_side_m = 0.016;
   for (const std::uint64_t draw : property::cases(2000)) {
     random::Stream stream = testing::stream_of(6, draw);
@@ -189,7 +191,8 @@ TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
 }
 
 TEST(DiceGoals, MarginalsAreDirectSums) {
-  // Goal: numberings are right for several dice in any orientation. Method: use the library's exp.
+  // Goal: with free numbering, log p_c sums over the numberings of each die, in any orientation.
+  // Method: compare with direct sums of long doubles, for two dice in random orientations.
   std::vector<Goal> goals{face_up(2), yaw_of(1, 0.4), face_up(6)};
   goals[2].die = 1;
   for (const std::uint64_t draw : property::cases(200)) {
@@ -215,7 +218,7 @@ TEST(DiceGoals, MarginalsAreDirectSums) {
     EXPECT_NEAR(judgement.log_constraint, static_cast<double>(log_p),
                 1e-12 * (1 + std::fabs(static_cast<double>(log_p))));
     EXPECT_LE(judgement.log_constraint, 0);
-    // With fixed numbers, the sum over numberings has one term.
+    // With fixed numbering, the sum has only one term.
     double fixed = 0;
     for (const Goal& goal : goals) {
       const double z = distance_of(goal, views, {}, 0) / goal.sigma;

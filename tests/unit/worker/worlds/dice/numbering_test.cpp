@@ -9,8 +9,9 @@ namespace sleight::worlds::dice {
 namespace {
 
 TEST(Numbering, IsThatOfADie) {
-  // Goal: in numbering 0, opposite faces add up to 7, and 1, 2, 3 are anticlockwise from outside.
-  // Method: compute normals and their triple product.
+  // Goal: in numbering 0, opposite faces add up to 7, and faces 1, 2 and 3 are anticlockwise seen
+  // from outside. Method: compare the normals of opposite faces, and compute the triple product of
+  // the normals of faces 1, 2 and 3.
   const auto normal = [](std::uint32_t face) { return vector_of(direction_of_face(face, 0)); };
   for (std::uint32_t face = 1; face <= 6; ++face)
     EXPECT_EQ(normal(face), Vec3(-normal(7 - face))) << face;
@@ -19,9 +20,9 @@ TEST(Numbering, IsThatOfADie) {
 }
 
 TEST(Numbering, RotationsAreAllTwentyFour) {
-  // Goal: the rotations are distinct and proper, and move faces as the table of faces states.
-  // Method: check that the quaternion of numbering s maps each face's normal in numbering 0 to the
-  // normal in numbering s.
+  // Goal: the 24 numberings have distinct rotations, which move the faces as the table of faces
+  // states. Method: rotate each face's normal in numbering 0 by the rotation of numbering s, and
+  // compare with the face's normal in numbering s.
   std::set<std::vector<int>> seen;
   for (std::uint32_t s = 0; s < k_numberings; ++s) {
     const Quat q = rotation_of_numbering(s);
@@ -40,7 +41,7 @@ TEST(Numbering, RotationsAreAllTwentyFour) {
 }
 
 TEST(Numbering, OrientationsHaveTheirFaceUp) {
-  // Goal: a requested face is on top at any yaw. Method: rotate the face's normal.
+  // Goal: orientation_with_face_up() turns the requested face to the top, at any yaw.
   for (std::uint32_t face = 1; face <= 6; ++face) {
     for (const double yaw_rad : {0.0, 1.0, -2.5}) {
       const Quat q = orientation_with_face_up(face, yaw_rad);

@@ -1,4 +1,5 @@
-// Tests proposals' changes and ratios. tests/statistical tests that they keep the distribution.
+// Tests what proposals change, and their ratios. The tests in tests/statistical check that
+// proposals leave the target distribution invariant.
 #include "worker/worlds/dice/proposals.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +41,8 @@ int differing(const DieThrow& a, const DieThrow& b) {
 }
 
 TEST(DiceProposals, ReflectAtTheEnds) {
-  // Goal: steps over an end of a range are reflected, however far they go.
+  // Goal: reflected() returns values beyond an end of the range to the range, however far away they
+  // are.
   const Range range{0.25, 0.75};
   EXPECT_EQ(reflected(0.5, range), 0.5);
   EXPECT_EQ(reflected(0.875, range), 0.625);
@@ -52,7 +54,7 @@ TEST(DiceProposals, ReflectAtTheEnds) {
 
 TEST(DiceProposals, ChangeAllAndDieAreDraws) {
   // Goal: for an independence draw, the q ratio is the ratio of the two states' densities. Method:
-  // draw all dice, with overrides in the state, and one die of three.
+  // draw all three dice of a state with overrides. Then draw only one of its dice.
   const Parameters parameters = only(Kind::change_all, testing::all_random(3));
   State state = state_of(parameters, 0);
   set_override(state.overrides, {{1, 1}, {.height_m = 1e-3, .restitution = 0.4, .friction = 0.5}});
@@ -77,9 +79,9 @@ TEST(DiceProposals, ChangeAllAndDieAreDraws) {
 }
 
 TEST(DiceProposals, ChangeStartChangesOneRandomComponent) {
-  // Goal: each proposal changes one random component, never a fixed one, and every component
-  // changes sometimes. Step sizes follow the scale. Method: make many proposals from a state with
-  // fixed heights and vertical velocities.
+  // Goal: each proposal changes one random component of a die's start. Every random component
+  // changes sometimes, and fixed components never change. Step sizes are proportional to the scale.
+  // Method: make many proposals from a state with fixed heights and vertical velocities.
   const Parameters parameters = only(Kind::change_start, testing::all_random(2));
   const State state = state_of(parameters, 1);
   std::array<int, 10> turns{};
@@ -114,8 +116,9 @@ TEST(DiceProposals, ChangeStartChangesOneRandomComponent) {
 }
 
 TEST(DiceProposals, ChangeControlChangesOneFieldOfOnePoint) {
-  // Goal: any field of any point of the table can change, within its range. Method: make many
-  // successive proposals on a table of four by three points.
+  // Goal: each proposal changes one field of one control point of the table, within the field's
+  // range. Every point and every field changes sometimes. Method: make many successive proposals on
+  // a table of four by three points.
   Parameters parameters = only(Kind::change_control, testing::all_random());
   parameters.world.table.columns = 4;
   parameters.world.table.rows = 3;
@@ -145,9 +148,9 @@ TEST(DiceProposals, ChangeControlChangesOneFieldOfOnePoint) {
 }
 
 TEST(DiceProposals, ChangeContactFollowsTheShares) {
-  // Goal: each point is chosen with the probability of its share, and nothing is proposed with the
-  // probability of the apron's share. The ratio never exceeds its bound, and each step can be
-  // reversed. Method: use three points, whose shares add up to 3/4.
+  // Goal: a proposal chooses each control point with the probability of its share, and changes
+  // nothing with the apron's share. The ratio never exceeds its bound, and is 0 if the step cannot
+  // be reversed. Method: use three control points, whose shares add up to 3/4.
   const Parameters parameters = only(Kind::change_contact, testing::all_random());
   const State state = state_of(parameters, 3);
   const ContactShares contacts{{{-3, 0}, 0.125}, {{0, 2}, 0.375}, {{5, 5}, 0.25}};
@@ -182,8 +185,8 @@ TEST(DiceProposals, ChangeContactFollowsTheShares) {
 }
 
 TEST(DiceState, DensityIsThatOfTheStartsAndOfWhatIsOverridden) {
-  // Goal: log p_w is the formula in state.h. Method: test a fresh draw, overrides equal to the
-  // key's own points, other overrides, and a fixed component that differs.
+  // Goal: log p_w follows the formula in state.h. Method: test a fresh draw, overrides that equal
+  // the key's own points, other overrides, and fixed components with wrong values.
   Parameters parameters = testing::all_random();
   const State state = state_of(parameters, 4);
   const double fresh = log_density_of(parameters.world, state);

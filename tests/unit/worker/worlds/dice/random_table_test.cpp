@@ -18,8 +18,9 @@ TableParameters table_of() {
 }
 
 TEST(RandomTable, IsAFunctionOfKeyAndPlace) {
-  // Goal: a point depends only on its key and place, not on when or in which order it is read.
-  // Method: read two tables in both orders.
+  // Goal: a control point depends only on the table's key and the point's place, not on when or in
+  // which order it is read. Method: read two tables with one key in opposite orders, and compare
+  // with a table of another key.
   const TableParameters parameters = table_of();
   const RandomTable one(parameters, 7, {});
   const RandomTable same(parameters, 7, {});
@@ -39,9 +40,10 @@ TEST(RandomTable, IsAFunctionOfKeyAndPlace) {
 }
 
 TEST(RandomTable, DrawsItsDistributions) {
-  // Goal: heights are normal, restitution and friction uniform, neighbours and fields independent.
-  // Method: compute chi-square of 40,000 points over twenty equally likely cells each, and of pairs
-  // of neighbours. Each chi-square test fails by chance once in 10^4 runs.
+  // Goal: heights are normal, restitution and friction are uniform, and neighbours and fields are
+  // independent. Method: test 40,000 points by chi-square, with twenty equally likely cells for
+  // each field. Also test pairs of neighbours and pairs of fields. Each test fails by chance once
+  // in 10^4 runs.
   const TableParameters parameters = table_of();
   constexpr int k_cells = 20;
   const auto cell = [](double p) {
@@ -80,7 +82,7 @@ TEST(RandomTable, DrawsItsDistributions) {
 
 TEST(RandomTable, CostsNothingWhereNobodyLooks) {
   // Goal: a table of a hundred million points costs as little as a table of ten points. Method:
-  // create a large table, and read its corners and a place on its surface.
+  // create such a table, and read two of its corners and one place on its surface.
   TableParameters parameters = table_of();
   parameters.columns = 10'000;
   parameters.rows = 10'000;
@@ -94,8 +96,9 @@ TEST(RandomTable, CostsNothingWhereNobodyLooks) {
 }
 
 TEST(RandomTable, HasAnApron) {
-  // Goal: the surroundings of the table are flat and have the ranges' means. Method: read points
-  // just beyond each side, for even and odd numbers of points.
+  // Goal: beyond its sides, the table is flat and has the mean restitution and the mean friction.
+  // Method: read points just beyond each side, for an even number of columns and an odd number of
+  // rows.
   TableParameters parameters = table_of();
   parameters.columns = 4;
   parameters.rows = 3;
@@ -113,7 +116,8 @@ TEST(RandomTable, HasAnApron) {
 }
 
 TEST(RandomTable, ConstantFieldsAreConstant) {
-  // Goal: fields without uncertainty have their fixed value and don't contribute to the density.
+  // Goal: a field without uncertainty has its fixed value and doesn't contribute to the density.
+  // Any other value has zero density.
   const TableParameters parameters = Parameters{}.world.table;
   const SurfaceControl point = control_of_key(parameters, 5, {0, 0});
   EXPECT_EQ(point.restitution, 0.5);
@@ -125,7 +129,8 @@ TEST(RandomTable, ConstantFieldsAreConstant) {
 }
 
 TEST(RandomTable, OverridesTakeTheirPlaces) {
-  // Goal: an override affects only its place, and lists stay in order. Method: set some, one twice.
+  // Goal: an override affects only its own point, and lists of overrides stay sorted. Method: set
+  // three overrides, one of them twice, and compare with a table without overrides.
   const TableParameters parameters = table_of();
   Overrides overrides;
   for (const GridIndex index :
@@ -149,8 +154,9 @@ TEST(RandomTable, OverridesTakeTheirPlaces) {
 }
 
 TEST(RandomTable, SaysWhatChanged) {
-  // Goal: tables with one key differ where overrides differ; tables with different keys aren't
-  // compared. Method: add, remove and change points in lists.
+  // Goal: if two tables have the same key and size, changed_from() lists the points whose overrides
+  // differ. Otherwise, it returns nothing. Method: compare lists of overrides in which points were
+  // added, removed or changed.
   const TableParameters parameters = table_of();
   const auto point = [](double height_m) {
     return SurfaceControl{.height_m = height_m, .restitution = 0.5, .friction = 0.5};

@@ -51,7 +51,8 @@ TEST(DiceRequest, DefaultsAreOneDieWithoutGoals) {
 }
 
 TEST(DiceRequest, DiceStandSideBySide) {
-  // Goal: the key `dice` accepts a number of dice, or a table for each die, with default places.
+  // Goal: a request gives either the number of dice or a [[world.die]] table for each die. Dice
+  // without a given place stand side by side.
   const Parameters three = parameters_of("dice = 3");
   ASSERT_EQ(three.world.dice.size(), 3U);
   EXPECT_DOUBLE_EQ(three.world.dice[0].position_m.y(), -k_dice_apart_m);
@@ -72,7 +73,8 @@ TEST(DiceRequest, DiceStandSideBySide) {
 }
 
 TEST(DiceRequest, GoalsAreArraysOfTables) {
-  // Goal: each sort of goal is read with its units. Method: compare the canonical text.
+  // Goal: each sort of goal is read with its units. Reading the normalised text again gives the
+  // same text.
   const std::string keys =
       "dice = 2\ntime_max_s = 4\n[constraint]\nnumbering = \"fixed\"\n"
       "[[constraint.place]]\nx_mm = 30\ny_mm = -20\nsigma_mm = 4\ntolerance_mm = 8\nat_s = 1.5\n"
@@ -113,7 +115,8 @@ TEST(DiceRequest, GoalsAreArraysOfTables) {
 }
 
 TEST(DiceRequest, NormalisedStartsReadBack) {
-  // Goal: the request stored in an archive gives the same starts, for each way to orient a start.
+  // Goal: the normalised request, which an archive stores, gives the same starts, for each way to
+  // orient a die.
   for (const std::string start :
        {"x_mm = 1", "orientation = \"uniform\"", "orientation = \"fixed\"",
         "orientation = \"fixed\"\nup = 2\nyaw_deg = 30",
@@ -135,7 +138,8 @@ TEST(DiceRequest, NormalisedStartsReadBack) {
 }
 
 TEST(DiceRequest, SlipsAreNamed) {
-  // Goal: errors name the key and what to do. Method: make one mistake at a time.
+  // Goal: an error about a request names the key and says what to do. Method: test requests with
+  // one mistake each.
   EXPECT_THAT(complaint("dice = 21"), HasSubstr("from 1 to 20"));
   EXPECT_THAT(complaint("dice = 2\n[[world.die]]\nx_mm = 1"), tests::HasFacts("1|[[world.die]]"));
   EXPECT_THAT(complaint("[[world.die]]\nx_mn = 1"), HasSubstr("did you mean 'x_mm'?"));
@@ -167,7 +171,7 @@ TEST(DiceRequest, SlipsAreNamed) {
   const auto slip = read("[[constraint.face]]\nup = 2\n[[constraint.face]]\nup = 7");
   ASSERT_FALSE(slip.ok());
   EXPECT_EQ(slip.error().size(), 1U);
-  // Equal up to rounding.
+  // The distance of these places equals the sum of the tolerances, up to rounding.
   EXPECT_EQ(complaint(here + "1\nx_mm = 30\n" + here + "1\nx_mm = 34"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\n" + here + "2\nx_mm = 5"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\nat_s = 0.5\n" + here + "2\nat_s = 0.5"), "");
@@ -177,8 +181,9 @@ TEST(DiceRequest, SlipsAreNamed) {
 }
 
 TEST(DiceRequest, FreeNumberingNeedsAnyStartAndOneTime) {
-  // Goal: dice are numbered after the throw only if such numbering is valid. Method: use fixed
-  // starts, and goals at two times. Both are valid with fixed numbering.
+  // Goal: dice with goals for faces can be numbered after the throw only if their start orientation
+  // is random and these goals have one time. Method: test a fixed start orientation, and goals at
+  // two times. Both are valid with fixed numbering.
   const std::string fixed_start = "[[world.die]]\norientation = \"fixed\"\nup = 1\n";
   const std::string face = "[[constraint.face]]\nup = 6\n";
   const std::string other_time = "[[constraint.yaw]]\nface = 2\nat_s = 0.2\n";

@@ -40,9 +40,10 @@ std::vector<LoneThrow> throws_that_land_ahead(const DieStart& start, int count) 
 }
 
 TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
-  // Goal: the map favours throws with small misses and weighs them by p / q. Method: a die lands
-  // half a second's travel ahead. Only one speed, one standard deviation from the mean, reaches the
-  // goal. More than three quarters of the draws have about this speed, and the mean of p / q is 1.
+  // Goal: the map favours throws with small misses, and weighs each throw by p / q. Method: let a
+  // die land where its speed carries it in half a second. Only one speed, a standard deviation from
+  // the mean, reaches the goal. More than three quarters of the draws must have about this speed,
+  // and the mean of p / q must be 1.
   const DieStart start;
   const ThrowMap map(start, throws_that_land_ahead(start, 200));
   ASSERT_FALSE(map.is_prior());
@@ -68,8 +69,9 @@ TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
 }
 
 TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
-  // Goal: without goals for places, with too few throws, or with only random orientations, the map
-  // draws the same throws as the prior, with weight 1.
+  // Goal: if the map can learn nothing, it draws the same throws as the prior, with weight 1. It
+  // learns nothing without goals for places, from too few throws, or if only orientations are
+  // random.
   const DieStart start;
   DieStart fixed;
   fixed.position_sd_m = fixed.velocity_sd_mps = fixed.spin_sd_radps = {0, 0, 0};
@@ -93,8 +95,9 @@ TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
 }
 
 TEST(ThrowMap, OneInTenThousandThrowsIsNotPlausible) {
-  // Goal: few throws of the prior count as implausible. Throws that a walk could reach only because
-  // of its goals count as implausible. Method: test 100,000 draws, and increasing speeds.
+  // Goal: the map calls only few of the prior's throws implausible. It calls a throw implausible if
+  // the throw's speed is far from the prior's speeds. Method: test 100,000 draws from the prior,
+  // and a throw that is eight standard deviations too fast.
   const DieStart start;
   const ThrowMap map(start, {});
   random::Stream stream = testing::stream_of(k_seed, 4);
@@ -110,7 +113,7 @@ TEST(ThrowMap, OneInTenThousandThrowsIsNotPlausible) {
 }
 
 TEST(ThrowMap, SurvivesThrowsThatSayNothing) {
-  // Goal: equal throws, or equal misses, give finite draws and weights.
+  // Goal: the map's draws and weights are finite even if all throws, or all misses, are equal.
   const DieStart start;
   random::Stream stream = testing::stream_of(k_seed, 4);
   const DieThrow one = draw_throw(start, stream);
@@ -131,7 +134,7 @@ TEST(ThrowMap, SurvivesThrowsThatSayNothing) {
 
 TEST(SignedMisses, AreAsLongAsDistances) {
   // Goal: for places and velocities, the vector of signed misses is as long as the goal's distance.
-  // The miss of a region is measured from the region's middle. Faces and times have no misses.
+  // A region's miss is measured from its middle. Goals for faces and times have no misses.
   const std::vector<Goal> goals{place_of(1, 0.1, -0.2),
                                 {.die = 0, .wanted = Region{{0, 0}, {0.2, 0.4}}, .sigma = 0.01},
                                 {.die = 0, .wanted = Velocity{{0.1, 0.2, 0.3}}, .sigma = 0.5},
@@ -154,8 +157,9 @@ TEST(SignedMisses, AreAsLongAsDistances) {
 }
 
 TEST(ThrowMap, SpreadsWithinRoundingAreNone) {
-  // Goal: a component doesn't affect a throw's weight if its standard deviation is smaller than its
-  // mean's rounding error. Method: compare the same throws for a start without that component.
+  // Goal: a component doesn't affect a throw's weight if the component's standard deviation is
+  // smaller than the rounding error of its mean. Method: compare the weights with those for a start
+  // in which the component is fixed.
   DieStart without;
   without.position_m.x() = -0.15;
   without.position_sd_m.x() = 0;
@@ -170,8 +174,9 @@ TEST(ThrowMap, SpreadsWithinRoundingAreNone) {
 }
 
 TEST(StagedDice, LaterDiceMayMakeRoom) {
-  // Goal: a prefix in which dice overlap is rejected if all dice are thrown at once, and only then.
-  // Method: put two of three dice in one place, and throw the third die at the same time or later.
+  // Goal: a prefix in which dice overlap is rejected exactly if all dice are thrown at the same
+  // time. Method: put two of three dice in one place, and throw the third die at the same time or
+  // later.
   for (const double start_s : {0.0, 0.2}) {
     Parameters parameters;
     parameters.world.dice.assign(3, DieStart{});
@@ -193,9 +198,9 @@ TEST(StagedDice, LaterDiceMayMakeRoom) {
 }
 
 TEST(StagedDice, PrefixesAreWholeSimulations) {
-  // Goal: a complete prefix equals the state's own simulation, bit for bit, and the first die's
-  // prefix equals a simulation of only that die. Method: extend prefixes on random grounds, and on
-  // grounds given by a state.
+  // Goal: a complete prefix equals a simulation of its state, bit for bit. The first die's prefix
+  // equals a simulation of that die alone. Method: extend prefixes on random grounds, and on the
+  // ground of a given state.
   const StagedDice world(two_dice());
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 3;
@@ -228,8 +233,9 @@ TEST(StagedDice, PrefixesAreWholeSimulations) {
 }
 
 TEST(StagedDice, GivenTablesKeepTheirOverrides) {
-  // Goal: a state's changed control points belong to its ground. Method: change one control point.
-  // The returned state must contain the change and have the outcome of a fresh simulation.
+  // Goal: the control points that a state overrides belong to the state's ground. Method: change
+  // one control point of a state, and rebuild the state on its ground. The rebuilt state must
+  // contain the change and have the outcome of a fresh simulation.
   const StagedDice world(two_dice());
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 2;
@@ -250,7 +256,8 @@ TEST(StagedDice, GivenTablesKeepTheirOverrides) {
 }
 
 TEST(StagedDice, WeightsOfAPoolAreItsSum) {
-  // Goal: throw j has weight S / (n g_j), which depends only on the pool.
+  // Goal: throw j of a pool of n throws has weight S / (n g_j). Here g is a throw's guessed
+  // density, and S is the sum of (p / q) g over the pool.
   const StagedDice world(two_dice());
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 4;
@@ -277,8 +284,9 @@ TEST(StagedDice, WeightsOfAPoolAreItsSum) {
 }
 
 TEST(ThrowBuilder, FindsThrowsThatEndAsWanted) {
-  // Goal: a find is satisfied in a fresh simulation and is in the prior's region. The same random
-  // numbers find the same state. Method: two dice, three starts.
+  // Goal: a find satisfies the goals in a fresh simulation and has a finite prior density. The same
+  // random numbers give the same find. Method: search for throws of two dice, twice for each of
+  // three starts.
   const StagedDice world(two_dice());
   const auto guide = world.learn(k_seed);
   const ThrowBuilder builder = world.builder(guide);

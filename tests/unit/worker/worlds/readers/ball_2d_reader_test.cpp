@@ -30,7 +30,7 @@ class Reader : public ::testing::Test {
     return Ball2d(parameters_).encode(random_normals(parameters_.world, sd_rad, stream));
   }
 
-  /// Call after changes of parameters_.
+  /// Creates the reader again. Call it after changes of parameters_.
   void remake() { reader_ = make_state_reader(parameters_); }
 
   Parameters parameters_;
@@ -45,8 +45,9 @@ std::size_t width(const std::vector<archive::Variable>& variables) {
 }
 
 TEST_F(Reader, LayoutFitsWhatIsGiven) {
-  // Goal: every array has the size in its layout, a unique name, a unit and a meaning. Method:
-  // compare with variables, outcomes and a recording of one state.
+  // Goal: every array that the reader returns has the size in the layout. Each variable has a
+  // unique name, a unit and a meaning. Method: compare the layout with the variables, outcomes and
+  // recording of one state.
   const archive::WorldLayout& layout = reader_->layout();
   const base::Bytes one = state(0);
   EXPECT_EQ(layout.world, "ball_2d");
@@ -67,7 +68,7 @@ TEST_F(Reader, LayoutFitsWhatIsGiven) {
 }
 
 TEST_F(Reader, VariablesAreTheNormals) {
-  // Goal: an archive contains the state's numbers in order. Method: compare with decode.
+  // Goal: the reader returns the angles of a state's normals in order.
   const base::Bytes one = state(3);
   const NormalAngles normals = *Ball2d(parameters_).decode(one);
   const std::vector<double> variables = reader_->variables(one);
@@ -75,9 +76,10 @@ TEST_F(Reader, VariablesAreTheNormals) {
 }
 
 TEST_F(Reader, RecordingsAreOneMotion) {
-  // Goal: hops follow each other without a gap, from table to table, and the last ends at the
-  // outcome. Under each collision, a piece of the table is tilted by its normal and touches the
-  // ball. Method: evaluate every piece at its end.
+  // Goal: hops follow each other without a gap, from table to table, and the last hop ends at the
+  // outcome's landing. Under each collision, a piece of the table is tilted by its normal and
+  // touches the ball. Method: evaluate each hop at its end, and compare each piece of the table
+  // with the ball's place.
   const double radius_m = parameters_.world.diameter_m / 2;
   for (std::uint64_t index = 0; index < 200; ++index) {
     const base::Bytes one = state(index);
@@ -115,8 +117,9 @@ TEST_F(Reader, RecordingsAreOneMotion) {
 }
 
 TEST_F(Reader, LikenessIsTheLargestDifferenceOfPlaces) {
-  // Goal: the distance has the documented measure. Method: throw two balls by hand. A flat throw
-  // stays at x = 0, so the distance is the other throw's farthest collision.
+  // Goal: the distance of two animations is the largest difference between the places of their
+  // collisions, in diameters. Method: compare a throw with a flat throw, which stays at x = 0. The
+  // distance is then the x of the farthest collision.
   parameters_.world.collisions = 2;
   remake();
   NormalAngles normals{};

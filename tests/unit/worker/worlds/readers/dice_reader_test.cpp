@@ -18,7 +18,7 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// A draw with some overrides.
+/// A prior draw with up to three overrides.
 State state_of(const Dice& world, std::uint64_t number) {
   random::Stream stream = testing::stream_of(12, number);
   State state = world.draw_prior(stream);
@@ -31,8 +31,8 @@ State state_of(const Dice& world, std::uint64_t number) {
 }
 
 TEST(DiceReader, StatesComeBackFromTheirBytes) {
-  // Goal: decode(encode(state)) returns the state, and all other bytes are refused. Method: cut,
-  // lengthen and damage the bytes of draws.
+  // Goal: decode(encode(state)) returns the state, and decode() refuses bytes that are not an
+  // encoded state. Method: cut, lengthen and damage the bytes of draws.
   const Dice world(testing::all_random(2));
   for (std::uint64_t number = 0; number < 20; ++number) {
     const State state = state_of(world, number);
@@ -68,9 +68,9 @@ TEST(DiceReader, StatesComeBackFromTheirBytes) {
 }
 
 TEST(DiceReader, NamesFitValues) {
-  // Goal: values and outcomes match the layout's unique names, and rows of recordings are segments
-  // in order. Method: count. A die's first row is its start, and its last row is at rest on the
-  // right face.
+  // Goal: the numbers of values and outcomes match the layout, and outcomes have unique names. A
+  // die's first recorded segment is its start. In its last segment, the die rests on the right
+  // face.
   Parameters parameters = testing::all_random(2);
   for (const std::uint32_t die : {0U, 1U}) {
     parameters.goals.push_back(
@@ -114,9 +114,9 @@ TEST(DiceReader, NamesFitValues) {
 }
 
 TEST(DiceReader, TheTableIsTheSimulators) {
-  // Goal: heights from an archive's control points equal the simulator's, around every place where
-  // a die touches the table. Method: use throws with overrides. At each contact, test random places
-  // within half a diagonal of the die's centre.
+  // Goal: heights from an archive's control points equal the simulator's heights wherever a die
+  // touches the table. Method: simulate throws with overrides. At each contact, compare the heights
+  // at random places within half a diagonal of the die's centre.
   const Parameters parameters = testing::all_random(2);
   const Dice world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -167,9 +167,9 @@ TEST(DiceReader, DiceOfWhichTheSameIsWantedAreTwins) {
 }
 
 TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {
-  // Goal: the prior's P(satisfied) is P(satisfied) of numbered throws, times 24, over the number of
-  // numberings that meet the goals. Method: test no face, one face, a face and a yaw, and fixed
-  // numbers.
+  // Goal: log_natural_throw sums over dice the log of 24 over the number of numberings that meet
+  // the die's goals. With fixed numbering, it is 0. Method: test dice with goals for no face, for
+  // one face, and for a face and a yaw.
   Parameters parameters = testing::all_random(2);
   const auto log_throw = [&] { return make_state_reader(parameters)->layout().log_natural_throw; };
   EXPECT_EQ(log_throw(), 0);
@@ -184,7 +184,8 @@ TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {
 }
 
 TEST(DiceReader, LikenessIsADistance) {
-  // Goal: the distance is 0 for the same animation, positive for others, and symmetric.
+  // Goal: the distance of two animations is 0 if they are equal and positive otherwise, and it is
+  // symmetric.
   const Parameters parameters = testing::all_random();
   const Dice world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -199,8 +200,9 @@ TEST(DiceReader, LikenessIsADistance) {
 }
 
 TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
-  // Goal: a reader's cached animations belong to their states, for any order and thread. Method: in
-  // two threads, request more states than the cache holds. Compare with fresh readers.
+  // Goal: a reader's cache never returns the animation of another state, for any order of requests
+  // and any thread. Method: in two threads, request more states than the cache holds. Compare with
+  // fresh readers.
   constexpr std::uint64_t k_states = 40;
   const Parameters parameters = testing::all_random();
   const Dice world(parameters);

@@ -19,8 +19,8 @@ State state_of(const Spelling& world, std::uint64_t number) {
 }
 
 TEST(SpellingReader, StatesComeBackFromTheirBytes) {
-  // Goal: decode(encode(state)) returns the state, and all other bytes are refused. Method: test
-  // cut, lengthened and damaged bytes of prior draws.
+  // Goal: decode(encode(state)) returns the state, and decode() refuses bytes that are not an
+  // encoded state. Method: cut, lengthen and damage the bytes of prior draws.
   const Spelling world(Parameters{});
   for (std::uint64_t number = 0; number < 50; ++number) {
     const State state = state_of(world, number);
@@ -43,8 +43,8 @@ TEST(SpellingReader, StatesComeBackFromTheirBytes) {
 }
 
 TEST(SpellingReader, NamesFitValues) {
-  // Goal: values and outcomes match the layout's names, and rows of recordings are segments in
-  // order. Method: count. A ball's first row is its drop, and the last row is at rest.
+  // Goal: the numbers of values and outcomes match the layout. A ball's first recorded segment is
+  // its drop, and in its last segment it rests.
   Parameters parameters;
   parameters.pattern = pattern_of_rows("#.#").value();
   const Spelling world(parameters);
@@ -74,8 +74,9 @@ TEST(SpellingReader, NamesFitValues) {
 }
 
 TEST(SpellingReader, MotionsAreTheSimulators) {
-  // Goal: an archive's motion equals the simulator's at any time, and each hit names the right
-  // ball. Method: compare random ticks of throws into HI, and distances of centres at hits.
+  // Goal: an archive's motion equals the simulator's motion at any time, and each hit names the
+  // right ball. Method: compare poses at random times of throws into HI. At each hit of two balls,
+  // their centres must be one diameter apart.
   const Parameters parameters;
   const Spelling world(parameters);
   const double radius_m = 0.5 * parameters.world.ball_diameter_m;
@@ -132,9 +133,10 @@ TEST(SpellingReader, MotionsAreTheSimulators) {
 }
 
 TEST(SpellingReader, TheSceneIsTheSimulators) {
-  // Goal: bodies are the balls, which are interchangeable. Each static thing of the simulation has
-  // its name, the bins' vertices include the offsets, and each bin to fill is a goal. Method:
-  // compare HI with the simulator's scene of a state.
+  // Goal: the scene's bodies are the balls, which are interchangeable. Each static object of the
+  // simulation has its name in the scene, and each bin to fill is a goal. The bins' vertices
+  // include the state's offsets. Method: compare the scene of HI with the simulator's scene of one
+  // state.
   const Parameters parameters;
   const Spelling world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -170,7 +172,7 @@ TEST(SpellingReader, TheSceneIsTheSimulators) {
 }
 
 TEST(SpellingReader, BiasedSamplesSaySo) {
-  // Goal: archives of the thesis's kernel contain a warning, and other archives don't.
+  // Goal: archives of runs with the thesis's kernel contain a warning, and other archives don't.
   Parameters parameters;
   EXPECT_EQ(make_state_reader(parameters)->layout().warning, "");
   parameters.proposal.kernel = Kernel::thesis;
@@ -179,7 +181,8 @@ TEST(SpellingReader, BiasedSamplesSaySo) {
 }
 
 TEST(SpellingReader, LikenessIsADistance) {
-  // Goal: the distance is 0 for the same animation, positive for others, symmetric, at most 1.
+  // Goal: the distance of two animations is 0 if they are equal, symmetric and at most 1. It is
+  // positive for some different animations.
   const Parameters parameters;
   const Spelling world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -197,9 +200,9 @@ TEST(SpellingReader, LikenessIsADistance) {
 }
 
 TEST(SpellingReader, WedgedBallsDontPlayOut) {
-  // Goal: a state that was decided early but whose balls never come to rest is not stored, and a
-  // request for it is harmless. Method: use balls that almost fill their bins. Some states that
-  // satisfy the request come to rest, and some don't. States that come to rest can be recorded.
+  // Goal: the reader reports states that were decided early but whose balls never come to rest. It
+  // plays states whose balls come to rest. Method: use balls that almost fill their bins. Among the
+  // states that satisfy the request, some come to rest and some don't.
   Parameters parameters;
   parameters.pattern = pattern_of_rows("#.").value();
   parameters.world.ball_diameter_m = 0.01998;

@@ -55,8 +55,8 @@ std::size_t the_changed_ball(const State& a, const State& b) {
 
 TEST(AimedDrops, ChangeOneBallOfTheRightKind) {
   // Goal: aiming moves a ball that fills no bin, and scattering moves a ball that fills a bin.
-  // Without such a ball, there is no proposal. Candidates are in the prior's region. Method: test
-  // random animations.
+  // Without such a ball, there is no proposal. Each candidate has a finite prior density. Method:
+  // propose both kinds of moves for random states.
   for (const std::uint64_t i : property::cases(2000)) {
     random::Stream stream = stream_of(i);
     const Case made = random_case(stream);
@@ -82,9 +82,9 @@ TEST(AimedDrops, ChangeOneBallOfTheRightKind) {
 }
 
 TEST(AimedDrops, AreEachOthersWayBack) {
-  // Goal: aiming from A to C has the inverse ratio of scattering from C to A. No ratio exceeds its
-  // bound. A ratio is finite only if the reverse proposal is possible. Method: test both kinds on
-  // random animations, and give each candidate a random filling.
+  // Goal: aiming from state A to state C has the inverse ratio of scattering from C to A. No ratio
+  // exceeds its bound. A ratio is finite only if the reverse proposal is possible. Method: propose
+  // both kinds of moves for random states, and give each candidate a random filling.
   std::uint64_t ways_back = 0;
   for (const std::uint64_t i : property::cases(4000)) {
     random::Stream stream = stream_of(i);
@@ -119,8 +119,8 @@ TEST(AimedDrops, AreEachOthersWayBack) {
 }
 
 TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
-  // Goal: the ratio is the header's formula. Method: let one of four balls fill a bin. Aim the
-  // second ball, which was dropped elsewhere or was inactive.
+  // Goal: the ratios of aiming and scattering follow the header's formula. Method: let one of four
+  // balls fill a bin. Aim the second ball, which was dropped elsewhere or was inactive.
   const Prior prior{.vertices = 0, .balls = 4, .vertex_sd_m = 1, .drop_half_m = {0.05, 0.03}};
   Windows windows;
   for (const double x_m : {-0.03, -0.01, 0.01, 0.03})
@@ -153,8 +153,9 @@ TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
 }
 
 TEST(Windows, DrawWhatTheirDensitySays) {
-  // Goal: draws have the documented density. Method: compare a million draws around a bin at the
-  // edge with the density in the middle of 2 mm cells, within six standard deviations.
+  // Goal: a window's draws have the documented density. Method: count a million draws around a bin
+  // at the edge in cells of 2 mm. Compare each count with the density in the middle of the cell,
+  // within six standard deviations.
   Windows windows;
   const Vec2 half_m(0.05, 0.03);
   windows.add({-0.045, 0.011}, 0.02, half_m);
@@ -176,7 +177,7 @@ TEST(Windows, DrawWhatTheirDensitySays) {
   for (int row = 0; row < k_rows; ++row) {
     for (int column = 0; column < k_columns; ++column) {
       const Vec2 low_m(-half_m.x() + 0.002 * column, -half_m.y() + 0.002 * row);
-      // Skip cells cut by a square's edge.
+      // Skip cells in which the density is not constant.
       const double density_pm2 = windows.density(bin, low_m + Vec2(0.001, 0.001));
       const Vec2 corners[] = {low_m + Vec2(1e-6, 1e-6), low_m + Vec2(0.001999, 1e-6),
                               low_m + Vec2(1e-6, 0.001999), low_m + Vec2(0.001999, 0.001999)};
@@ -197,7 +198,8 @@ TEST(Windows, DrawWhatTheirDensitySays) {
 }
 
 TEST(AimedDrops, KnowWhatEachBallFills) {
-  // Goal: the outcome's filling equals balls_of_bins. Method: compare prior draws of HI.
+  // Goal: the outcome's `filling` names the same balls as balls_of_bins(). Method: compare
+  // `filling` with balls_of_bins() for prior draws of HI.
   const Spelling world{Parameters{}};
   for (const std::uint64_t i : property::cases(40)) {
     random::Stream stream = stream_of(i);

@@ -11,13 +11,13 @@ namespace sleight::worlds::spelling {
 namespace {
 
 TEST(Bins, MeasuresAreTheThesis) {
-  // Goal: bins are 20 mm wide and partitions 2 mm thick and 12 mm high (A.2.1). Method: test the
-  // partition vertices of a three by two box.
+  // Goal: bins are 20 mm wide, and partitions are 2 mm thick and 12 mm high (thesis A.2.1). Method:
+  // check the partitions' vertices in a box of three by two bins.
   const WorldParameters world;
   const Bins bins(world, 3, 2);
   EXPECT_NEAR(bins.half_m().x(), 0.032, 1e-12);
   EXPECT_NEAR(bins.half_m().y(), 0.021, 1e-12);
-  // Two inner crossings with four corners each, and ten ends with two corners each.
+  // Two inner crossings with four corners each, and six ends with two corners each.
   EXPECT_EQ(bins.vertex_count(), 2U * 4 + 6U * 2);
   std::set<long> xs;
   for (const Vec3& vertex_m : bins.vertices_m()) {
@@ -28,8 +28,9 @@ TEST(Bins, MeasuresAreTheThesis) {
 }
 
 TEST(Bins, SurfacesOfAllSizesAreClosed) {
-  // Goal: the surface has no hole in any grid. Method: the surface's construction checks for holes.
-  // Also test the Euler number, which is 2 as for a ball, and the volume.
+  // Goal: the surface has no hole, whatever the number of bins. Method: build surfaces of several
+  // sizes, because their construction refuses holes. Also check that the Euler number is 2, as for
+  // a sphere, and that the volume is right.
   const WorldParameters world;
   for (const auto& [columns, rows] :
        {std::pair{1U, 1U}, {1U, 2U}, {2U, 1U}, {2U, 2U}, {7U, 5U}, {40U, 12U}}) {
@@ -46,7 +47,8 @@ TEST(Bins, SurfacesOfAllSizesAreClosed) {
       const auto v = mesh->vertices_m();
       volume_m3 += math::dot(v[t[0]], math::cross(v[t[1]], v[t[2]])) / 6;
     }
-    // Domes are pyramids. Partitions fill the box between the floors, and enter the walls a bit.
+    // Domes are pyramids. Partitions fill the box between the floors, and extend slightly into the
+    // walls.
     const double n = static_cast<double>(columns) * rows;
     const double domes_m3 = n * 0.02 * 0.02 * 0.001 / 3;
     const double floor_m2 = 4 * bins.half_m().x() * bins.half_m().y();
@@ -59,8 +61,8 @@ TEST(Bins, SurfacesOfAllSizesAreClosed) {
 }
 
 TEST(Bins, ThinPartitionsAreNoSlivers) {
-  // Goal: the surface exists for any valid grid and partition. Method: test the thinnest
-  // partitions, a thousandth of a bin, in all sorts of grids.
+  // Goal: the surface can be built for any valid grid and partition. Method: use the thinnest valid
+  // partitions, a thousandth of a bin's width, in grids of many sizes.
   WorldParameters world;
   world.partition_m = 0.001 * world.bin_m;
   world.vertex_sd_m = 0.1 * world.partition_m;
@@ -74,7 +76,7 @@ TEST(Bins, ThinPartitionsAreNoSlivers) {
 }
 
 TEST(Bins, EveryPlaceIsInItsBin) {
-  // Goal: bin_at is the bin with the nearest floor. Method: test random places.
+  // Goal: bin_at() returns the bin with the nearest floor, and none for a place outside the box.
   const Bins bins(WorldParameters{}, 7, 5);
   random::Stream stream({.seed = 3, .purpose = random::Purpose::prior}, 0);
   for (int i = 0; i < 10'000; ++i) {
@@ -91,8 +93,8 @@ TEST(Bins, EveryPlaceIsInItsBin) {
 }
 
 TEST(Bins, OffsetsMoveTheirVertices) {
-  // Goal: an offset moves only one vertex of the surface, and extreme offsets are refused. Method:
-  // move one vertex; then move a second vertex to the place of a third one.
+  // Goal: an offset moves only its own vertex of the surface, and extreme offsets are refused.
+  // Method: move one vertex a little. Then move a second vertex to the place of a third one.
   const Bins bins(WorldParameters{}, 3, 3);
   std::vector<Vec3> offsets_m(bins.vertex_count(), Vec3::Zero());
   const auto before = bins.surface(offsets_m);

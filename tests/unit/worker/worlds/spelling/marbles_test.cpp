@@ -22,7 +22,7 @@ std::uint64_t state_count() {
   return property::long_run() ? 100'000 : property::of_tier(100, 300);
 }
 
-/// A prior draw. In some draws, all balls are active.
+/// A prior draw. In two of three draws, all balls are active.
 State draw(const Spelling& world, std::uint64_t seed) {
   random::Stream stream({.seed = 11, .purpose = random::Purpose::prior}, seed);
   State state = world.draw_prior(stream);
@@ -107,23 +107,25 @@ void expect_all_alike(const Pattern& pattern, std::uint64_t states) {
 
 TEST(SpellingMarbles, EqualASimulation) {
   // Goal: the world's engine gives the simulator's places, twists and modes bit for bit, whether or
-  // not it suspends trapped balls. The world's outcome is a function of these results. Method:
-  // compare random states on moved geometry with complete simulations on new geometry.
+  // not it suspends trapped balls. The world's outcome follows from these results. Method: compare
+  // random states with complete simulations. The world reuses its geometry and moves it for each
+  // state, but the simulations build new geometry.
   expect_all_alike(hi(), state_count());
 }
 
 TEST(SpellingMarbles, EqualASimulationOnSmallGrids) {
-  // Goal: both engines agree if every bin is at a wall.
+  // Goal: both engines agree on small grids, on which most bins are at a wall.
   expect_all_alike(full_pattern(1, 2), state_count());
   expect_all_alike(full_pattern(3, 3), state_count() / 3);
 }
 
 TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
-  // Goal: both engines agree with many balls, on the grid of ACM.
+  // Goal: both engines agree with many balls, on a grid as large as that of ACM.
   expect_all_alike(full_pattern(15, 7), state_count() / 50);
 }
 
-/// A world that a request can describe, with random sizes, shapes, materials and slow contacts.
+/// A world that a request can describe, with random sizes, shapes, materials and thresholds of slow
+/// contacts.
 Parameters any_world(random::Stream& stream) {
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * stream.uniform();
@@ -153,7 +155,8 @@ Parameters any_world(random::Stream& stream) {
 }
 
 TEST(SpellingMarbles, EqualASimulationInAnyWorld) {
-  // Goal: both engines agree in any world, and all simulations end. Method: two states of each.
+  // Goal: both engines agree in any valid world, and all simulations end. Method: compare two
+  // states of each of many random worlds.
   random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
   const std::uint64_t worlds = state_count() / 10;
   for (const std::uint64_t n : property::in_turn(worlds)) {

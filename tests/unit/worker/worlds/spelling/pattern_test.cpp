@@ -20,7 +20,8 @@ std::string rows_of(const Pattern& pattern) {
 }
 
 TEST(Pattern, TheThesisExamples) {
-  // Goal: HI has ten bins in a 7 x 5 grid, ACM has thirty in a 15 x 7 grid (figures 2.7, 2.12).
+  // Goal: the pattern of HI has ten bins in a grid of 7 x 5. The pattern of ACM has thirty bins in
+  // a grid of 15 x 7 (thesis figures 2.7 and 2.12).
   EXPECT_EQ(hi().columns, 7U);
   EXPECT_EQ(hi().rows, 5U);
   EXPECT_EQ(hi().count(), 10U);
@@ -38,8 +39,8 @@ TEST(Pattern, TheThesisExamples) {
 }
 
 TEST(Pattern, RowsComeBackAsTheyWere) {
-  // Goal: rows of text become the bitmap that they show, with any kind of line ends. Method:
-  // convert back and forth.
+  // Goal: pattern_of_rows() reads the picture that rows of text show, with any kind of line ends.
+  // Method: convert each pattern back into rows.
   const std::string rows = "#.#\n.#.\n";
   for (const std::string& text : {rows, "\n" + rows + "\n", std::string("#.#\r\n.#.\r\n")}) {
     const auto pattern = pattern_of_rows(text);
@@ -49,7 +50,8 @@ TEST(Pattern, RowsComeBackAsTheyWere) {
 }
 
 TEST(Pattern, ErrorsNameTheRowAndTheCharacter) {
-  // Goal: errors name the problem. Method: make one mistake at a time.
+  // Goal: an error about a pattern names the row, the column or the character that is wrong.
+  // Method: test texts with one mistake each.
   EXPECT_THAT(pattern_of_rows("").error(), HasSubstr("no rows"));
   EXPECT_THAT(pattern_of_rows("#.\n#").error(),
               AllOf(HasSubstr("row 2 has 1 "), HasSubstr("row 1 has 2")));
@@ -60,7 +62,8 @@ TEST(Pattern, ErrorsNameTheRowAndTheCharacter) {
 }
 
 TEST(Pattern, BothFontsHaveEveryLetterAndDigit) {
-  // Goal: no picture is missing, empty, too wide, or equal to another character's.
+  // Goal: in both fonts, every letter and every digit has a picture of its own, without empty rows
+  // or columns at its edges. Small letters have the pictures of capital letters.
   for (const Font font : {Font::rows_5, Font::rows_7}) {
     std::vector<Pattern> seen;
     for (const char c : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789")) {
@@ -92,7 +95,8 @@ TEST(Pattern, BothFontsHaveEveryLetterAndDigit) {
 }
 
 TEST(Pattern, CentredKeepsThePicture) {
-  // Goal: a picture may be in a larger grid. Method: put HI's letters into a grid of ten by six.
+  // Goal: centred() keeps the picture in a larger grid. Method: put HI's letters into a grid of ten
+  // by six.
   const Pattern pattern = centred(hi(), 10, 6);
   EXPECT_EQ(rows_of(pattern),
             "..........\n"

@@ -24,7 +24,8 @@ random::Stream stream_of(std::uint64_t number) {
 }
 
 TEST(Landings, AreCountedWithTheirMirrorImages) {
-  // Goal: each landing within reach counts eight times, in the cells of its mirror images.
+  // Goal: each landing within reach counts eight times, in the cells of its mirror images. A
+  // landing out of reach doesn't count.
   Landings landings(0.022);
   landings.add(Vec2(0.0033, -0.0011 * 0.5));
   EXPECT_EQ(landings.total(), 8U);
@@ -39,7 +40,8 @@ TEST(Landings, AreCountedWithTheirMirrorImages) {
 }
 
 TEST(Landings, OfBatchesAddUpInAnyOrder) {
-  // Goal: any number of workers compute the same map. Method: add batches in reverse order.
+  // Goal: batches of landings add up to the same map in any order, so any number of workers can
+  // compute the map. Method: add four batches in another order.
   const Spelling world = world_of(hi());
   const Landings all = landings_of(world, k_seed, 4);
   Landings backwards(all.pitch_m());
@@ -54,8 +56,9 @@ TEST(Landings, OfBatchesAddUpInAnyOrder) {
 }
 
 TEST(LandingMap, IsADensityAndDrawsByIt) {
-  // Goal: the density integrates to 1, and draws follow it. Method: sum over cells. Count how many
-  // of 20,000 draws are in each ring around the middle, and compare within 5 standard errors.
+  // Goal: the map's density integrates to 1, and its draws follow the density. Method: add up the
+  // density over all cells. Compare the shares of 20,000 draws in rings around the middle with the
+  // density, within 5 standard errors.
   const Spelling world = world_of(hi());
   const Landings landings = landings_of(world, k_seed, 20);
   const LandingMap map(landings);
@@ -94,8 +97,9 @@ TEST(LandingMap, IsADensityAndDrawsByIt) {
 }
 
 TEST(PouringBuilder, FindsPouringsThatSpell) {
-  // Goal: a find spells the word with all balls in an independent simulation. Pourings differ, and
-  // equal streams give equal pourings. Method: build 40 pourings of HI and 5 of ACM.
+  // Goal: in an independent simulation, all balls of a find spell the word. Different streams give
+  // different pourings, and equal streams give equal pourings. Method: build 40 pourings of HI and
+  // 5 of ACM.
   for (const auto& [pattern, count] :
        {std::pair{hi(), 40}, {pattern_of_word("ACM", Font::rows_5).value(), 5}}) {
     const Spelling world = world_of(pattern);
@@ -127,8 +131,8 @@ TEST(PouringBuilder, FindsPouringsThatSpell) {
 }
 
 TEST(PouringBuilder, PrefixesAreWhatTheyCameTo) {
-  // Goal: a prefix's outcome, computed from the previous prefix, equals the prefix's simulation
-  // from scratch. Method: test each prefix of five pourings.
+  // Goal: a prefix's outcome, which is computed from the previous prefix, equals the outcome of a
+  // simulation from scratch. Method: compare the two outcomes for each prefix of five pourings.
   const Spelling world = world_of(hi());
   const Spelling fresh = world_of(hi());
   const LandingMap map(landings_of(world, k_seed, 20));

@@ -37,7 +37,8 @@ State with_active(const Prior& prior, std::uint32_t active) {
 }
 
 TEST(Proposals, RatiosOfFlipsAreTheFormula) {
-  // Goal: log q ratios of disabling and enabling follow the header. Method: go ball by ball.
+  // Goal: the log q ratios of disabling and enabling balls follow the header's formula. Method:
+  // multiply the probabilities of all balls, for the proposal and for its reverse.
   const Prior prior{.vertices = 0, .balls = 6, .drop_half_m = {0.07, 0.05}};
   const double area = 4 * 0.07 * 0.05;
   const double f = 0.25;
@@ -68,10 +69,11 @@ TEST(Proposals, RatiosOfFlipsAreTheFormula) {
 }
 
 TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
-  // Goal: the whole mixture leaves p_w times a constraint invariant. Method: let each of three
-  // balls be inactive or in one half, which gives 27 cases with weights. A long chain by Algorithm
-  // 2.1 visits each case in proportion to its weight (chi-square on every 40th state). The thesis's
-  // printed ratio, which lacks powers of 1 - f, fails by far, and Kernel::thesis fails by more.
+  // Goal: the mixture of all kinds of proposals leaves p_w times a constraint invariant. Method:
+  // let each of three balls be inactive, in the left half or in the right half, which gives 27
+  // cases. A long chain by Algorithm 2.1 must visit each case in proportion to its weight
+  // (chi-square on every 40th state). The ratio printed in the thesis, which lacks powers of 1 - f,
+  // and Kernel::thesis must both fail.
   const Prior prior{.vertices = 1, .balls = 3, .vertex_sd_m = 1, .drop_half_m = {0.5, 0.3}};
   ProposalParameters parameters;
   parameters.vertex_probability = 0.5;
@@ -115,7 +117,7 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
       random::Stream stream = stream_of(seed, static_cast<std::uint64_t>(i));
       const auto proposal = propose(prior, parameters, state, stream);
       double q = proposal.log_q_ratio;
-      // The ratio of A.2.2, without powers of 1 - f, but with the right power of the area.
+      // The ratio of thesis A.2.2, without powers of 1 - f, but with the right power of the area.
       if (printed && proposal.kind >= static_cast<std::uint32_t>(Kind::disable_balls)) {
         q = prior.log_area() * (static_cast<double>(proposal.candidate.active_count()) -
                                 static_cast<double>(state.active_count()));
@@ -144,8 +146,9 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
 }
 
 TEST(Proposals, ThesisRatiosAreThosePrinted) {
-  // Goal: Kernel::thesis has the ratio printed in A.2.2: the area a for each disabled ball, 1/a for
-  // each enabled ball, else 1. Method: test draws of each kind.
+  // Goal: Kernel::thesis uses the ratio printed in thesis A.2.2. Each disabled ball contributes a
+  // factor a, the area, and each enabled ball contributes 1/a. Proposals of other kinds have ratio
+  // 1. Method: test draws of each kind.
   const Prior prior{.vertices = 5, .balls = 6, .drop_half_m = {0.07, 0.05}};
   const double log_area = std::log(4 * 0.07 * 0.05);
   for (std::uint32_t kind = 0; kind < k_thesis_kinds; ++kind) {
@@ -166,9 +169,9 @@ TEST(Proposals, ThesisRatiosAreThosePrinted) {
 
 TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
   // Goal: Kernel::thesis draws an offset's length, instead of its coordinates, from the Gaussian,
-  // and its direction uniformly. Kernel::thesis draws offsets in this way at the start, in
-  // change_all and in change_vertices. Method: check that the mean square length is sd^2 (the
-  // Gaussian density that scores it has 3 sd^2), with a third for each coordinate. So the mean
+  // and its direction uniformly. It does so at the start, in change_all and in change_vertices.
+  // Method: check that the mean square length is sd^2, with a third for each coordinate. The
+  // Gaussian density that scores the offset has a mean square length of 3 sd^2. So the mean
   // exponent of p_w is -1/2 per vertex.
   const Prior prior{.vertices = 100, .balls = 2, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   constexpr double k_draws = 400;
@@ -203,8 +206,7 @@ TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
 }
 
 TEST(Proposals, CorrectDrawsAreThePriors) {
-  // Goal: draw_state() with Kernel::correct draws the same bits as the prior. Method: use the same
-  // streams.
+  // Goal: draw_state() with Kernel::correct draws the same bits as the prior.
   const Prior prior{.vertices = 7, .balls = 3, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   for (const std::uint64_t i : property::cases(20)) {
     random::Stream a = stream_of(61, i);
@@ -215,7 +217,7 @@ TEST(Proposals, CorrectDrawsAreThePriors) {
 }
 
 TEST(Proposals, KindsHaveTheirShares) {
-  // Goal: each kind occurs with its share, and never with a share of 0.
+  // Goal: each kind of proposal occurs with its share, and a kind with share 0 never occurs.
   const Prior prior{.vertices = 3, .balls = 4, .drop_half_m = {0.2, 0.05}};
   const ProposalParameters parameters{.change_all = 0.1,
                                       .change_vertices = 0.7 - 1e-10,
@@ -249,9 +251,9 @@ TEST(Proposals, KindsHaveTheirShares) {
 }
 
 TEST(Proposals, DrawsBelongToTheDensity) {
-  // Goal: log p_w is the normalised density of the draws. Method: compare the mean of log p_w over
-  // draws with the negative of the entropy, by its formula. Compare the offsets' deviation and the
-  // share of active balls, one half.
+  // Goal: log p_w is the normalised density of the prior's draws. Method: compare the mean of log
+  // p_w over 2000 draws with the negative entropy, which has a closed form. Also check the offsets'
+  // standard deviation, and that half of the balls are active.
   const Prior prior{.vertices = 40, .balls = 10, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   double log_density = 0;
   double square = 0;
@@ -273,8 +275,8 @@ TEST(Proposals, DrawsBelongToTheDensity) {
 }
 
 TEST(Proposals, ABallMovesOnARing) {
-  // Goal: drop places stay in the region, wrapped at its edges, and nothing else changes. Method:
-  // make many moves, typically about as long as the region.
+  // Goal: moving a ball keeps its drop place in the region, wrapped at the edges, and changes
+  // nothing else. Method: make many moves, most of them about as long as the region.
   const Prior prior{.vertices = 2, .balls = 3, .drop_half_m = {0.07, 0.05}};
   State state = with_active(prior, 2);
   state.drops_m[1] = {0.06, -0.04};

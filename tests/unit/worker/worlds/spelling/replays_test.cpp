@@ -1,5 +1,5 @@
-// Tests that a candidate's simulation from a known similar state has the same outcome as one from
-// scratch.
+// Tests that a candidate's simulation from a known similar state has the same outcome as a
+// simulation from scratch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -26,8 +26,9 @@ void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.filling, b.filling);
 }
 
-/// Runs a chain that always accepts a candidate that fills at least as many bins. It accepts other
-/// candidates by chance. Simulates each candidate from known states and from scratch.
+/// Runs a chain that accepts each candidate that fills at least as many bins as the current state.
+/// It accepts other candidates by chance. Expects that each candidate's simulation from the current
+/// state equals a simulation from scratch.
 void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint64_t seed) {
   const Spelling world(parameters);
   const Spelling fresh(parameters, Replays::no);
@@ -55,9 +56,10 @@ void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint6
 }
 
 TEST(Replays, MakeNoDifference) {
-  // Goal: for successive proposals of every kind, `filled`, `elsewhere`, the end and the decision
-  // time equal those of a separate simulation. Method: run chains in the HI box, in crowded boxes
-  // of few bins, and with vertices that move far.
+  // Goal: a candidate's simulation from the current state equals a simulation from scratch, for
+  // successive proposals of every kind. Both have the same filled bins, balls elsewhere, end and
+  // decision time. Method: run chains in HI's box, in small crowded boxes, and with vertices that
+  // move far.
   const std::uint64_t count = proposal_count();
   run_chain({}, count, k_seed);
   Parameters crowded;

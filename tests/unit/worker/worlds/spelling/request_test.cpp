@@ -36,7 +36,7 @@ std::string complaint(const std::string& keys) {
 }
 
 TEST(SpellingRequest, DefaultsAreTheThesis) {
-  // Goal: a request without keys is the thesis's HI.
+  // Goal: a request without keys describes the thesis's example HI.
   Parameters parameters;
   ASSERT_TRUE(read(parameters, "").ok());
   const Parameters defaults;
@@ -61,8 +61,9 @@ TEST(SpellingRequest, DefaultsAreTheThesis) {
 }
 
 TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
-  // Goal: the normalised text contains all choices, so that it repeats the run. Choices depend on
-  // the word and on which rules exist, but not on the rules' numbers. Given values stay.
+  // Goal: if a request has no sampler, the world chooses one, and the normalised text contains all
+  // choices. The choices depend on the word and on which stop rules exist, but not on the rules'
+  // numbers. The world never changes given values.
   Parameters parameters;
   const std::array worlds{request_binding()};
   const auto chosen = [&](const std::string& text) {
@@ -126,7 +127,8 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
 }
 
 TEST(SpellingRequest, IslandsHaveAStatedMemory) {
-  // Goal: particles that would exceed the documented memory are refused. Method: full boxes.
+  // Goal: a request is refused if its particles would exceed the documented memory. Method: use
+  // boxes in which every bin is to be filled.
   const std::array worlds{request_binding()};
   const auto complaint_of = [&](std::uint32_t columns, std::uint32_t particles) {
     std::string bitmap;
@@ -146,7 +148,7 @@ TEST(SpellingRequest, IslandsHaveAStatedMemory) {
 }
 
 TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
-  // Goal: any word or bitmap is accepted, in its own grid or a given one.
+  // Goal: a request accepts any word or bitmap, in the pattern's own grid or in a given grid.
   Parameters parameters;
   ASSERT_TRUE(read(parameters, "word = \"ACM\"\n[constraint]\nlog_lambda = 7.25").ok());
   EXPECT_EQ(parameters.pattern.columns, 15U);
@@ -163,8 +165,8 @@ TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
 }
 
 TEST(SpellingRequest, WhatIsAcceptedCanBeMade) {
-  // Goal: no valid request stops the program. Method: test boxes one bin wide with the largest
-  // ball.
+  // Goal: no valid request stops the program. Method: simulate boxes that are one bin wide, with
+  // the largest valid ball.
   for (const char* keys : {"bitmap = \"#\\n#\"\nball_diameter_mm = 19.99\nbox_height_mm = 60",
                            "bitmap = \"#.\"\nball_diameter_mm = 19.99"}) {
     Parameters parameters;
@@ -179,7 +181,7 @@ TEST(SpellingRequest, WhatIsAcceptedCanBeMade) {
 }
 
 TEST(SpellingRequest, ErrorsSayWhatToDo) {
-  // Goal: invalid requests are refused with the key.
+  // Goal: an error about a request says what is wrong and which values are valid.
   EXPECT_NE(complaint("word = \"A\"\nbitmap = \"#.\"").find("not both"), std::string::npos);
   EXPECT_NE(complaint("word = \"A-B\"").find("no '-'"), std::string::npos);
   EXPECT_NE(complaint("bitmap = \"#.\\n#\"").find("row 2 has 1 characters"), std::string::npos);
@@ -213,8 +215,8 @@ TEST(SpellingRequest, ErrorsSayWhatToDo) {
 }
 
 TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
-  // Goal: only one key selects the biased kernel, and archives store that key. Method: read with
-  // the key, without it, and with a typo.
+  // Goal: only the key `kernel` selects the biased kernel, and archives store that key. Method:
+  // read requests with the key, without the key, and with an unknown value.
   Parameters parameters;
   const auto plain = read(parameters, "");
   ASSERT_TRUE(plain.ok());
@@ -231,8 +233,8 @@ TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
 }
 
 TEST(SpellingRequest, KindsThatAreNotOfTheThesisAreAskedForByName) {
-  // Goal: aimed drops and solo steps are off by default, require each other as documented, and are
-  // refused with the thesis's kernel. Method: read with and without them.
+  // Goal: aimed drops and solo steps are off by default and are refused with the thesis's kernel.
+  // Aiming requires scattering.
   Parameters parameters;
   ASSERT_TRUE(read(parameters, "").ok());
   EXPECT_EQ(parameters.proposal.aim_ball, 0);

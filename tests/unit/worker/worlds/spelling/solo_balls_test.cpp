@@ -38,8 +38,8 @@ void expect_equal(const SoloBalls::Outcome& a, const SoloBalls::Outcome& b) {
 }
 
 TEST(SoloBalls, AreWhatEachBallDoesAlone) {
-  // Goal: each ball is assigned the bin that it fills if no other ball is active. Method: simulate
-  // each ball as the only active ball.
+  // Goal: the surrogate assigns each ball the bin that the ball fills if no other ball is active.
+  // Method: simulate each ball as the only active ball.
   const Spelling world(parameters_with_aims());
   for (const std::uint64_t i : property::cases(30)) {
     random::Stream stream = stream_of(i);
@@ -58,8 +58,9 @@ TEST(SoloBalls, AreWhatEachBallDoesAlone) {
 }
 
 TEST(SoloBalls, FromChangesAreTheSame) {
-  // Goal: a candidate has the same outcome if only changed balls are simulated. Method: walk with
-  // proposals of all kinds, with anchored balls if there are any.
+  // Goal: the surrogate computes the same outcome if it simulates only the changed balls. Method:
+  // walk with proposals of all kinds, with anchored balls where possible. Compare each outcome with
+  // a simulation of all balls.
   const Spelling world(parameters_with_aims());
   std::uint64_t changed = 0;
   for (const std::uint64_t i : property::cases(20)) {
@@ -87,7 +88,8 @@ TEST(SoloBalls, FromChangesAreTheSame) {
 
 TEST(SoloBalls, TakeAnchoredBallsForGranted) {
   // Goal: an anchored ball fills its bin whatever it would do alone, so no other ball fills that
-  // bin. A state in which the anchored ball differs is impossible. Method: draw from the prior.
+  // bin. A state in which an anchored ball differs is impossible. Method: anchor balls of prior
+  // draws. Then move and disable each anchored ball.
   const Spelling world(parameters_with_aims());
   std::uint64_t anchored = 0;
   for (const std::uint64_t i : property::cases(200)) {
@@ -113,7 +115,7 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
       other.active[ball] = 0;
       other.drops_m[ball] = {0, 0};
       EXPECT_FALSE(surrogate.simulate(other).possible);
-      // Simulate `state` from the outcome of `other` by a surrogate without anchors.
+      // Simulate `state` from an outcome of `other` that a surrogate without anchors computed.
       expect_equal(surrogate.simulate_from(state, other, world.surrogate({}).simulate(other)),
                    outcome);
     }
@@ -123,9 +125,10 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
 }
 
 TEST(SoloBalls, AnchorsHaveTheirProbabilities) {
-  // Goal: log_anchor_probability is the probability of draw_anchor. Method: compare shares of
-  // 20,000 draws for each animation with helped balls, within six standard deviations. Another
-  // state's anchor has probability zero.
+  // Goal: log_anchor_probability() returns the log probability with which draw_anchor() draws an
+  // anchor. The anchor of another state has probability zero. Method: for five animations with
+  // helped balls, compare the shares of anchors in 20,000 draws with their probabilities. Allow six
+  // standard deviations.
   const Spelling world(parameters_with_aims());
   int animations = 0;
   for (std::uint64_t i = 0; animations < 5 && i < 1000; ++i) {
@@ -166,8 +169,9 @@ TEST(SoloBalls, AnchorsHaveTheirProbabilities) {
 }
 
 TEST(SoloBalls, HeldOutcomesAreThoseOfTheState) {
-  // Goal: a sample's surrogate outcome never belongs to another state. Method: after each iteration
-  // at two inverse temperatures, compare the held outcome with a new one.
+  // Goal: the surrogate's outcome that a sample holds always belongs to the sample's state. Method:
+  // after each iteration at two inverse temperatures, compare the held outcome with a new
+  // simulation.
   const Spelling world(parameters_with_aims());
   const sampling::ChainStreams streams{.seed = 28, .chain = {}, .replica = {}};
   for (const double beta : {0.3, 1.0}) {

@@ -30,8 +30,8 @@ State drops_in(const Spelling& world, std::uint32_t balls) {
 }
 
 TEST(Spelling, OutcomesCountDesignatedBins) {
-  // Goal: k counts designated bins with a ball at rest below the partitions' height; all other
-  // balls are elsewhere. Method: set places by hand.
+  // Goal: `filled` counts the designated bins that contain a ball at rest below the partitions'
+  // height. All other balls count as elsewhere. Method: judge given places of balls.
   const Spelling world(Parameters{});
   const Bins& bins = world.bins();
   const Vec3 up(0, 0, 0.009);
@@ -61,8 +61,8 @@ TEST(Spelling, OutcomesCountDesignatedBins) {
 }
 
 TEST(Spelling, WhatStillMovesFillsNothing) {
-  // Goal: no state is satisfied before it is at rest. Method: drop a lossless ball where other
-  // balls would stay. The ball still bounces at the time limit.
+  // Goal: a ball fills no bin before it is at rest. Method: drop a lossless ball where other balls
+  // would stay. The ball still bounces at the time limit.
   Parameters parameters;
   parameters.world.restitution = 1;
   parameters.world.time_limit_s = 0.5;
@@ -74,8 +74,8 @@ TEST(Spelling, WhatStillMovesFillsNothing) {
 }
 
 TEST(Spelling, BallsThatLeaveTheBoxLieOnTheGround) {
-  // Goal: a ball outside the box doesn't fall forever and counts as elsewhere. Method: use walls
-  // lower than the balls, which bounce well.
+  // Goal: a ball outside the box lies on the ground instead of falling forever, and counts as
+  // elsewhere. Method: use walls lower than the balls, and balls that bounce well.
   Parameters parameters;
   parameters.world.box_height_m = 0.012;
   parameters.world.restitution = 0.9;
@@ -103,8 +103,8 @@ TEST(Spelling, BallsThatLeaveTheBoxLieOnTheGround) {
 }
 
 TEST(Spelling, BallsThatStartInOnePlaceAreNoAnimation) {
-  // Goal: states without a simulation have no probability and report why. Method: let drops overlap
-  // in time, and let offsets turn the box inside out.
+  // Goal: the outcome of a state that cannot be simulated is `impossible`. Method: drop a second
+  // ball where the first ball still is. Then let offsets turn the box inside out.
   Parameters parameters;
   parameters.world.drop_interval_s = 0.001;
   const Spelling world(parameters);
@@ -122,8 +122,8 @@ TEST(Spelling, BallsThatStartInOnePlaceAreNoAnimation) {
 }
 
 TEST(Spelling, BallsComeToRestInBins) {
-  // Goal: balls dropped from 72 mm come to rest, almost all on the floor of a bin, and none is
-  // lost. Method: test each ball's height at rest in prior draws.
+  // Goal: balls dropped from 72 mm come to rest, almost all of them on the floor of a bin. No ball
+  // is lost. Method: check each ball's height at rest in prior draws.
   const Spelling world(Parameters{});
   std::uint32_t balls = 0;
   std::uint32_t low = 0;
@@ -141,7 +141,7 @@ TEST(Spelling, BallsComeToRestInBins) {
       const Vec3 place_m = simulation.pose({body}, simulation.now()).position_m;
       const auto bin = world.bins().bin_at(place_m);
       ++balls;
-      // Outside the box balls keep falling; inside, the surface holds them.
+      // Inside the box, the surface holds the balls.
       if (bin) {
         EXPECT_GT(place_m.z(), 0.008);
       }

@@ -30,8 +30,8 @@ random::Stream stream_of(std::uint64_t n) {
 
 // ---- one ball -----------------------------------------------------------------------------------
 
-/// A box of three by two bins with a ball in bin (1, 0). The walls of this bin have partitions of
-/// both sorts.
+/// A box of three by two bins with a ball in bin (1, 0). This bin has partitions in both
+/// directions.
 struct OneBall {
   WorldParameters world{};
   Bins bins{world, 3, 2};
@@ -58,7 +58,7 @@ bool box_holds(const physics::Box& box, const Vec3& centre_m) {
 
 TEST(Traps, AWallThatIsLowerThanThePartitionsLetsBallsOut) {
   // Goal: a bin traps a ball only if the ball stays below the lowest wall around the bin. Method:
-  // test a high and a low wall of the box.
+  // test a box whose walls are higher than the partitions and a box whose walls are lower.
   OneBall ball;
   EXPECT_TRUE(ball.place());
   ball.world.box_height_m = 0.006;
@@ -66,8 +66,8 @@ TEST(Traps, AWallThatIsLowerThanThePartitionsLetsBallsOut) {
 }
 
 TEST(Traps, ABallAtRestInABinIsTrappedThere) {
-  // Goal: the trap is the ball's own bin, and its box contains the ball. Method: put a ball on the
-  // floor of each bin, in the middle and in a corner.
+  // Goal: a ball at rest in a bin is trapped in that bin, and the trap's box contains the ball.
+  // Method: put a ball on the floor of each bin, in the middle and towards two corners.
   for (std::uint32_t column = 0; column < 3; ++column) {
     for (std::uint32_t row = 0; row < 2; ++row) {
       OneBall ball;
@@ -84,9 +84,10 @@ TEST(Traps, ABallAtRestInABinIsTrappedThere) {
 }
 
 TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
-  // Goal: kinetic energy of motion and spin counts, in every direction. Method: test speeds around
-  // v^2 = 2 g 3 mm, at which a ball 3 mm below the partitions' height just reaches that height. The
-  // margin is a tenth of a millimetre.
+  // Goal: a bin traps a ball only if the energy of the ball's motion and spin cannot lift it over
+  // the partitions, in any direction. Method: test speeds around v^2 = 2 g 3 mm. At this speed, a
+  // ball 3 mm below the partitions' height just reaches that height. The trap's margin is a tenth
+  // of a millimetre.
   const double height_m = 0.003;
   const double speed_mps = std::sqrt(2 * 9.81 * height_m);
   const double less_mps = std::sqrt(2 * 9.81 * (height_m - 0.00015));
@@ -96,7 +97,7 @@ TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
     EXPECT_TRUE(ball.place());
     ball.twist.velocity_mps = speed_mps * way;
     EXPECT_FALSE(ball.place());
-    // A solid ball's rotation has 2/5 of the energy of its translation.
+    // At equal surface speed, a solid ball's spin has 2/5 of the energy of its motion.
     ball.twist.velocity_mps = Vec3::Zero();
     ball.twist.angular_velocity_radps = less_mps / k_radius_m / std::sqrt(0.4) * way;
     EXPECT_TRUE(ball.place());
@@ -115,7 +116,7 @@ TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
 }
 
 TEST(Traps, WhatIsOverAPartitionOrOutsideIsNot) {
-  // Goal: the centre must be where the bin has room for a ball.
+  // Goal: a bin traps a ball only if the ball's centre is where the bin has room for a ball.
   OneBall ball;
   const Vec3 middle_m = ball.centre_m;
   for (const Vec3& way : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0)}) {
@@ -134,9 +135,10 @@ TEST(Traps, WhatIsOverAPartitionOrOutsideIsNot) {
 }
 
 TEST(Traps, LowerAndLeaningPartitionsHoldLess) {
-  // Goal: among the bin's own corners, only the lowest one matters. Leaning partitions widen the
-  // box, and partitions that lean too far hold no ball. Other bins' corners don't matter. Method:
-  // lower each vertex of the box in turn, and move it sideways by a little and by a lot.
+  // Goal: among the corners around a bin, only the lowest one limits which balls the bin traps.
+  // Leaning partitions widen the trap's box, and partitions that lean too far trap no ball. The
+  // corners of other bins have no effect. Method: lower each vertex of the box in turn, and move it
+  // sideways by a little and by a lot.
   OneBall ball;
   const auto& corners = ball.bins.corners(ball.bin);
   ASSERT_EQ(std::ranges::count(corners, k_no_vertex), 0);
@@ -212,7 +214,7 @@ State random_state(const Spelling& world, std::uint64_t n) {
   return state;
 }
 
-/// Bounds on a ball, from all times at which it was trapped.
+/// Bounds on a ball: the intersection of the boxes of its traps so far.
 struct Hold {
   bool any = false;
   Bin bin;
@@ -263,9 +265,9 @@ std::uint64_t expect_held(const Traps& traps, const Bins& bins,
 }
 
 TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
-  // Goal: no ball leaves its trap's box. Method: in recorded animations, test a ball's segments
-  // until the ball hits another ball. Test each segment at its beginning, end and highest point,
-  // and at a random time.
+  // Goal: a trapped ball stays in its trap's box until it hits another ball. Method: in recorded
+  // animations, check each segment of a trapped ball at its beginning, end and highest point, and
+  // at a random time.
   std::uint64_t held = 0;
   const std::uint64_t animations = animation_count() / 5;
   for (const std::uint64_t n : property::cases(animations)) {
@@ -291,8 +293,8 @@ TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
 
 TEST(Traps, ABallBetweenAnEdgeAndAWallIsDecided) {
   // Goal: a ball comes to rest if friction pulls it from an edge to a wall, and the wall carries no
-  // load. The ball once alternated between edge and wall 80,000 times in 25 microseconds. Method:
-  // count the events of that animation, which the test below found among 100,000.
+  // load. Method: count the events of one animation out of 100,000. In an earlier version, its ball
+  // alternated between edge and wall 80,000 times in 25 microseconds.
   const Spelling world(world_of(4));
   const State state = random_state(world, 35'114);
   const Outcome early = world.simulate(state);
@@ -308,8 +310,9 @@ TEST(Traps, ABallBetweenAnEdgeAndAWallIsDecided) {
 }
 
 TEST(Traps, WhatIsDecidedEarlyIsWhatARunToRestFinds) {
-  // Goal: early decisions are right (spelling.h, invariant 2). Method: simulate random states to
-  // the decision and to rest. One object simulates all states of its world, as in a chain.
+  // Goal: an outcome that is decided early equals the outcome of a simulation to rest (spelling.h,
+  // invariant 2). Method: simulate random states to the decision and to rest. One object simulates
+  // all states of its world, as in a chain.
   std::vector<Spelling> worlds;
   for (std::uint64_t kind = 0; kind < k_worlds; ++kind)
     worlds.emplace_back(world_of(kind));
@@ -346,8 +349,9 @@ TEST(Traps, WhatIsDecidedEarlyIsWhatARunToRestFinds) {
 }
 
 TEST(Traps, ThreadsSimulateAsOneDoes) {
-  // Goal: one world may simulate in several threads at once, each with its own box, and a box's
-  // history has no effect. Method: compare outcomes of four threads with a new world per state.
+  // Goal: several threads can simulate with one world at once. Each thread has its own box, and the
+  // states that a box simulated before have no effect. Method: compare the outcomes of four threads
+  // with the outcomes of a new world for each state.
   constexpr std::uint64_t k_states = 48;
   constexpr std::uint64_t k_threads = 4;
   const Spelling world(world_of(2));
