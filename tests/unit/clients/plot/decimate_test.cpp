@@ -12,9 +12,9 @@ namespace sleight::plot {
 namespace {
 
 TEST(Decimation, KeepsTheExtremesOfEachColumn) {
-  // Goal: thinning is invisible: each column keeps at most four values (lowest, highest, first and
-  // last), in order. Method: thin a million made-up points with rare spikes on 800 columns, and
-  // compare with a plain search.
+  // Goal: thinning keeps the lowest and the highest value of each pixel column, in order, with at
+  // most four points per column. Method: thin a million random points with rare spikes on 800
+  // columns. Compare the extremes of each column before and after.
   MadeUp made_up(5);
   std::vector<Point> points;
   constexpr std::size_t k_count = 1'000'000;
@@ -41,8 +41,8 @@ TEST(Decimation, KeepsTheExtremesOfEachColumn) {
 }
 
 TEST(Decimation, LeavesShortLinesAndPathsThatTurnBack) {
-  // Goal: sparse lines keep every point. Method: thin a sparse line, a path that turns back, a
-  // vertical stroke, no point and one point.
+  // Goal: thinning keeps all points of a sparse line and of a path that turns back. A vertical
+  // stroke keeps only its ends and extremes.
   const std::vector<Point> sparse = {{0, 0}, {1, 5}, {2, -5}, {3, 0}};
   EXPECT_EQ(decimated_line(sparse, 1.0), sparse);
   const std::vector<Point> back = {{0, 0}, {3, 1}, {0, 2}, {3, 3}};
@@ -56,8 +56,7 @@ TEST(Decimation, LeavesShortLinesAndPathsThatTurnBack) {
 }
 
 TEST(Decimation, BoundsMarkersByTheArea) {
-  // Goal: a million dots on a small picture become few, and each cell with a dot keeps one. Method:
-  // thin made-up points on 100 x 50 pixels.
+  // Goal: a million dots on 100 x 50 pixels are thinned to one dot per pixel.
   MadeUp made_up(9);
   std::vector<Point> points;
   for (int i = 0; i < 1'000'000; ++i)
@@ -68,8 +67,7 @@ TEST(Decimation, BoundsMarkersByTheArea) {
 }
 
 TEST(Runs, AreWhatLiesBetweenGaps) {
-  // Goal: a NaN or an infinity splits a line and belongs to neither part. Method: use points with a
-  // gap at each end and two adjacent gaps, and no points.
+  // Goal: a NaN or an infinity splits a line, and neither part contains the invalid point.
   const std::vector<Point> points = {{k_nan, 0},      {1, 1}, {2, 2},    {3, k_nan},
                                      {4, -1.0 / 0.0}, {5, 5}, {6, k_nan}};
   const auto runs = drawable_runs(points);
@@ -80,8 +78,7 @@ TEST(Runs, AreWhatLiesBetweenGaps) {
 }
 
 TEST(Steps, HoldEachValueToTheNext) {
-  // Goal: in a stepped line, each change of value makes a corner, except across a gap. Method: use
-  // a known series.
+  // Goal: a stepped line has a corner at each change of value, but no corner beside a gap.
   const auto corners = stepped(std::vector<Point>{{0, 1}, {1, 2}, {2, k_nan}, {3, 4}});
   ASSERT_EQ(corners.size(), 5U);
   EXPECT_EQ(corners[1], (Point{1, 1}));

@@ -19,8 +19,7 @@ std::string picture_path(const std::string& name) {
 }
 
 TEST(Examples, AreDrawnToFiles) {
-  // Goal: the project's kinds of figures are saved as SVG and PNG. Method: save made-up figures.
-  // Files must exist and not be empty, and no partial file may be left.
+  // Goal: each example figure is saved as SVG and as PNG, and no partial file is left.
   const std::pair<const char*, Figure> k_figures[] = {
       {"landing", landing_figure()}, {"paths", paths_figure()}, {"hostile", hostile_figure()}};
   for (const auto& [name, figure] : k_figures) {
@@ -34,8 +33,8 @@ TEST(Examples, AreDrawnToFiles) {
 }
 
 TEST(Png, RefusesWhatIsNoPicture) {
-  // Goal: invalid SVG and absurd sizes are errors with a reason, not crashes. Method: use broken
-  // documents, and a scale that would need gigabytes.
+  // Goal: the PNG converter refuses invalid SVG and absurdly large scales with an error, and
+  // doesn't crash.
   EXPECT_THROW(svg_to_png("", 1), base::Error);
   EXPECT_THROW(svg_to_png("<svg", 1), base::Error);
   EXPECT_THROW(svg_to_png("<html/>", 1), base::Error);
@@ -43,8 +42,8 @@ TEST(Png, RefusesWhatIsNoPicture) {
 }
 
 TEST(Save, ExplainsWhatIsWrong) {
-  // Goal: errors about a wrong file ending and a missing folder have different exit codes and name
-  // the path. No file is left. Method: catch both errors.
+  // Goal: an unknown file ending, notes in a PNG file and a missing folder are refused, each with
+  // the right exit code.
   const Figure figure{.panels = {Panel{}}};
   try {
     save(figure, "trace.jpeg");
@@ -71,8 +70,8 @@ TEST(Save, ExplainsWhatIsWrong) {
 }
 
 TEST(Save, TellsOfAFullDisk) {
-  // Goal: a short write is an error. Method: write through a link to /dev/full, if that device
-  // exists.
+  // Goal: a full disk is an error. Method: save a figure through a link to /dev/full, if that
+  // device exists.
   const std::string path = testing::TempDir() + "full.svg";
   std::error_code failure;
   std::filesystem::remove(path, failure);

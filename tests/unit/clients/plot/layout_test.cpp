@@ -9,8 +9,9 @@ namespace sleight::plot {
 namespace {
 
 TEST(Layout, KeepsFramesApartAndInside) {
-  // Goal: on tiny to large pages, no panel leaves the page or overlaps another. Method: lay out the
-  // example figures at several sizes; at ordinary sizes, labels stay inside their cell.
+  // Goal: each frame and its labels stay inside their cell, and each cell stays on the page. On
+  // tiny pages, each frame has at least 8 x 8 pixels. Method: lay out the example figures at
+  // several sizes.
   for (Figure figure : {landing_figure(), paths_figure(), hostile_figure()}) {
     for (const double scale : {0.05, 0.5, 1.0, 3.0}) {
       Figure sized = figure;
@@ -38,8 +39,8 @@ TEST(Layout, KeepsFramesApartAndInside) {
 }
 
 TEST(Layout, SeparatesTickLabels) {
-  // Goal: neighbouring labels on the x axis never touch. Method: measure positions and widths for
-  // the example figures and for wide labels.
+  // Goal: neighbouring labels on the x axis never overlap. Method: compare each label's left end
+  // with the right end of the label before it.
   Figure wide{.width_px = 360,
               .panels = {Panel{.x_range = Range{100000, 100001}}, Panel{.x_range = Range{0, 9e9}}}};
   for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure(), wide}) {
@@ -56,8 +57,8 @@ TEST(Layout, SeparatesTickLabels) {
 }
 
 TEST(Layout, NarrowPanelsStillHaveAScale) {
-  // Goal: an axis with room for two ticks has at least two, and labels don't touch. Method: use
-  // narrow panels, and ranges in which coarse steps have only one tick.
+  // Goal: the x axis of a narrow panel has at least two ticks, and the labels of the ticks don't
+  // overlap. Method: use ranges in which a coarse step would have only one tick.
   for (const double width_px : {250.0, 360.0}) {
     for (const Range range : {Range{-4, 4}, Range{-3.75, 3.75}, Range{-0.9, 0.9}, Range{1, 9}}) {
       const Figure figure{.width_px = width_px, .panels = {Panel{.x_range = range}}};
@@ -74,7 +75,8 @@ TEST(Layout, NarrowPanelsStillHaveAScale) {
 }
 
 TEST(Layout, LinesUpPanelsOfAColumn) {
-  // Goal: stacked panels' x axes align. Method: use labels of very different widths.
+  // Goal: the x axes of stacked panels begin and end at the same place. Method: use two panels
+  // whose y labels differ greatly in width.
   const Figure figure{
       .panels = {Panel{.y_range = Range{0, 1}}, Panel{.y_range = Range{0, 123456}}}};
   const FigureLayout layout = layout_of(figure);
@@ -83,8 +85,7 @@ TEST(Layout, LinesUpPanelsOfAColumn) {
 }
 
 TEST(Layout, DrawingsWithoutAxesFillTheirCell) {
-  // Goal: a panel without axes has its whole cell below the title, so that its units can be pixels.
-  // Method: compare the sides of frame and cell, and expect no ticks.
+  // Goal: a panel without axes fills its cell below the title and has no ticks.
   const Panel panel{.title = "a drawing", .x_label = "x", .y_label = "y", .axes = false};
   const PanelLayout layout = layout_of({.panels = {panel}}).panels[0];
   EXPECT_DOUBLE_EQ(layout.frame.left, layout.cell.left);
@@ -96,8 +97,8 @@ TEST(Layout, DrawingsWithoutAxesFillTheirCell) {
 }
 
 TEST(Layout, LegendNamesEachLabelOnceAndWraps) {
-  // Goal: arrows with one label share a legend entry, and entries wrap into rows within the frame.
-  // Method: put many labels into a narrow figure.
+  // Goal: arrows with the same label share one legend entry. Many entries wrap into rows within the
+  // frame's width.
   Panel panel;
   for (int i = 0; i < 3; ++i)
     panel.series.push_back(Arrow{.label = "normal"});

@@ -12,7 +12,7 @@
 namespace sleight::plot {
 namespace {
 
-// Returns GLib's error message about an XML text. Empty if the text is well-formed.
+// Returns GLib's error message about an XML text, or an empty string if the text is well-formed.
 std::string xml_complaint(const std::string& text) {
   const GMarkupParser parser{};
   GMarkupParseContext* context =
@@ -41,8 +41,9 @@ std::string svg_of(Series series) {
 }
 
 TEST(Svg, IsWellFormedXml) {
-  // Goal: any figure is valid XML without "nan" or "inf". Method: run GLib's parser on the
-  // examples, an empty figure and an empty panel. The parser must reject broken XML.
+  // Goal: the SVG of any figure is well-formed XML without NaN or infinity. Method: parse the SVG
+  // of the examples, of an empty figure and of an empty panel with GLib. GLib must refuse broken
+  // XML.
   for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure(), Figure{},
                                Figure{.panels = {Panel{}}}}) {
     const std::string svg = to_svg(figure);
@@ -54,7 +55,7 @@ TEST(Svg, IsWellFormedXml) {
 }
 
 TEST(Svg, EscapesWhatPeopleWrite) {
-  // Goal: labels can't become markup. Method: put markup into every text.
+  // Goal: the SVG escapes markup in titles, labels and other texts of a figure.
   const std::string evil = "</text><script>x</script>&\"'";
   const Panel panel{.title = evil,
                     .x_label = evil,
@@ -66,8 +67,9 @@ TEST(Svg, EscapesWhatPeopleWrite) {
 }
 
 TEST(Svg, SaysWhereItComesFrom) {
-  // Goal: notes appear in the metadata, escaped, one per line, and change nothing else. Method:
-  // compare a hostile figure with and without notes, after cutting out the metadata.
+  // Goal: the metadata of an SVG contains each note on its own line, with special characters
+  // escaped. Notes change nothing else in the SVG. Method: remove the metadata from an SVG with
+  // notes, and compare the rest with an SVG without notes.
   const Notes notes =
       notes_of(std::vector<std::string>{"command=draw </metadata> & more", "seed=7"});
   const std::string svg = to_svg(hostile_figure(), notes);
@@ -83,7 +85,7 @@ TEST(Svg, SaysWhereItComesFrom) {
 }
 
 TEST(Notes, RefusesWhatIsNone) {
-  // Goal: a note has a unique name and a value of one line. Method: use texts with one fault each.
+  // Goal: a note without a valid, unique name or without a one-line value is refused.
   using Texts = std::vector<std::string>;
   EXPECT_EQ(notes_of(Texts{"a_b=c=d"}), (Notes{{.name = "a_b", .value = "c=d"}}));
   for (const Texts& bad : {Texts{""}, Texts{"a"}, Texts{"=b"}, Texts{"a="}, Texts{"A=b"},
@@ -92,8 +94,9 @@ TEST(Notes, RefusesWhatIsNone) {
 }
 
 TEST(Svg, StaysSmallForAMillionPoints) {
-  // Goal: a long chain makes a small file that still shows its only spike. Method: draw a million
-  // noisy points; check the file's size, and the spike's height among the coordinates.
+  // Goal: a figure of a million points makes a small file that still shows the only spike. Method:
+  // draw a million random points with one spike. Check the file's size, and find the spike's height
+  // among the coordinates.
   MadeUp made_up(2);
   Line line;
   for (int i = 0; i < 1'000'000; ++i)
@@ -109,8 +112,9 @@ TEST(Svg, StaysSmallForAMillionPoints) {
 }
 
 TEST(Svg, LeavesGapsAndMarksInfinities) {
-  // Goal: NaN splits a line, a lone point becomes a dot, and minus infinity becomes a triangle.
-  // Method: count elements of small figures; each has one axis line.
+  // Goal: a NaN splits a line, a lone point is drawn as a dot, and a point at minus infinity is
+  // drawn as a triangle. Method: count the elements in the SVG of small figures. Each SVG has one
+  // more polyline for the axes.
   EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, 1}, {2, k_nan}, {3, 1}, {4, 0}}}),
                         "<polyline"),
             3U);
@@ -121,7 +125,7 @@ TEST(Svg, LeavesGapsAndMarksInfinities) {
 }
 
 TEST(Svg, DrawsEachKindOfSeries) {
-  // Goal: every kind of series has its own element. Method: draw one labelled panel for each kind.
+  // Goal: each kind of series is drawn with its own SVG element.
   EXPECT_EQ(occurrences(svg_of(Steps{.points = {{0, 0}, {1, 1}}}), "<polyline"), 2U);
   EXPECT_EQ(occurrences(svg_of(Markers{.points = {{0, 0}, {1, 1}}}), "h0"), 2U);
   EXPECT_EQ(occurrences(svg_of(HorizontalBand{.low = 1, .high = 2}), "fill-opacity"), 1U);
@@ -132,7 +136,7 @@ TEST(Svg, DrawsEachKindOfSeries) {
   EXPECT_EQ(occurrences(svg_of(Arrow{}), "<polygon"), 0U);
   EXPECT_EQ(occurrences(svg_of(Disc{}), "<ellipse"), 1U);
   EXPECT_EQ(occurrences(svg_of(Disc{.filled = false}), "<ellipse"), 1U);
-  // Besides the series, the page and the frame's clip are `<rect>` elements.
+  // The page and the frame's clip path add two `<rect>` elements.
   EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, 1}}), "<rect"), 3U);
   EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, 1}, .filled = false}), "fill=\"none\""),
             1U + occurrences(svg_of(Rectangle{.high = {1, 1}}), "fill=\"none\""));

@@ -20,8 +20,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 TEST(Terminal, NeverExceedsItsSize) {
-  // Goal: no line wraps and nothing scrolls, for all example panels at many sizes, with and without
-  // Unicode. Method: count lines and their code points, down to the minimum size.
+  // Goal: a picture in the terminal never has more lines or columns than requested, down to a
+  // minimum size. Method: draw all example panels at many sizes, with and without Unicode. Count
+  // the lines and their characters.
   for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure()}) {
     for (const Panel& panel : figure.panels) {
       for (const std::size_t columns : {1U, 24U, 40U, 80U, 200U}) {
@@ -42,7 +43,7 @@ TEST(Terminal, NeverExceedsItsSize) {
 }
 
 TEST(Terminal, IsPureAsciiWhereAsked) {
-  // Goal: without Unicode and colours, output is plain ASCII. Method: check every byte.
+  // Goal: without Unicode and colours, the picture consists of plain ASCII characters.
   for (const Panel& panel : hostile_figure().panels) {
     for (const char c : to_terminal(panel, {.unicode = false})) {
       ASSERT_TRUE((c >= ' ' && c <= '~') || c == '\n') << static_cast<int>(c);
@@ -51,8 +52,7 @@ TEST(Terminal, IsPureAsciiWhereAsked) {
 }
 
 TEST(Terminal, DrawsARisingLine) {
-  // Goal: every character of a picture is right. Method: compare a diagonal on the smallest ASCII
-  // canvas.
+  // Goal: a diagonal line on the smallest canvas gives exactly the expected ASCII picture.
   const Panel panel{.x_range = Range{0, 10},
                     .y_range = Range{0, 1},
                     .series = {Line{.points = {{0, 0}, {10, 1}}}}};
@@ -67,7 +67,8 @@ TEST(Terminal, DrawsARisingLine) {
 }
 
 TEST(Terminal, UsesBraille) {
-  // Goal: dots are in the right Unicode pattern. Method: draw a marker in each corner.
+  // Goal: each marker sets the right dot of the right braille character. Method: draw a marker in
+  // each corner.
   const Panel panel{.x_range = Range{0, 1},
                     .y_range = Range{0, 1},
                     .series = {Markers{.points = {{0, 0}, {0, 1}, {1, 0}, {1, 1}}}}};
@@ -79,7 +80,7 @@ TEST(Terminal, UsesBraille) {
 }
 
 TEST(Terminal, DrawsVerticalLines) {
-  // Goal: a vertical line spans the whole height at its x. Method: draw a line at the right edge.
+  // Goal: a vertical line spans the whole height of the panel at the line's x value.
   const Panel panel{.x_range = Range{0, 1},
                     .y_range = Range{0, 1},
                     .series = {VerticalLine{.x = 1, .dashed = false}}};
@@ -89,8 +90,7 @@ TEST(Terminal, DrawsVerticalLines) {
 }
 
 TEST(Terminal, MarksInfinitiesAndSurvivesNothing) {
-  // Goal: minus infinity appears at the lower edge; an empty panel has only axes. Method: draw
-  // both.
+  // Goal: a point at minus infinity is drawn as an arrow, and an empty panel contains no arrow.
   const Panel panel{
       .series = {Line{.points = {{0, 0}, {1, -std::numeric_limits<double>::infinity()}, {2, 1}}}}};
   EXPECT_NE(to_terminal(panel, {}).find("↓"), std::string::npos);
@@ -98,8 +98,8 @@ TEST(Terminal, MarksInfinitiesAndSurvivesNothing) {
 }
 
 TEST(Terminal, ColorsAndResets) {
-  // Goal: escapes appear only if requested, and every line resets the terminal's colour. Method:
-  // draw a coloured line; each line with an escape ends in the reset.
+  // Goal: the picture has colours only on request, and each coloured line ends by resetting the
+  // terminal's colour.
   const Panel panel{.series = {Line{.points = {{0, 0}, {1, 1}}}}};
   EXPECT_EQ(to_terminal(panel, {}).find('\x1b'), std::string::npos);
   const std::string colored = to_terminal(panel, {.color = true});
@@ -110,7 +110,8 @@ TEST(Terminal, ColorsAndResets) {
 }
 
 TEST(Terminal, KnowsUtf8Locales) {
-  // Goal: Unicode is used only if the locale's name has UTF-8. Method: use common locale names.
+  // Goal: the terminal counts as a Unicode terminal only if the name of its locale contains
+  // ".UTF-8" or ".utf8".
   EXPECT_TRUE(names_utf8("en_GB.UTF-8"));
   EXPECT_TRUE(names_utf8("C.utf8"));
   EXPECT_FALSE(names_utf8("C"));
@@ -119,8 +120,8 @@ TEST(Terminal, KnowsUtf8Locales) {
 }
 
 TEST(Terminal, TakesAFileForNoTerminal) {
-  // Goal: redirected output gets the default size and no colours. Method: use an invalid
-  // descriptor.
+  // Goal: output that doesn't go to a terminal gets the default size and no colours. Method: use an
+  // invalid file descriptor.
   const TerminalOptions options = detect_terminal(-1);
   EXPECT_EQ(options.columns, 80U);
   EXPECT_EQ(options.rows, 24U);

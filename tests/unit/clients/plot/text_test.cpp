@@ -6,8 +6,9 @@ namespace sleight::plot {
 namespace {
 
 TEST(Text, IsRepairedToPrintableUtf8) {
-  // Goal: any bytes become text that is safe for XML and terminals. Method: use bad bytes, overlong
-  // forms, surrogates and controls. Valid text of all lengths must stay unchanged.
+  // Goal: printable() turns any bytes into text that is safe in XML and on terminals. Method:
+  // convert valid text, invalid bytes, overlong encodings, surrogates and control characters. Valid
+  // text must stay unchanged.
   EXPECT_EQ(printable("σ ≤ 0.1 D 🎲"), "σ ≤ 0.1 D 🎲");
   EXPECT_EQ(printable("a\tb\nc"), "a b c");
   EXPECT_EQ(printable("\x1b[31m"), "\uFFFD[31m");
@@ -23,7 +24,7 @@ TEST(Text, IsRepairedToPrintableUtf8) {
 }
 
 TEST(Text, IsCountedAndCutByCodePoints) {
-  // Goal: no character is cut. Method: mix lengths.
+  // Goal: text is counted and cut by whole characters, whatever their length in bytes.
   EXPECT_EQ(length_of("±σ1"), 3U);
   EXPECT_EQ(first_of("±σ1", 2), "±σ");
   EXPECT_EQ(first_of("±σ1", 9), "±σ1");
@@ -31,7 +32,7 @@ TEST(Text, IsCountedAndCutByCodePoints) {
 }
 
 TEST(Text, FitsItsWidth) {
-  // Goal: a fitted text is no wider than requested and keeps its start. Method: vary the width.
+  // Goal: a text that is cut to a width fits the width and keeps its beginning.
   const std::string long_text = "The horizontal resting position of each sample";
   EXPECT_EQ(fitted(long_text, 12, 1000), long_text);
   for (const double width : {200.0, 90.0, 30.0}) {
@@ -45,7 +46,7 @@ TEST(Text, FitsItsWidth) {
 }
 
 TEST(Text, HasAnAsciiForm) {
-  // Goal: labels stay readable without Unicode. Method: convert characters of axes and figures.
+  // Goal: labels stay readable when they are converted to ASCII.
   EXPECT_EQ(to_ascii("−1.5×10⁻⁹"), "-1.5e-9");
   EXPECT_EQ(to_ascii("σ = ±10°"), "sigma = +-10deg");
   EXPECT_EQ(to_ascii("Ж🎲"), "??");

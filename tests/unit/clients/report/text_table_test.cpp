@@ -30,8 +30,8 @@ std::size_t longest_line(const std::string& text) {
 }
 
 TEST(TextTable, AlignsColumnsAndLeavesEmptyOnesOut) {
-  // Goal: numbers are right-aligned, texts left-aligned, and multi-byte characters count once.
-  // Method: compare the whole text.
+  // Goal: a table aligns numbers to the right and texts to the left, counts characters instead of
+  // bytes, and omits empty columns.
   EXPECT_EQ(to_text(example(), std::nullopt),
             "  ID  NAME    RATE  WHY\n"
             "   7  hi    85,200  waits for four cores that others have\n"
@@ -39,8 +39,8 @@ TEST(TextTable, AlignsColumnsAndLeavesEmptyOnesOut) {
 }
 
 TEST(TextTable, FitsEveryWidth) {
-  // Goal: no line exceeds the terminal if the required columns fit; the least important column is
-  // dropped first. Method: try all widths.
+  // Goal: no line is wider than the terminal. A narrow table omits its least important column
+  // first.
   const TextTable table = example();
   for (std::size_t width = 10; width < 80; ++width) {
     const std::string text = to_text(table, width);
@@ -57,7 +57,7 @@ TEST(TextTable, FitsEveryWidth) {
 }
 
 TEST(TextTable, OfNothingIsNothing) {
-  // Goal: a table without rows has no column heads.
+  // Goal: a table without rows prints nothing, not even the column heads.
   EXPECT_EQ(to_text({.columns = {{.head = "ID"}}, .rows = {}}, 80), "");
 }
 

@@ -9,7 +9,7 @@ namespace sleight::service_client {
 namespace {
 
 TEST(JobNames, AreNumbersRangesAndGroups) {
-  // Goal: a parsed job name prints as the same text. Method: use one name of each form.
+  // Goal: a number, a range and a group are parsed as job names, and each prints as the same text.
   const std::vector<std::string> texts{"17", "3..8", "g5"};
   const auto names = job_names_of(texts);
   ASSERT_TRUE(names);
@@ -19,8 +19,8 @@ TEST(JobNames, AreNumbersRangesAndGroups) {
 }
 
 TEST(JobNames, OtherTextsAreNone) {
-  // Goal: a mistyped job name never refers to a job. Method: try similar texts; the error shows
-  // each text in printable form.
+  // Goal: a text that isn't exactly a job name is refused, and the error contains no control
+  // characters.
   for (const char* text : {"",
                            "0",
                            "-1",
@@ -53,15 +53,14 @@ TEST(JobNames, OtherTextsAreNone) {
 }
 
 TEST(JobNames, ARangeIsBounded) {
-  // Goal: ranges up to the limit are accepted. Method: use the largest valid range, and a range
-  // with one more job.
+  // Goal: a range of 10,000 jobs is accepted, and a longer range is refused.
   EXPECT_TRUE(job_names_of(std::vector<std::string>{"1..10000"}));
   EXPECT_FALSE(job_names_of(std::vector<std::string>{"2..10002"}));
 }
 
 TEST(JobNames, OnlyANumberAloneIsASingleJob) {
-  // Goal: the form of the arguments alone determines whether JSON is an object or a list. Method:
-  // try a group and a range of one job.
+  // Goal: only one plain number counts as a single job. A group and a range of one job count as
+  // lists.
   const auto is_single = [](const std::vector<std::string>& texts) {
     return is_single_job(job_names_of(texts).value());
   };

@@ -10,8 +10,8 @@ namespace sleight::terminal {
 namespace {
 
 TEST(ProgressPrinter, WritesPlainLinesNowAndThen) {
-  // Goal: a log file gets a line every k_plain_line_every_s, without control characters. Method:
-  // use a file in place of a terminal, with a report every 0.1 s for 20 s.
+  // Goal: a log file gets a progress line every 5 s, without control characters. Method: report 20
+  // s of progress to a file, once every 0.1 s, and count the lines.
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
   ASSERT_NE(file, nullptr);
   ProgressPrinter printer("x", file.get());
@@ -27,8 +27,8 @@ TEST(ProgressPrinter, WritesPlainLinesNowAndThen) {
 }
 
 TEST(ProgressPrinter, WritesPhasesThatLast) {
-  // Goal: a log file gets lines about writing an archive only if that takes long. Method: use a
-  // file in place of a terminal, with and without a minimum interval between lines.
+  // Goal: a message is written to a log file only if no line was written for a minimum time.
+  // Method: print a message at once, with a minimum time of 0 s and with the default minimum time.
   for (const double every_s : {0.0, k_plain_line_every_s}) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
     ASSERT_NE(file, nullptr);

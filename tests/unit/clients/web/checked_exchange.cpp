@@ -109,7 +109,7 @@ void check_head(std::string_view head) {
     CHECK_EQ(is_end, head[i + 1] == '\n');
     if (is_end) ++lines;
   }
-  // The head has common lines and up to three optional lines; a line end in a value would add more.
+  // A sound head has at most 14 lines. A line end within a value would add more lines.
   CHECK_LE(lines, 14U);
 }
 
@@ -207,8 +207,8 @@ bool is_same(const Ask& a, const Ask& b) {
 
 Outcome checked_exchange(std::string_view bytes, std::size_t piece) {
   Outcome whole = exchange_in_pieces(bytes, bytes.size() + 1);
-  // If there are two damaged heads, the pieces may determine which head is refused and which waits
-  // for its deadline.
+  // Don't compare the refusals: if two heads are damaged, the size of the pieces may determine
+  // which head is refused.
   const Outcome in_pieces = exchange_in_pieces(bytes, piece);
   CHECK_EQ(whole.taken.size(), in_pieces.taken.size());
   std::string_view rest = bytes;

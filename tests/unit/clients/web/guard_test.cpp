@@ -1,5 +1,5 @@
-// Goal: the guard passes requests of the page in an authorized browser, and no others. Method:
-// change a valid request in one thing at a time and check the outcome.
+// Goal: the guard passes only requests that the page sends from an authorized browser. Method:
+// change one part of a valid request at a time, and check whether the guard refuses the request.
 #include "clients/web/guard.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ class Guarding : public ::testing::Test {
     Fields fields{};
   };
 
-  /// A request as an authorized browser sends it.
+  /// Returns a request as an authorized browser sends it.
   Request good() const { return {.fields = {{"Host", "127.0.0.1:7000"}, {"Cookie", cookie()}}}; }
   Request post() const {
     Request request = good();
@@ -148,7 +148,8 @@ TEST_F(Guarding, RefusesWhatABrowserSaysComesFromElsewhere) {
   for (const std::string site : {"cross-site", "same-site", "", "anything"}) {
     EXPECT_EQ(refused(with(good(), "Sec-Fetch-Site", site)), 403U) << site;
     EXPECT_EQ(refused(with(post(), "Sec-Fetch-Site", site)), 403U) << site;
-    // A link from another site is refused too, unless it authorizes the browser.
+    // A request that follows a link on another site is refused too, unless the link contains a
+    // token.
     const Request led =
         with(with(with(to(good(), "/"), "Sec-Fetch-Site", site), "Sec-Fetch-Mode", "navigate"),
              "Sec-Fetch-Dest", "document");

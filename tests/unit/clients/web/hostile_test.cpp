@@ -1,6 +1,6 @@
-// Goal: within limits, hostile peers get no answers that are meant for others and delay no other
-// client. Method: send raw bytes to real sockets, with short time limits; another client is
-// answered during each attack.
+// Goal: hostile peers are refused, use limited resources, and delay no other client. Method: attack
+// a real server over sockets, with short time limits. Other clients must be answered during or
+// after each attack.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -82,7 +82,7 @@ TEST(HostilePeers, AreRefusedAndReadNothingOfTheirs) {
   };
   for (const auto& [bytes, status] : attacks) {
     RawClient client(served.port());
-    // A refused peer may find the connection closed while sending.
+    // The server may close the connection while the client is still sending.
     client.send(bytes);
     const Received received = client.receive();
     EXPECT_EQ(received.status, status) << bytes.substr(0, 300);
@@ -231,7 +231,7 @@ TEST(HostilePeers, AboveTheLimitAreToldSo) {
   std::vector<std::unique_ptr<RawClient>> others;
   for (int i = 0; i < 50; ++i) {
     others.push_back(std::make_unique<RawClient>(served.port()));
-    // The answer is 503, or nothing if many refusals are being sent.
+    // The answer is 503. There may be no answer if the server is already sending many refusals.
     const int status = others.back()->receive().status;
     EXPECT_TRUE(status == 503 || status == 0) << status;
     EXPECT_TRUE(i >= 10 || status == 503) << i;
@@ -269,7 +269,7 @@ std::size_t resident_bytes() {
   return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// The server survives random connections (random_request.h).
+// Goal: the server survives random requests and uses limited memory (random_request.h).
 TEST(HostilePeers, SendAnything) {
   constexpr std::uint64_t k_seed = 28;
   Served served({}, Patience::of_limits);
@@ -289,7 +289,8 @@ TEST(HostilePeers, SendAnything) {
     client.send(bytes);
     if (testing::one_in(stream, 4)) continue;  // close the connection silently
     client.end_sending();
-    // Every answer starts like HTTP; a stream ends when its reader stops sending.
+    // Every answer starts with an HTTP status line. A stream of events ends when its client stops
+    // sending.
     const std::string received = client.receive_until("never sent");
     EXPECT_TRUE(received.empty() || received.starts_with("HTTP/1.1 ")) << received;
   }

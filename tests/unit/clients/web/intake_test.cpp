@@ -1,6 +1,6 @@
-// Goal: any bytes yield the requests that a plain reader finds, or a refusal, within limits.
-// Method: use known bytes with known outcomes; compare random and hostile requests with the second
-// reader of checked_exchange.h; use bytes that the second reader must refuse.
+// Goal: from any bytes, the server takes the same requests as a second, simple reader, or refuses
+// the bytes. Method: send known bytes with known outcomes. Compare random and hostile requests with
+// the second reader in checked_exchange.h. Check that the second reader refuses ambiguous bytes.
 #include "clients/web/intake.h"
 
 #include <fmt/format.h>
@@ -133,7 +133,7 @@ TEST(Intakes, KeepNoBodyBeforeTheGuardHasSpoken) {
   EXPECT_EQ(budget.bytes, 0U);
 }
 
-// Tests about 50 random requests per case. tests/fuzz tests more.
+// Each case tests about 50 random requests. tests/fuzz tests more requests.
 TEST(Intakes, AgreeWithThePlainReaderOnAnything) {
   constexpr std::uint64_t k_seed = 27;
   std::size_t passed = 0;

@@ -1,5 +1,6 @@
-// Goal: keys can't be guessed, and each token authorizes once. Method: inspect generated keys; use
-// tokens once and again, and replace them by newer tokens; use one token in two threads.
+// Goal: generated secrets differ, and each token works only once. Method: compare a hundred
+// secrets. Use a token twice, use a token that newer tokens have displaced, and use one token in
+// two threads.
 #include "clients/web/keys.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// Goal: answers have all protective headers, and handlers or requests can't inject other headers.
-// Method: compare heads with their texts; try values with line ends.
+// Goal: each answer has all protective headers, and no handler or request can inject another
+// header. Method: compare the heads of answers with the expected texts. Use values that contain
+// line ends.
 #include "clients/web/reply.h"
 #include "common/json/value.h"
 

@@ -1,4 +1,4 @@
-// A server for tests, whose handler repeats the request.
+// A server for tests. Its handler answers with the text of the request.
 #pragma once
 
 #include <atomic>
@@ -54,8 +54,8 @@ inline bool comes_true(const std::function<bool()>& is_so) {
   return true;
 }
 
-/// How long clients may take: without limit (for busy machines), or as long as the server's limits
-/// allow.
+/// Time that clients may take: practically unlimited, so that tests pass on busy machines, or the
+/// server's limits.
 enum class Patience : std::uint8_t { endless, of_limits };
 
 class Served {
@@ -104,7 +104,7 @@ class Served {
   std::mutex mutex_;
   std::vector<std::string> complaints_;
   std::atomic<int> asks_ = 0;
-  std::optional<Server> server_;  ///< last, because its threads use all above
+  std::optional<Server> server_;  ///< last, because its threads use the members above
 };
 
 }  // namespace sleight::web::testing

@@ -1,5 +1,5 @@
-// Goal: an authorized browser gets what its page needs. Method: send a browser's bytes over
-// sockets.
+// Goal: an authorized browser can use requests, files and event streams as the page needs them.
+// Method: send the bytes of a browser's requests to a real server over sockets.
 #include "clients/web/server.h"
 
 #include <fcntl.h>
@@ -65,7 +65,7 @@ TEST(Servers, LetInByALinkOnce) {
   EXPECT_EQ(outside.field("Content-Type"), "application/json");
   EXPECT_EQ(served.asks(), 0);
 
-  // A second link doesn't invalidate the first.
+  // The server's link is now a new link, not the used one.
   const std::string second = served.server().new_link();
   EXPECT_EQ(served.server().link(), second);
   EXPECT_NE(second, link);
@@ -133,7 +133,7 @@ TEST(Servers, AnswerFilesByThemselves) {
                 .status,
             304);
   EXPECT_EQ(served.asks(), 0);
-  // Other names, and POSTs to a file, reach the handler.
+  // Requests for other names, and POST requests, reach the handler.
   EXPECT_EQ(client.ask(browser.get("/other.js")).content, "GET /other.js ");
   EXPECT_EQ(client.ask(browser.post("/", "x")).content, "POST / x");
   EXPECT_EQ(
@@ -208,11 +208,11 @@ TEST(Servers, StreamEvents) {
             std::string::npos);
   EXPECT_EQ(served.server().counts().streams, 2U);
   EXPECT_EQ(RawClient(served.port()).ask(browser.stream()).status, 503);
-  // Without Origin and Sec-Fetch-Site there is no stream.
+  // A request without Origin and Sec-Fetch-Site gets no stream.
   EXPECT_EQ(RawClient(served.port()).ask(browser.get("/api/events")).status, 403);
   { const RawClient gone = std::move(second); }
   EXPECT_TRUE(comes_true([&] { return served.server().counts().streams == 1; }));
-  // A reader that sends into its stream ends the stream.
+  // If the client sends bytes during a stream, the server ends the stream.
   first.send("GET / HTTP/1.1\r\n\r\n");
   EXPECT_TRUE(first.is_closed(10'000));
   EXPECT_TRUE(comes_true([&] { return served.server().counts().streams == 0; }));

@@ -1,6 +1,6 @@
-// Goal: the server reads a page's folder once, with the right content types, and reads nothing
-// outside the folder. Method: make folders with links, pipes and odd names; decompress compressed
-// files.
+// Goal: the server reads the files of a page's folder once, gives each file its content type, and
+// reads nothing outside the folder. Method: read folders that contain links, pipes and odd names.
+// Decompress the compressed files and compare them with the originals.
 #include "clients/web/static_files.h"
 
 #include <gtest/gtest.h>

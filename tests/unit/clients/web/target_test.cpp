@@ -1,5 +1,5 @@
-// Goal: every reader finds the same path in a target, or the target is refused. Method: parse a
-// table of targets.
+// Goal: a plain target is decoded once. A target that another program could read as a different
+// path is refused.
 #include "clients/web/target.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ TEST(Targets, PlainOnesAreDecodedOnce) {
   EXPECT_EQ(path_of("/die%201"), "/die 1");
   EXPECT_EQ(path_of("/a+b"), "/a+b");
   EXPECT_EQ(path_of("/%C3%A9"), "/\xc3\xa9");
-  // A double encoding is decoded once.
+  // A text that was encoded twice is decoded once.
   EXPECT_EQ(path_of("/%2525"), "/%25");
   EXPECT_EQ(path_of("/%252e%252e/"), "/%2e%2e/");
   // Names may contain dots; only "." and ".." are refused.

@@ -1,5 +1,6 @@
-// Goal: the plausibility of satisfying animations follows from their numbers and the prior. Method:
-// use a small archive of known starts and heights, and cheap draws of the prior itself.
+// Goal: the plausibility of kept animations is computed correctly from their starts, their table
+// heights and the prior. Method: use a small archive with known values, and an archive of
+// animations that are drawn from the prior.
 #include "clients/world_plots/dice.h"
 
 #include <gmock/gmock.h>
@@ -26,8 +27,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using tests::failure_of;
 
-/// Returns the counts of all bins: `below` in the first, `above` in the last, and the others in the
-/// bins of -1 and 0 standard deviations.
+/// Returns the counts of all bins. The first bin has `below`, the last bin has `above`, and the
+/// bins at -1 and 0 standard deviations have the other two counts.
 std::vector<double> in_bins(double below, double at_minus_one, double at_zero, double above) {
   std::vector<double> counts(k_offset_bins);
   counts.front() = below;
@@ -42,7 +43,7 @@ std::vector<double> joined(std::vector<double> first, const std::vector<double>&
   return first;
 }
 
-/// Returns a prior of two dice. One component of both dice and one component of the second die are
+/// Returns a prior of two dice. Position x of both dice and velocity z of the second die are
 /// random.
 DicePrior small_prior() {
   const auto x = [](std::uint64_t die) {
@@ -65,8 +66,8 @@ DicePrior small_prior() {
           .is_table_random = true};
 }
 
-/// Contents of a small archive. Each animation has (x, y, z) of die 0, then of die 1, and heights
-/// by bin.
+/// Contents of a small archive. Each animation has x, y and z of die 0, then of die 1, and the
+/// counts of table heights by bin.
 struct Contents {
   double animations = 2;
   std::vector<double> position_m{1, 7, 7, 3, 7, 7, -1, 7, 7, 5, 7, 7};
@@ -111,9 +112,10 @@ class SmallArchive final : public archive::StoredArchive {
 };
 
 TEST(DicePlausibility, AreScoresAndCosts) {
-  // The two animations' scores of x are (0, 1) and (-1, 2), and the scores of velocity are 1 and
-  // -2. The scores' squares sum to 2 and 9 for 3 components, so the start's cost is (5.5 - 3)/2.
-  // The table's squares sum to 2 and 8 for 4 points, so its cost is (5 - 4)/2.
+  // In the two animations, the scores of x are (0, 1) and (-1, 2), and the scores of velocity are 1
+  // and -2. The squares of the three scores sum to 2 and 9. The mean of the sums is 5.5, so the
+  // start's cost is (5.5 - 3)/2. The squares of the table's four heights sum to 2 and 8. The mean
+  // of the sums is 5, so the table's cost is (5 - 4)/2.
   const DicePlausibility all = dice_plausibility(SmallArchive(), small_prior(), {});
   EXPECT_EQ(all.animations, 2U);
   ASSERT_EQ(all.start.size(), 2U);
@@ -142,8 +144,8 @@ TEST(DicePlausibility, AreScoresAndCosts) {
 }
 
 TEST(DicePlausibility, WordsSayNoMoreThanIsKnown) {
-  // Goal: plausibility_words() gives a verdict only if the mean exceeds chance, and large means
-  // don't overflow. Method: choose means and errors.
+  // Goal: the text states a verdict only if the mean cost differs from 0 by more than chance. Large
+  // costs don't overflow.
   const auto words_of = [](double mean, double error) {
     const PlausibilityCost cost{.is_random = true, .mean = mean, .error = error, .spread = 2};
     return plausibility_words(
@@ -163,7 +165,8 @@ TEST(DicePlausibility, WordsSayNoMoreThanIsKnown) {
 }
 
 TEST(DicePlausibility, OfThePriorItselfIsNothing) {
-  // 4000 animations drawn from the prior have costs within 5 standard errors of 0.
+  // Goal: the mean cost of animations drawn from the prior is 0. Method: draw 4,000 animations, and
+  // allow an error of 5 standard errors.
   constexpr std::size_t k_animations = 4000;
   random::Stream stream({.seed = 20261122, .purpose = random::Purpose::prior}, 0);
   const auto normal = [&](double mean, double sd) {
@@ -194,7 +197,9 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
   const double root = std::sqrt(static_cast<double>(k_animations));
   for (const PlausibilityCost& cost : {found.start_cost, found.table_cost, found.cost}) {
     EXPECT_NEAR(cost.mean, 0, 5 * cost.spread / root);
-    // Each animation is its own lineage; the spread is a chi-square's standard deviation.
+    // Each animation is its own lineage, so the mean's error is the spread divided by the root of
+    // the number of animations. The table's spread is that of half a chi-square variable with 30
+    // degrees of freedom.
     EXPECT_NEAR(cost.error, cost.spread / root, 0.1 * cost.spread / root);
   }
   EXPECT_DOUBLE_EQ(found.table_cost.spread, std::sqrt(15));
@@ -211,8 +216,8 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
     ASSERT_EQ(bars.size(), k_offset_bins);
     EXPECT_DOUBLE_EQ(bars[1].low.x, -3);
     EXPECT_DOUBLE_EQ(bars[5].low.x, -1);
-    // The bar from -1 to -1/2 holds a share of 0.1499 in half a unit. A share of 0.0013 is beyond
-    // 3.
+    // Each bar is half a unit wide. The bar from -1 to -1/2 has an area of 0.1499, and the bar
+    // beyond 3 has an area of 0.0013.
     EXPECT_NEAR(bars[5].high.y, 0.2998, 0.05);
     EXPECT_NEAR(bars[13].high.y, 0.0027, 0.01);
   }
@@ -259,9 +264,9 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
 }
 
 TEST(DicePlausibility, ThePriorIsTheArchives) {
-  // Goal: dice_prior_of() finds in an archive which components of blind throws vary, in the order
-  // of dice, and whether the table varies. Method: use a small archive with known priors, without
-  // priors, and with damage.
+  // Goal: dice_prior_of() finds which start components in an archive are random, and whether the
+  // table is random. Method: read an archive with known priors, an archive without priors, and
+  // archives with invalid priors.
   const DicePrior prior = dice_prior_of(SmallArchive({.has_prior = true}));
   EXPECT_EQ(prior.dice, 2U);
   EXPECT_TRUE(prior.is_table_random);
@@ -298,7 +303,7 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
 }
 
 TEST(DicePlausibility, NothingRandomIsSaid) {
-  // Goal: if blind throws don't vary, there is nothing to plot. Method: use such a prior.
+  // Goal: if nothing in the prior is random, the plot is refused.
   const SmallArchive fixed({.has_prior = true,
                             .position_sd = {0, 0, 0, 0, 0, 0},
                             .velocity_z_sd = 0,
@@ -308,8 +313,8 @@ TEST(DicePlausibility, NothingRandomIsSaid) {
 }
 
 TEST(DicePlausibility, BinsAreThoseOfTheWorld) {
-  // Goal: plots use the score bins in which the world counts control points. Method: compare both
-  // functions over scores in and beyond all bins.
+  // Goal: plots use the same bins of heights as the world. Method: compare the bin numbers of both
+  // functions, for heights inside and outside the bins.
   EXPECT_EQ(k_offset_bins, worlds::dice::k_offset_bins);
   EXPECT_EQ(k_offset_first_sd, worlds::dice::k_offset_first_sd);
   EXPECT_EQ(k_offset_step_sd, worlds::dice::k_offset_step_sd);

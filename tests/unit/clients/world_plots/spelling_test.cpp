@@ -1,5 +1,3 @@
-// Goal: the spelling trace shows the number of filled bins over iterations. Method: draw a small
-// archive of known outcomes and read the figure's series.
 #include "clients/world_plots/spelling.h"
 
 #include <gmock/gmock.h>
@@ -29,8 +27,9 @@ class SmallArchive final : public archive::StoredArchive {
 };
 
 TEST(SpellingTrace, CountsIterations) {
-  // Goal: filled bins are plotted over iterations, not scans, below a line at the total. Method:
-  // draw the series of one chain and of all.
+  // Goal: the trace plots the number of filled bins over iterations instead of scans, and marks the
+  // total number with a line. Method: draw the trace of a small archive, for one chain and for all
+  // chains.
   const Spelling spelling;
   const SmallArchive source;
   const plot::Figure one =

@@ -1,6 +1,6 @@
-// Goal: TLS accepts a certificate that Sleight made, and its fingerprint identifies it. Texts that
-// are not certificates, and keys of other certificates, are refused. Method: make certificates and
-// read them back; tls_test.cpp in common/rpc tests connections with them.
+// Goal: Sleight makes valid certificates with unique fingerprints. Texts that are not certificates,
+// and keys that belong to another certificate, are refused. Method: make certificates and read them
+// back. The test common/rpc/tls_test.cpp makes connections with such certificates.
 #include "common/access/certificates.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Goal: addresses are read as written, and malformed ones are refused. Method: read both kinds.
+// Goal: the usual forms of a server's address are read, and malformed addresses are refused. An
+// address without a port gets the default port.
 #include "common/access/server_address.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// Goal: a token is read back as it was written, and altered tokens are refused. Method: draw
-// tokens, then change, cut or move each character; compare each hash with those of other tokens.
+// Goal: a written token reads back equal, altered tokens are refused, and different tokens have
+// different hashes. Method: change each character of a token, swap neighbouring characters, and cut
+// the token at each character.
 #include "common/access/token_text.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// Goal: CSV contains every value once in a named column, and doubles read back with the same bits.
-// Method: export the in-memory archive, parse the CSV and compare.
+// Goal: a CSV table has a named column for each variable, and its numbers read back equal. Method:
+// export the tables of an in-memory archive, parse the CSV, and compare the values with the
+// archive.
 #include "common/archive/csv.h"
 
 #include <gtest/gtest.h>

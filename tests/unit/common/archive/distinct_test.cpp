@@ -1,5 +1,6 @@
-// Goal: kept animations match the definition in distinct.h, and memory is bounded. Method: compare
-// the selector on random runs with a reference that applies the four conditions by (scan, chain).
+// Goal: the selector keeps the animations that distinct.h defines. Method: on random runs, compare
+// the selector with a slow reference that applies the four conditions to each draw, in order of
+// scan and chain.
 #include "common/archive/distinct.h"
 
 #include <gtest/gtest.h>
@@ -85,7 +86,7 @@ TEST(Distinct, EqualsTheDefinitionOnRandomRuns) {
   EXPECT_GT(truncated, runs / 20) << "the runs hardly ever meet keep_max";
 }
 
-/// A draw that satisfies the constraint and whose state has this key.
+/// Returns a draw that satisfies the constraint and has the state of this key.
 plan::ScanRecord satisfied(std::uint64_t key) {
   return {.satisfied = true,
           .lineage = 4,
@@ -108,9 +109,9 @@ class CountedLikenesses final : public FakeReader {
 };
 
 TEST(Distinct, AsksOfEachAnimationOnceWhatIsCompared) {
-  // Goal: each animation is simulated once. If likenesses don't fit in memory, some are computed
-  // again, and the same animations are kept. Method: offer one long lineage of different states,
-  // with room for all likenesses and then for five.
+  // Goal: the likeness of each animation is computed once. With too little memory, some likenesses
+  // are computed again, but the same animations are kept. Method: offer a long lineage of different
+  // states, first with memory for all likenesses and then with memory for five.
   constexpr std::uint64_t k_scans = 300;
   DistinctOptions options{.keep_max = 1000, .keep_per_lineage = 1000, .min_distance = 1e-3};
   const auto kept_by = [&](const StateReader& reader) {
@@ -140,7 +141,7 @@ TEST(Distinct, AsksOfEachAnimationOnceWhatIsCompared) {
 }
 
 TEST(Distinct, AsksNothingOfThoseThatStayAlone) {
-  // Goal: if one animation per lineage is kept, no likenesses are compared.
+  // Goal: if only one animation per lineage is kept, no likeness is computed.
   const FakeRun run({.chains = 2, .scans = 300, .thin = 1, .satisfied_share = 0.8, .lineages = 5});
   const CountedLikenesses reader;
   EXPECT_EQ(selected(run, reader, {.keep_max = 1000, .keep_per_lineage = 1}).size(), 10U);

@@ -1,6 +1,6 @@
-// Goal: an archive returns scenes and motions as they were written, and a damaged or older archive
-// returns an error. Method: write archives of the made-up world, with valid values and with values
-// that no writer writes.
+// Goal: an archive returns scenes and motions as they were written, and reports damage as an error.
+// Method: write archives of a made-up world. Read all values of a sound archive, and damage one
+// value in each of the other archives.
 #include "common/archive/kept_motions.h"
 
 #include <gmock/gmock.h>
@@ -120,7 +120,8 @@ TEST(KeptMotions, DamageIsNamed) {
   EXPECT_EQ(findings([](MemoryArchive&) {}), "");
   for (const std::string_view group : {k_animations, k_finds}) {
     const auto says = [&](const std::function<void(MemoryArchive&)>& damage) {
-      // The damage also changes the digest; rows are checked only if everything else is sound.
+      // Read every motion instead of calling verify(), which checks rows only if everything else is
+      // sound, including the digest.
       MemoryArchive archive;
       write(archive);
       damage(archive);
@@ -142,7 +143,7 @@ TEST(KeptMotions, DamageIsNamed) {
                 HasSubstr("invalid segment"));
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "mode")[0] = 4; }),
                 HasSubstr("invalid segment"));
-    // 256 would be 0 if cut to a byte.
+    // 256 would become 0, a valid mode, if it were cut to one byte.
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "mode")[0] = 256; }),
                 HasSubstr("invalid segment"));
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "cause")[0] = 1; }),

@@ -1,5 +1,6 @@
-// Goal: the archive holds each of the run's values in its place, and its digest depends on the
-// content alone. Method: write a fake run into the in-memory archive and look up every value.
+// Goal: an archive holds each value of a run in its dataset, and the digest depends only on the
+// content. Method: write a made-up run into an in-memory archive, and compare the values with the
+// run.
 #include "common/archive/layout.h"
 
 #include <gmock/gmock.h>
@@ -41,8 +42,8 @@ std::vector<std::string> dims_of(const Source& source, std::string_view group,
 }
 
 TEST(Layout, HoldsWhatATemperedRunLearntAndEachReplicasState) {
-  // Goal: /tempering holds a method's tables with their coordinates, the root holds the method's
-  // warning, and /replicas holds each replica's newest state or NaN. Method: write a tempered run.
+  // Goal: the archive of a tempered run holds the method's tables, the method's warning, and the
+  // newest state of each replica. Replicas without a state have NaN.
   const FakeRunOptions options;
   const testing::FakeTemperedRun run(options);
   MemoryArchive archive;
@@ -157,8 +158,9 @@ std::string bits_of(const Values& values) {
 }
 
 TEST(Layout, FindsLieBesideDraws) {
-  // Goal: finds have their own group with motions, starts and throws; they don't change draws and
-  // animations. Method: compare a run with and without finds; write a search without chains.
+  // Goal: finds are stored in their own group and don't change draws or animations. Method: compare
+  // two archives of a run: one with finds, and one without finds. Also write the archive of a
+  // search, which has no chains.
   const FakeRunOptions options{.finds = 6};
   const FakeRun run(options);
   MemoryArchive archive;
@@ -212,8 +214,8 @@ TEST(Layout, SmallestRuns) {
 }
 
 TEST(Layout, AWarningIsKept) {
-  // Goal: a world's warning about its samples is in the archive and in its digest. Method: write
-  // one run with and without a warning.
+  // Goal: the archive contains the world's warning about its samples, and the digest depends on the
+  // warning.
   const FakeRunOptions options;
   const auto archived = [&](MemoryArchive& archive, const std::string& warning) {
     return write_digested(archive, [&](Sink& sink) {
@@ -240,8 +242,8 @@ class FailedRun : public FakeRun {
 };
 
 TEST(Layout, FailuresAreCountedByKindAndOnlyWhereThereAreSome) {
-  // Goal: failure counts are in the archive and in its digest. A run without failures has no such
-  // attribute, so its digest doesn't change. Method: write a run with and without failures.
+  // Goal: the archive contains the number of failures of each kind, and the digest depends on these
+  // numbers. A run without failures has no such attribute.
   const FakeRunOptions options;
   const auto archived = [&](MemoryArchive& archive, const plan::FailureCounts& failures) {
     return write_digested(archive, [&](Sink& sink) {
@@ -278,7 +280,7 @@ class StuckReader : public FakeReader {
 
 TEST(Layout, AnimationsThatFailAreCounted) {
   // Goal: satisfying animations that can't be simulated to their end are counted but not kept.
-  // Method: use a reader that fails for half of the motions, and one that never fails.
+  // Method: use a reader that fails for half of the motions, and a reader that never fails.
   const FakeRunOptions options;
   MemoryArchive stuck;
   write_digested(stuck, [&](Sink& sink) {
@@ -308,7 +310,7 @@ TEST(Digest, CoversContentAndLeavesOutTheVersion) {
   EXPECT_EQ(left_out, 3);
   EXPECT_EQ(digest(archive), before);
 
-  // Each kind of change alters the digest; undoing it restores the digest.
+  // Each kind of change alters the digest. Undoing the change restores the digest.
   const auto changed = [&](auto&& change, auto&& undo) {
     change();
     EXPECT_NE(digest(archive), before);
@@ -360,8 +362,8 @@ TEST(DigestDeathTest, IncompleteArchivesAreBugs) {
 }
 
 TEST(Layout, SaysHowFarItIs) {
-  // Goal: the writer reports each part of the archive, in order, until the part is complete.
-  // Reports don't change the archive. Method: record all reports of one run.
+  // Goal: the writer reports its progress through each part of the archive, in order. Reports don't
+  // change the archive.
   const FakeRunOptions run{.chains = 3, .scans = 50, .thin = 5};
   std::vector<WritingProgress> heard;
   MemoryArchive told;

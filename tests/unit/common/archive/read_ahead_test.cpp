@@ -1,5 +1,6 @@
-// Goal: ReadAhead returns the source's values and errors, and many small sequential reads need few
-// source reads. Method: compare and count random and sequential reads; damage one element.
+// Goal: ReadAhead returns the values and errors of its source, and combines many small sequential
+// reads into few reads of the source. Method: compare random reads with the source. Count the
+// source's reads, and damage one element.
 #include "common/archive/read_ahead.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,7 @@
 namespace sleight::archive {
 namespace {
 
-/// Forwards reads, counts them, and refuses any that touch one element.
+/// Forwards and counts reads. Refuses reads that include the damaged element.
 class Counting final : public Source {
  public:
   Counting(const Source& source, std::uint64_t damage, std::uint64_t& asked)
@@ -77,7 +78,7 @@ TEST_F(ReadAheadTest, GivesWhatTheSourceHas) {
   random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, 0);
   std::uint64_t first = 0;
   for (int i = 0; i < 20'000; ++i) {
-    // Mostly continue from the last place, sometimes jump anywhere.
+    // Mostly continue after the last read, but sometimes jump to a random place.
     if (stream.uniform() < 0.02 || first >= elements())
       first = static_cast<std::uint64_t>(stream.uniform() * static_cast<double>(elements()));
     const auto wanted = static_cast<std::uint64_t>(stream.uniform() * 40);

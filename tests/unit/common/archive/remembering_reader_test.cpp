@@ -1,5 +1,3 @@
-// Goal: RememberingReader simulates each motion once and changes no values. Method: count
-// simulations and compare with the plain reader.
 #include "common/archive/remembering_reader.h"
 
 #include <gtest/gtest.h>
@@ -53,9 +51,9 @@ class MapOfMotions final : public Motions {
 };
 
 TEST(RememberingReader, SimulatesEachMotionOnce) {
-  // Goal: two archives of a run simulate each motion once, including motions that fail, and equal
-  // the archive of a plain reader. Method: count simulations; compare digests. The plain reader
-  // simulates kept motions twice per archive.
+  // Goal: writing two archives of a run simulates each motion once, even a motion that fails, and
+  // gives the same archives as a plain reader. Method: count the simulations and compare the
+  // digests. A plain reader must simulate some motions more than once.
   const FakeRunOptions options;
   const auto digest_by = [&](const StateReader& reader) {
     MemoryArchive archive;
@@ -76,7 +74,8 @@ TEST(RememberingReader, SimulatesEachMotionOnce) {
 }
 
 TEST(RememberingReader, CanBeStoppedBeforeAMotionOrAComparison) {
-  // Goal: cancelling an archive waits for one motion at most. Method: let the callback throw.
+  // Goal: a callback that throws stops the reader before a new motion or a comparison. Motions in
+  // memory stay available.
   const FakeReader reader;
   MapOfMotions motions;
   bool is_stopped = false;

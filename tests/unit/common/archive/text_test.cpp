@@ -1,5 +1,5 @@
-// Goal: text that could control a terminal or break JSON is recognised. Method: use cases of RFC
-// 3629.
+// Goal: texts with control characters or invalid UTF-8 are recognised. Method: use valid and
+// invalid sequences from RFC 3629.
 #include "common/archive/text.h"
 
 #include <gtest/gtest.h>

@@ -16,8 +16,9 @@ std::optional<T> read_one(BytesView bytes) {
 }
 
 TEST(Bytes, ComeBackAsTheyWerePut) {
-  // Goal: scalars of every size read back in order, and doubles bit for bit. Method: write and read
-  // one of each size, and doubles whose bits are easily lost.
+  // Goal: numbers of every size read back in the order in which they were written, and doubles keep
+  // all bits. Method: use doubles whose bits are easily lost: a NaN with a payload, negative zero
+  // and infinity.
   const double payload = std::bit_cast<double>(std::uint64_t{0x7ff4'0000'dead'beef});
   ByteWriter writer;
   writer.put(std::uint8_t{200});
@@ -43,16 +44,15 @@ TEST(Bytes, ComeBackAsTheyWerePut) {
 }
 
 TEST(Bytes, AreLittleEndian) {
-  // Goal: stored bytes are the same on every machine. Method: write a number whose bytes all
-  // differ.
+  // Goal: numbers are stored in little-endian order on every machine.
   ByteWriter writer;
   writer.put(std::uint32_t{0x04030201});
   EXPECT_EQ(writer.take(), (Bytes{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}}));
 }
 
 TEST(Bytes, EndWithoutAValue) {
-  // Goal: no read passes the end, and a failed read consumes nothing. Method: for every length up
-  // to two words, read words, then the rest byte by byte.
+  // Goal: no read goes beyond the end, and a failed read consumes no bytes. Method: for each length
+  // up to two words, read whole words first and then single bytes.
   for (std::size_t size = 0; size <= 16; ++size) {
     const Bytes bytes(size, std::byte{9});
     ByteReader reader(bytes);
@@ -72,7 +72,7 @@ TEST(Bytes, EndWithoutAValue) {
 }
 
 TEST(Bytes, AreReadAtAnyAddress) {
-  // Goal: values need no alignment. Method: read a double at eight neighbouring addresses.
+  // Goal: a double can be read at any address, without alignment.
   for (std::size_t offset = 0; offset < 8; ++offset) {
     ByteWriter writer;
     for (std::size_t i = 0; i < offset; ++i)
@@ -84,7 +84,7 @@ TEST(Bytes, AreReadAtAnyAddress) {
 }
 
 TEST(Bytes, OfArraysAreTheirContent) {
-  // Goal: bytes_of() returns all elements, and no bytes for an empty span. Method: read them back.
+  // Goal: bytes_of() returns the bytes of all elements, and no bytes for an empty span.
   const std::vector<std::uint32_t> values{1, 0xffffffffU, 3};
   ByteReader reader(bytes_of(std::span(values)));
   for (const std::uint32_t value : values)

@@ -24,8 +24,8 @@ class CheckDeathTest : public ::testing::Test {
 };
 
 TEST_F(CheckDeathTest, PrintsPlaceConditionAndBothOperands) {
-  // Goal: a failed check's message suffices for a bug report. Method: fail each macro; the process
-  // must end by SIGABRT, in release builds too.
+  // Goal: the message of a failed check names the file, the line, the condition and both operands.
+  // The process ends with SIGABRT, in release builds too.
   const int three = 3;
   const int four = 4;
   EXPECT_DEATH(CHECK(three == four),
@@ -40,16 +40,16 @@ TEST_F(CheckDeathTest, PrintsPlaceConditionAndBothOperands) {
 }
 
 TEST_F(CheckDeathTest, PrintsTextIdsAndWhatHasNoFormat) {
-  // Goal: operands of any type compile, and are printed if their type allows it. Method: use three
-  // types, one of them unprintable.
+  // Goal: operands of any type can be checked. An operand that can't be printed appears as a
+  // question mark.
   EXPECT_DEATH(CHECK_EQ(std::string("left"), std::string("right")), "\\(left against right\\)");
   EXPECT_DEATH(CHECK_EQ(ChainId{7}, ChainId{8}), "\\(7 against 8\\)");
   EXPECT_DEATH(CHECK_EQ(Unprintable{1}, Unprintable{2}), "\\(\\? against \\?\\)");
 }
 
 TEST_F(CheckDeathTest, PrintsHowToRepeatTheRun) {
-  // Goal: a check that fails in any thread prints the main thread's notes in order. Method: add two
-  // notes, then fail a check in this thread and in another thread.
+  // Goal: a check that fails in any thread prints the notes on how to repeat the run, in order.
+  // Method: add two notes, then fail a check in the main thread and in another thread.
   const auto note = [] {
     add_repeat_note("to repeat: sleight direct hi.toml");
     add_repeat_note("seed 7");
@@ -71,8 +71,8 @@ TEST_F(CheckDeathTest, PrintsHowToRepeatTheRun) {
 }
 
 TEST_F(CheckDeathTest, PrintsExceptionsThatNobodyCatches) {
-  // Goal: an exception that leaves a thread is reported as a bug. Method: throw a standard
-  // exception and another exception in a thread of a reporting process.
+  // Goal: an exception that nobody catches is reported as a bug, with the notes on how to repeat
+  // the run. Lack of memory is reported as a failure of the environment.
   const auto throw_in_thread = [](const auto& exception) {
     report_uncaught_exceptions();
     add_repeat_note("seed 7");
@@ -86,7 +86,8 @@ TEST_F(CheckDeathTest, PrintsExceptionsThatNobodyCatches) {
 }
 
 TEST(RepeatNotes, AreKeptInOrderFromAllThreads) {
-  // Goal: no note is lost. Method: threads add notes at once; each thread's notes stay in order.
+  // Goal: notes that several threads add at the same time are all kept, in the order of each
+  // thread.
   const std::string before = repeat_notes();
   std::vector<std::thread> threads;
   for (const char name : {'a', 'b', 'c'}) {
@@ -109,8 +110,8 @@ TEST(RepeatNotes, AreKeptInOrderFromAllThreads) {
 }
 
 TEST(CommandLine, IsWhatAShellReadsBack) {
-  // Goal: the printed command line can be pasted into a shell. Method: use plain and awkward
-  // arguments.
+  // Goal: a printed command line can be pasted into a shell, even if its arguments contain spaces,
+  // quotes or dollar signs.
   const char* const arguments[] = {"sleight", "direct", "my request.toml", "-o", "a'b.h5",
                                    "",        "$x"};
   EXPECT_EQ(command_line(7, arguments),
@@ -118,7 +119,7 @@ TEST(CommandLine, IsWhatAShellReadsBack) {
 }
 
 TEST(Check, EvaluatesEachOperandOnce) {
-  // Goal: a check that holds changes nothing and evaluates its operands once. Method: count calls.
+  // Goal: a check that holds evaluates each operand once.
   int calls = 0;
   const auto next = [&] { return ++calls; };
   CHECK_EQ(next(), 1);
@@ -128,7 +129,8 @@ TEST(Check, EvaluatesEachOperandOnce) {
 }
 
 TEST(Check, StandsWhereAStatementStands) {
-  // Goal: a macro is one statement. Method: branch without braces; the untaken check would fail.
+  // Goal: a check macro is a single statement. Method: use checks as the branches of an `if`
+  // without braces.
   const bool yes = true;
   if (yes)
     CHECK_EQ(1, 1);

@@ -22,7 +22,7 @@ class Cores : public archive::testing::Scratch {
 
 TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
   // Goal: core_quota() returns the lowest quota of a control group and its ancestors, in both
-  // versions of control groups. Method: make a folder with files like the kernel's.
+  // versions of control groups. Method: write files in the kernel's format to a folder.
   const auto quota = [&](const char* groups) { return core_quota(groups, path("")); };
   EXPECT_EQ(quota("0::/a/b\n"), std::nullopt);
   say("cpu.max", "max 100000\n");
@@ -33,7 +33,7 @@ TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
   EXPECT_EQ(quota("0::/\n"), std::nullopt);
   say("a/b/cpu.max", "1000 100000\n");
   EXPECT_EQ(quota("0::/a/b\n"), 1U);
-  // Inside a container, the root is the container's group.
+  // Inside a container, the root folder describes the container's own group.
   say("cpu.max", "200000 100000\n");
   EXPECT_EQ(quota("0::/docker/17\n"), 2U);
   EXPECT_EQ(quota("nonsense\n0\n"), std::nullopt);
@@ -50,7 +50,7 @@ TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
 }
 
 TEST(CoresHere, AreThoseOfTheAffinity) {
-  // Goal: a process bound to one core starts one thread. Method: bind this thread.
+  // Goal: cores_here() returns 1 for a process that is bound to one core.
   cpu_set_t all;
   ASSERT_EQ(::sched_getaffinity(0, sizeof(all), &all), 0);
   int first = 0;

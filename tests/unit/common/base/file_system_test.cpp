@@ -35,8 +35,7 @@ class FileSystemOfPosix : public archive::testing::Scratch {
 };
 
 TEST_F(FileSystemOfPosix, KnowsWhatExists) {
-  // Goal: exists() returns the right answer, and reports an error if it can't find out. Method:
-  // test a file, a folder, a missing path, a path through a file, and an overlong name.
+  // Goal: exists() tells whether a path exists, and throws an error if the system can't tell.
   put_bytes(path("file"), "x");
   EXPECT_TRUE(files_.exists(path("file")));
   EXPECT_TRUE(files_.exists(path("")));
@@ -47,8 +46,8 @@ TEST_F(FileSystemOfPosix, KnowsWhatExists) {
 }
 
 TEST_F(FileSystemOfPosix, TellsFoldersAndWhatIsInThem) {
-  // Goal: folders and files are distinguished, and names are sorted. Method: list a file, a folder,
-  // a missing path, and a path through a file; an error names a path that can't be listed.
+  // Goal: folders are distinguished from files, and the names in a folder are sorted. The error
+  // about a path that can't be listed contains the path.
   put_bytes(path("b"), "x");
   put_bytes(path("a"), "x");
   std::filesystem::create_directory(path("c"));
@@ -63,8 +62,8 @@ TEST_F(FileSystemOfPosix, TellsFoldersAndWhatIsInThem) {
 }
 
 TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
-  // Goal: a file holds the bytes written at their offsets and zeros elsewhere. Method: write with a
-  // gap, read past the end, shrink and close the file; creating the file again must empty it.
+  // Goal: a file returns bytes at the offsets at which they were written, and zeros elsewhere.
+  // Creating an existing file empties the file.
   const auto bytes = [](std::string_view text) { return std::as_bytes(std::span(text)); };
   auto file = std::move(files_.create(path("file"))).value();
   EXPECT_FALSE(file->write_at(3, bytes("defg")));
@@ -81,7 +80,6 @@ TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
 
 TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
   // Goal: create() doesn't follow a link at the new file's path, and returns the system's errors.
-  // Method: create a file over a link, in a missing folder, over a folder, and on a full device.
   put_bytes(path("target"), "kept");
   std::filesystem::create_symlink(path("target"), path("link"));
   EXPECT_EQ(files_.create(path("link")).error(), std::errc::too_many_symbolic_link_levels);
@@ -96,8 +94,7 @@ TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
 }
 
 TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {
-  // Goal: an error message names the path that failed. Method: call each function on a path that
-  // fails.
+  // Goal: each error message names the path that failed and the system's reason.
   const std::string missing = path("missing");
   const std::string below = path("nowhere/file");
   std::filesystem::create_directory(path("folder"));
@@ -112,8 +109,8 @@ TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {
 }
 
 TEST_F(FileSystemOfPosix, ReadsTextUpToALimit) {
-  // Goal: read_text_file() returns the whole file or an error, never a part. Method: read files of
-  // sizes around the limit, a file with zero bytes, a folder and a missing file.
+  // Goal: read_text_file() returns the whole text, or throws an error if the file is too long or
+  // can't be read.
   const std::string text("a\0b\n", 4);
   put_bytes(path("text"), text);
   put_bytes(path("empty"), "");
@@ -129,7 +126,7 @@ TEST_F(FileSystemOfPosix, ReadsTextUpToALimit) {
 }
 
 TEST(DirectoryOf, IsTheFolderPart) {
-  // Goal: directory_of() returns the folder to sync after a rename. Method: use every form of path.
+  // Goal: directory_of() returns the folder of a file, for every form of path.
   EXPECT_EQ(directory_of("file"), ".");
   EXPECT_EQ(directory_of("/file"), "/");
   EXPECT_EQ(directory_of("a/file"), "a");

@@ -20,7 +20,7 @@ static_assert(std::same_as<ScanIndex::representation, std::uint64_t>);
 static_assert(std::is_trivially_copyable_v<ScanIndex>);
 
 TEST(Ids, PrintAsTheirNumber) {
-  // Goal: an id formats as its number, with its format options. Method: format the largest.
+  // Goal: an id is printed like its number, with the same format options.
   EXPECT_EQ(fmt::format("{}", ChainId{std::numeric_limits<std::uint32_t>::max()}), "4294967295");
   EXPECT_EQ(fmt::format("{}", ScanIndex{std::numeric_limits<std::uint64_t>::max()}),
             "18446744073709551615");

@@ -25,9 +25,8 @@ class Outputs : public archive::testing::Scratch {
 };
 
 TEST_F(Outputs, GoWhereLinksLead) {
-  // Goal: writing through a link keeps the link and writes its target, even if the target is
-  // missing. Method: write through a link in another folder, a link to a link, a dangling link, a
-  // circular link, and a link to a folder with a slash.
+  // Goal: writing to a link writes the link's target, even if the target doesn't exist yet, and
+  // keeps the link. Writing to a circular link is an error.
   fs::create_directory(path("real"));
   fs::create_symlink("real/a", path("near"));
   fs::create_symlink(path("near"), path("far"));
@@ -46,9 +45,8 @@ TEST_F(Outputs, GoWhereLinksLead) {
 }
 
 TEST_F(Outputs, AreWholeOrAsBefore) {
-  // Goal: a failed write leaves the old file and no other file; modes follow the umask. Method:
-  // write with a function that throws, to a full device, into a missing folder, and under two
-  // umasks.
+  // Goal: a failed write leaves the old file and no other file. The mode of a new file follows the
+  // umask.
   write("a", "old");
   const auto throwing = [](std::ostream& file) {
     file << "new";

@@ -12,8 +12,8 @@ namespace {
 using Number = Result<int, std::string>;
 
 TEST(Result, KeepsSidesApartWhenTypesAreClose) {
-  // Goal: a Result doesn't confuse a value with an error of a convertible type. Method: make the
-  // error convertible.
+  // Goal: a Result that holds an error stays an error, even if the error converts to the value's
+  // type.
   struct Reason {
     operator int() const { return 5; }
   };
@@ -22,8 +22,8 @@ TEST(Result, KeepsSidesApartWhenTypesAreClose) {
 }
 
 TEST(ResultDeathTest, ReadingTheOtherSideIsABug) {
-  // Goal: reading the value of an error, or the error of a value, ends the program. Method: try all
-  // three accessors.
+  // Goal: reading the value of a Result that holds an error, or the error of a Result that holds a
+  // value, ends the program.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const Number good(7);
   EXPECT_DEATH((void)good.error(), "check failed: .*\\(0 against 1\\)");

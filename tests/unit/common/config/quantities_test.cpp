@@ -1,5 +1,5 @@
-// Goal: sizes and times are read in the forms that people write, other texts are refused, and
-// written values read back equal. Method: read examples; make round trips of all magnitudes.
+// Goal: sizes and times are read in the forms that people write, and other texts are refused.
+// Written sizes and times read back equal.
 #include "common/config/quantities.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Goal: a setting comes from the first source that sets it and names that source; each error names
-// its place and the expected value. Method: call settings_of() on made-up environments and files;
-// one test reads a real environment and file.
+// Goal: each setting comes from the first source that sets it, and records that source. Each error
+// names its place and the expected value. Method: use made-up environments and files. One test
+// reads a real environment and a real file.
 #include "common/config/settings.h"
 
 #include <gmock/gmock.h>
@@ -75,7 +75,7 @@ TEST(Settings, FoldersFollowTheXdgVariables) {
   EXPECT_EQ(good(xdg).state.value, "/var/ada/sleight");
   EXPECT_EQ(config_path_of(surroundings(xdg)), "/etc/ada/sleight/config.toml");
   EXPECT_EQ(config_path_of(surroundings(k_ada)), "/people/ada/.config/sleight/config.toml");
-  // A relative path doesn't count.
+  // A relative path in XDG_STATE_HOME is ignored.
   const Variables relative{{"HOME", "/people/ada"}, {"XDG_STATE_HOME", "ada"}};
   EXPECT_EQ(good(relative).state.value, "/people/ada/.local/state/sleight");
   EXPECT_EQ(config_path_of(surroundings({})), std::nullopt);
@@ -139,7 +139,7 @@ TEST(Settings, ErrorsOfTheFileHaveTheirPlaces) {
 }
 
 TEST(Settings, AGroupNeedsASocketOutsideOfTheStateFolder) {
-  // Only its owner can open the state folder, so a group couldn't reach a socket in it.
+  // Only the owner can open the state folder, so a group can't reach a socket inside that folder.
   EXPECT_EQ(errors(k_ada, "socket = \"/run/sleight/socket\"\ngroup = \"film\"\n"), "");
   EXPECT_THAT(errors(k_ada, "group = \"film\"\n"),
               tests::LinesHaveFacts("config.toml:1:1: |group|state folder|socket"));
@@ -215,7 +215,8 @@ TEST(Settings, ErrorsElsewhereNameWhatGaveThem) {
 }
 
 TEST(Settings, RowsTellEverySettingAsTheFileWouldHaveIt) {
-  // Goal: rows() omits no setting. Method: change every value and read the rows as a file.
+  // Goal: rows_of() lists every setting, in the form of the configuration file. Method: set every
+  // value, write the rows as a file, and read the file again.
   const Settings s =
       good(k_ada,
            "state = \"/a\"\nsocket = \"/b\"\ngroup = \"film\"\nlisten = \"[::1]:2\"\n"

@@ -1,5 +1,4 @@
-// Goal: a run's event log keeps the newest events, and readers see them while it is written.
-// Method: use real files, threads and limits.
+// Goal: the event log of a run keeps the newest events, and can be read while the run writes it.
 #include "common/events/event_log.h"
 
 #include <gtest/gtest.h>
@@ -36,8 +35,9 @@ class EventLogTest : public archive::testing::Scratch {
 };
 
 TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
-  // Goal: a new session appends to a killed session's log and drops its incomplete line. Method:
-  // run three sessions with an incomplete line and a damaged line between them.
+  // Goal: a new session appends to the log of a killed session, and removes an incomplete last
+  // line. Method: open a log in three sessions. Between the sessions, append damaged and incomplete
+  // lines to the file.
   EXPECT_TRUE(read_event_log(folder()).empty());
   EXPECT_TRUE(read_event_log(path("nowhere")).empty());
   {
@@ -51,7 +51,7 @@ TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
     log.append(numbered(2));
   }
   std::ofstream(path("events.log"), std::ios::app) << "{";
-  EXPECT_EQ(read_event_log(folder()).size(), 3U);  // the file is still open for writing
+  EXPECT_EQ(read_event_log(folder()).size(), 3U);  // the incomplete line is ignored
   EventLog log(folder());
   log.append({.what = Phase{.words = "b"}});
   const auto events = read_event_log(folder());
@@ -62,8 +62,8 @@ TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
 }
 
 TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
-  // Goal: a log stays within its bound, holds the newest events without a gap, and fills at least
-  // half the bound. Method: append many events under a small bound.
+  // Goal: a log never exceeds its size limit and keeps the newest events without a gap. A long log
+  // uses about half of the limit or more.
   constexpr std::uint64_t k_bytes_max = 10'000;
   EventLog log(folder(), k_bytes_max);
   for (std::uint64_t number = 1; number <= 2000; ++number) {
@@ -81,8 +81,9 @@ TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
 }
 
 TEST_F(EventLogTest, ReadersSeeNoGapWhileItTurnsOver) {
-  // Goal: a reader sees consecutive numbers at any moment, and its newest number never decreases.
-  // Method: a thread reads all the time while a writer rotates its files every few events.
+  // Goal: a reader always sees consecutive event numbers, and the newest number never decreases.
+  // Method: read the log in one thread, while another thread appends events and often rotates the
+  // files.
   std::atomic<bool> is_over = false;
   std::atomic<std::uint64_t> looks = 0;
   std::optional<std::string> complaint;
@@ -110,7 +111,7 @@ TEST_F(EventLogTest, ReadersSeeNoGapWhileItTurnsOver) {
   EXPECT_EQ(complaint, std::nullopt);
 }
 
-/// Limits the size of files during its lifetime, as a full disk does.
+/// While an object of this class exists, files can't grow beyond a limit, as on a full disk.
 class FullDisk {
  public:
   explicit FullDisk(std::uint64_t bytes) {
@@ -129,9 +130,9 @@ class FullDisk {
 };
 
 TEST_F(EventLogTest, GoesOnWhenThereIsRoomAgain) {
-  // Goal: a full disk never splits a line and loses only the lines written meanwhile. The log
-  // resumes a second after space is free again, or after somebody deletes it. Method: lift a
-  // file-size limit after a while, with a manual clock.
+  // Goal: on a full disk, the log loses events but never keeps part of a line. After somebody frees
+  // space or deletes the log, writing resumes about a second later. Method: limit the size of files
+  // for a while, with a manual clock.
   base::ManualClock clock;
   EventLog log(folder(), k_event_log_bytes_max, clock);
   log.append(numbered(1));
@@ -159,8 +160,8 @@ TEST_F(EventLogTest, GoesOnWhenThereIsRoomAgain) {
 }
 
 TEST_F(EventLogTest, ADiskThatFailsEndsNothing) {
-  // Goal: a log that can't be written is abandoned without stopping the run. Method: use a missing
-  // folder, and a rotated log whose name a folder occupies.
+  // Goal: if a log can't be written, its events are lost and the run continues. Method: use a
+  // missing folder, and a folder that occupies the name of the rotated log.
   EventLog nowhere(path("nowhere"));
   nowhere.append(numbered(1));
   EventLog log(folder(), 1'000);

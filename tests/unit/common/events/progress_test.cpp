@@ -33,7 +33,7 @@ std::vector<std::string> numbers_of(const std::string& line) {
 }
 
 TEST(Grouped, GroupsByThousands) {
-  // Goal: large counts are readable. Method: format numbers of different lengths.
+  // Goal: large counts are printed in groups of three digits.
   EXPECT_EQ(grouped(0), "0");
   EXPECT_EQ(grouped(999), "999");
   EXPECT_EQ(grouped(1000), "1,000");
@@ -44,8 +44,8 @@ TEST(Grouped, GroupsByThousands) {
 }
 
 TEST(ClockTime, ShowsMinutesAndHours) {
-  // Goal: times appear as people write them, rounded up, so that 0:00 means done. Method: format
-  // both sides of each boundary; invalid times must show as something harmless.
+  // Goal: a time is printed as minutes and seconds, with hours if needed, and is rounded up.
+  // Invalid times are printed as 0:00 or as the longest time.
   EXPECT_EQ(clock_time(0), "0:00");
   EXPECT_EQ(clock_time(0.2), "0:01");
   EXPECT_EQ(clock_time(4), "0:04");
@@ -60,7 +60,7 @@ TEST(ClockTime, ShowsMinutesAndHours) {
 }
 
 TEST(ProgressLine, IsAsItsHeaderShows) {
-  // Goal: the progress line matches the header's example. Method: use the example's numbers.
+  // Goal: the progress line contains the numbers of the example in progress.h.
   const Progress progress{.scans_done = 12400,
                           .scans_total = 40000,
                           .session_scans = 8520,
@@ -78,8 +78,9 @@ TEST(ProgressLine, IsAsItsHeaderShows) {
 }
 
 TEST(ProgressLine, TellsTheOddsSoFar) {
-  // Goal: a run that requests odds shows them, their error and the remaining time. Method: print
-  // the line before the first island, in the pilot, in the batch, and at the end.
+  // Goal: a run that estimates odds shows the estimate, its error and the remaining time. Method:
+  // print the line before the first island, after one island, after 41 of 132 islands, and at the
+  // end.
   Progress progress{.odds = {.are_asked = true}, .workers = 2, .elapsed_s = 1};
   EXPECT_THAT(numbers_of(progress_line("x", progress)), ElementsAre("0", "0", "2"));
   progress.odds = {.are_asked = true, .islands = 1, .log_p = -39.14};
@@ -102,14 +103,14 @@ TEST(ProgressLine, TellsTheOddsSoFar) {
 }
 
 TEST(ProgressLine, TellsFailures) {
-  // Goal: failures come early in the line, where narrow terminals show them. Method: use two kinds.
+  // Goal: the total number of failures stands early in the line, so that narrow terminals show it.
   const Progress progress{.scans_done = 10, .failures = {.by_kind = {1200, 0, 0, 0, 34, 0}}};
   EXPECT_THAT(progress_line("x", progress), ::testing::StartsWith("x  10 scans  1,234 FAILED  0"));
 }
 
 TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
-  // Goal: unknown numbers are not shown. Method: print the line at the start, without a total, and
-  // at the end.
+  // Goal: the line omits numbers that are not known yet. Method: print the line before the first
+  // scan, without a total number of scans, and at the end.
   EXPECT_THAT(numbers_of(progress_line("x", {})), ElementsAre("0", "0", "0", "0", "0%", "0%", "0"));
   EXPECT_THAT(numbers_of(progress_line("x", {.scans_done = 1500,
                                              .session_scans = 1000,
@@ -127,8 +128,8 @@ TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
 }
 
 TEST(ProgressLine, CountsWhatASearchDoes) {
-  // Goal: the line never shows "0 sims/s" while something is simulated. Method: print the line
-  // before the first start has ended, between starts, and while finds are relaxed.
+  // Goal: the line of a search counts finds, relaxed finds, simulations and draws of the prior.
+  // Method: print the line before the first find, after two finds, and while finds are relaxed.
   Progress search{.finds = {.wanted = 5, .is_all = true}, .workers = 2, .elapsed_s = 12};
   EXPECT_THAT(numbers_of(progress_line("x", search)), ElementsAre("0", "5", "0.0", "0:12", "2"));
   search.session_simulations = 600;
@@ -150,8 +151,7 @@ TEST(ProgressLine, CountsWhatASearchDoes) {
 }
 
 TEST(ProgressLine, HundredPercentMeansDone) {
-  // Goal: 100% isn't shown before the end. Method: print the line of a long run when one scan is
-  // missing.
+  // Goal: the line shows 100% only after the last scan.
   const std::string line =
       progress_line("x", {.scans_done = 99'999'999, .scans_total = 100'000'000});
   EXPECT_NE(line.find("(99%)"), std::string::npos) << line;

@@ -23,8 +23,8 @@ RunEnd example() {
 }
 
 TEST(RunEnd, IsOneLineThatComesBack) {
-  // Goal: any record is one line and reads back equal. Method: write every kind of end, and texts
-  // with quotes, line ends and non-ASCII letters.
+  // Goal: the record of a run's end is written as one line and reads back equal. Method: write
+  // every kind of end, with a text that contains quotes, line ends and non-ASCII letters.
   for (int kind = 0; kind <= static_cast<int>(End::bug); ++kind) {
     RunEnd end = example();
     end.end = static_cast<End>(kind);
@@ -41,9 +41,9 @@ TEST(RunEnd, IsOneLineThatComesBack) {
 }
 
 TEST(RunEnd, FitsAPipe) {
-  // Goal: every record fits a pipe's atomic write, with its long text shortened. Method: write
-  // texts of many lengths, of characters that take one to six bytes in JSON, and of invalid UTF-8;
-  // the shortened text keeps its beginning and end.
+  // Goal: a record is short enough for one atomic write to a pipe, because a long text is
+  // shortened. Method: use texts of many lengths, whose characters take one to six bytes in JSON or
+  // are invalid UTF-8. A shortened text must keep its beginning and its end.
   for (const char* character : {"x", "\n", "\x01", "\xff", "\u20ac"}) {
     for (const std::size_t count : {1U, 700U, 3900U, 4096U, 5000U, 100'000U}) {
       RunEnd end = example();
@@ -67,8 +67,7 @@ TEST(RunEnd, FitsAPipe) {
 
 TEST(RunEnd, NothingElseIsOne) {
   // Goal: a damaged line never reads as the original record. Method: replace each byte of a line,
-  // and cut the line at each byte. Remove keys, use keys that contradict the kind, and change
-  // types.
+  // and cut the line at each byte. Remove and add keys, and change the types of values.
   const std::string line = to_line(example());
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     std::string other = line;

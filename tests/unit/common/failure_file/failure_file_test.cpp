@@ -28,8 +28,8 @@ FailureFile example() {
 }
 
 TEST(FailureFile, ComesBack) {
-  // Goal: a failure file reads back equal. Method: write awkward texts, large numbers and all
-  // kinds.
+  // Goal: a failure file reads back equal. Method: write every kind of failure, with large numbers
+  // and a message that contains quotes, brackets and line ends.
   for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
     FailureFile file = example();
     file.failed.failure.kind = static_cast<plan::FailureKind>(kind);
@@ -47,7 +47,7 @@ TEST(FailureFile, ComesBack) {
 }
 
 TEST(FailureFile, NamesWhatIsWrong) {
-  // Goal: each error names the file, the place and the key. Method: make one fault at a time.
+  // Goal: the error about a faulty file names the file, the line and the key.
   const std::string good = to_text(example());
   const auto error_of = [&](const std::string& from, const std::string& to) {
     std::string text = good;
@@ -70,14 +70,14 @@ TEST(FailureFile, NamesWhatIsWrong) {
 }
 
 TEST(FailureFile, ChangedFilesAreRefused) {
-  // Goal: a damaged file is refused instead of replaying another simulation. Method: change each
-  // byte in turn, including the comment and the request; remove the checksum.
+  // Goal: a file that was changed is refused, unless it has no checksum. Method: change each byte
+  // of a file, then remove the checksum and change the file again.
   const std::string good = to_text(example());
   for (std::size_t at = 0; at < good.size(); ++at) {
     std::string text = good;
     text[at] = text[at] == 'e' ? 'f' : 'e';
     const auto back = read(text, "x.toml");
-    // A file whose checksum key was renamed has no checksum and is read.
+    // A file whose key `checksum` was renamed has no checksum and is accepted.
     const std::size_t key = good.find("checksum");
     if (at >= key && at <= key + std::string_view("checksum").size()) continue;
     EXPECT_FALSE(back.ok()) << text;
@@ -95,8 +95,8 @@ TEST(FailureFile, ChangedFilesAreRefused) {
 }
 
 TEST(FailureFile, AnyBytesAreReadOrRefused) {
-  // Goal: no file crashes the reader. Method: change, drop and double bytes, drawn from a fixed
-  // seed, in a file without a checksum, so that later checks run.
+  // Goal: no bytes crash the reader of failure files. Method: change, remove and copy random bytes
+  // of a file. The file has no checksum, so that the other checks run.
   std::string good = to_text(example());
   const std::size_t line = good.find("checksum");
   good.erase(line, good.find('\n', line) + 1 - line);
@@ -131,8 +131,8 @@ TEST(FailureFile, AnyBytesAreReadOrRefused) {
 }
 
 TEST(FailureFile, IsNamedByWhereItHappened) {
-  // Goal: a failure has the same file name in every session. Method: name a scan's first two
-  // failures.
+  // Goal: a failure file is named after the failure's chain, replica, scan and number within the
+  // scan.
   const plan::ReplicaKey replica{base::ChainId{2}, base::ReplicaId{5}};
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 0), "failure-2-5-77.toml");
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 1), "failure-2-5-77-1.toml");

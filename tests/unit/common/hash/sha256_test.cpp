@@ -8,7 +8,7 @@
 namespace sleight::hash {
 namespace {
 
-// Examples of FIPS 180-4 as NIST publishes them (Secure Hash Standard, SHA-256 examples).
+// NIST's published examples of SHA-256 (FIPS 180-4, Secure Hash Standard).
 constexpr const char* k_of_nothing =
     "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
 constexpr const char* k_of_abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
@@ -19,7 +19,7 @@ constexpr const char* k_of_million_a =
 constexpr const char* k_two_blocks = "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq";
 
 TEST(Sha256, KnownAnswers) {
-  // Goal: the hash is SHA-256. Method: hash the standard's examples of zero to many blocks.
+  // Goal: the hashes of the standard's examples equal the published hashes.
   EXPECT_EQ(sha256_hex(""), k_of_nothing);
   EXPECT_EQ(sha256_hex("abc"), k_of_abc);
   EXPECT_EQ(sha256_hex(k_two_blocks), k_of_two_blocks);
@@ -27,8 +27,7 @@ TEST(Sha256, KnownAnswers) {
 }
 
 TEST(Sha256, DoesNotKnowHowContentWasCut) {
-  // Goal: hashing in pieces equals hashing the whole. Method: hash a million letters in many
-  // pieces.
+  // Goal: a text that is hashed in pieces of any size has the same hash as the whole text.
   const std::string all(1000000, 'a');
   for (const std::size_t piece : {1U, 63U, 64U, 65U, 4096U, 999999U}) {
     Sha256 hash;
@@ -41,7 +40,7 @@ TEST(Sha256, DoesNotKnowHowContentWasCut) {
 }
 
 TEST(Sha256, MovesWithWhatItHasTakenIn) {
-  // Goal: a moved hash continues. Method: move-construct and move-assign between pieces.
+  // Goal: an unfinished hash can be moved and then continued.
   Sha256 first;
   first.update("a");
   Sha256 second(std::move(first));

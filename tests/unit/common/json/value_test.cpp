@@ -1,5 +1,5 @@
-// Goal: common/json keeps its promises about order, numbers, limits and errors. Method: check
-// examples. The library's own tests cover the grammar.
+// Goal: JSON values keep the order of keys and the exact value of numbers, and enforce the limits
+// of common/json. The JSON library's own tests cover the grammar.
 #include "common/json/value.h"
 
 #include <cstdint>
@@ -14,7 +14,8 @@ namespace sleight::json {
 namespace {
 
 TEST(JsonValue, KeepsTheOrderOfKeysAndOneValueForEach) {
-  // Goal: output preserves insertion order. Method: set, repeat, parse, erase and update keys.
+  // Goal: the keys of an object stay in the order in which they were inserted, and each key has one
+  // value.
   Value value{{"z", 1}, {"a", Value::object()}};
   value["m"] = "x";
   value["z"] = nullptr;
@@ -27,7 +28,8 @@ TEST(JsonValue, KeepsTheOrderOfKeysAndOneValueForEach) {
 }
 
 TEST(JsonValue, BracesMakeAnObjectOfPairsAndElseAnArray) {
-  // Goal: braced initialisers make arrays and objects. Method: dump values made from braces.
+  // Goal: a braced list of key-value pairs makes an object, and any other braced list makes an
+  // array.
   EXPECT_EQ((Value{{"a", 1}, {"b", {1, 2}}}).dump(), R"({"a":1,"b":[1,2]})");
   EXPECT_EQ((Value{{1, "a"}, {2, "b"}}).dump(), R"([[1,"a"],[2,"b"]])");
   EXPECT_EQ(Value::array({{"a", 1}}).dump(), R"([["a",1]])");
@@ -36,7 +38,8 @@ TEST(JsonValue, BracesMakeAnObjectOfPairsAndElseAnArray) {
 }
 
 TEST(JsonValue, NumbersComeBackAsTheyWere) {
-  // Goal: no number loses bits. Method: write and read back the limits of each kind of number.
+  // Goal: numbers read back exactly as they were written, even the largest and the smallest
+  // integers.
   constexpr auto k_most = std::numeric_limits<std::uint64_t>::max();
   constexpr auto k_least = std::numeric_limits<std::int64_t>::min();
   EXPECT_EQ(Value::parse(Value(k_most).dump()).get<std::uint64_t>(), k_most);
@@ -49,8 +52,7 @@ TEST(JsonValue, NumbersComeBackAsTheyWere) {
 }
 
 TEST(JsonValue, AValueOfAnotherKindIsRefused) {
-  // Goal: reading a value as another type throws. Method: read each kind of value as every other
-  // kind.
+  // Goal: reading a value as a wrong type, or as a type that can't hold it, throws an error.
   EXPECT_THROW(Value(256).get<std::uint8_t>(), Error);
   EXPECT_THROW(Value(-1).get<std::uint64_t>(), Error);
   EXPECT_THROW(Value(std::uint64_t{1} << 63U).get<std::int64_t>(), Error);
@@ -67,8 +69,7 @@ TEST(JsonValue, AValueOfAnotherKindIsRefused) {
 }
 
 TEST(JsonValue, TextThatIsNotJsonIsRefused) {
-  // Goal: hostile text is refused and does no harm. Method: parse truncated, wrong and deeply
-  // nested texts.
+  // Goal: truncated, invalid and too deeply nested texts are refused.
   const auto nested = [](int depth) {
     return std::string(static_cast<std::size_t>(depth), '[') +
            std::string(static_cast<std::size_t>(depth), ']');
@@ -82,7 +83,7 @@ TEST(JsonValue, TextThatIsNotJsonIsRefused) {
 }
 
 TEST(JsonValue, WhatIsNotUtf8IsReplaced) {
-  // Goal: dump always writes valid JSON. Method: dump bytes that are not UTF-8, and text as ASCII.
+  // Goal: dump() replaces invalid UTF-8, and writes pure ASCII on request.
   EXPECT_EQ(Value("a\xff").dump(), "\"a\uFFFD\"");
   EXPECT_EQ(Value("\u00e9\n").dump(-1, true), R"("\u00e9\n")");
 }

@@ -1,7 +1,7 @@
-// Goal: results stay within the error bounds of elementary.h. Method: compare with MPFR for
-// arguments known to be hard, and for random arguments that cover the domain (denormals, huge
-// angles, neighbourhoods of zeros and thresholds). Random bits come from a counter-based stream
-// with the seed below.
+// Goal: the errors of the elementary functions stay within the bounds that elementary.h states.
+// Method: compare with MPFR, for arguments known to be hard and for random arguments from the whole
+// domain. The random arguments include denormals, huge angles and numbers near zeros, and their
+// seed is fixed.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -20,9 +20,9 @@ namespace sleight::math::elementary_accuracy_test {
 
 constexpr std::uint64_t k_seed = 20000;
 constexpr std::uint64_t k_arguments_per_range = 20000;
-/// MPFR takes a millisecond for erfc's tail.
+/// MPFR takes a millisecond for each argument in the tail of erfc.
 constexpr std::uint64_t k_arguments_for_slow_oracle = 1000;
-/// deploy/test uses a fifth of the arguments.
+/// The fast tests (deploy/test) use a fifth of the arguments.
 std::uint64_t of_tier(std::uint64_t arguments) {
   return property::of_tier(arguments / 5, arguments);
 }
@@ -90,8 +90,8 @@ std::vector<Range> all_reals() {
           {"huge", Magnitudes{990, 1024, true}},        {"ten", Interval{-10, 10}}};
 }
 
-// Returns doubles near multiples of pi/2, where sine, cosine or tangent nearly vanish, including
-// the double closest to such a multiple (Muller, "Elementary functions", 2006, chapter 11).
+// Returns doubles near multiples of pi/2, where the sine or the cosine nearly vanishes. The doubles
+// include the one closest to such a multiple (Muller, "Elementary functions", 2006, chapter 11).
 std::vector<double> near_quarter_turns() {
   std::vector<double> result = {std::ldexp(6381956970095103, 797),
                                 std::ldexp(-6381956970095103, 797)};
@@ -243,7 +243,7 @@ TEST(ElementaryAccuracyOfTwo, pow_for_any_base_and_any_size_of_result) {
     EXPECT_LE(error, 1) << std::hexfloat << x << ", " << y;
   };
   for (std::uint64_t i = 0; i < of_tier(2 * k_arguments_per_range); ++i) {
-    // Chooses the exponent so that the result's exponent is uniform, denormals included.
+    // Choose y so that the exponent of the result is uniform and includes denormals.
     const double x = Magnitudes{-1074, 1024}(stream);
     judge(x, Interval{-1080, 1030}(stream) / std::log2(x));
     // Bases near 1 with huge exponents suffer most from an imprecise logarithm.
@@ -255,8 +255,8 @@ TEST(ElementaryAccuracyOfTwo, pow_for_any_base_and_any_size_of_result) {
   RecordProperty("pow", std::to_string(worst));
 }
 
-// Goal: the checker can fail. Method: results off by two ulp, a wrong sign, a NaN and an early
-// infinity must exceed the bound; a correctly rounded result must not.
+// Goal: the check of error bounds can fail. Method: a wrong sign, a NaN, a wrong infinity and an
+// error of two ulp must exceed the bound. A correctly rounded result must not exceed the bound.
 TEST(ErrorInBounds, notices_wrong_results) {
   Exact argument(0.7);
   Exact exact;

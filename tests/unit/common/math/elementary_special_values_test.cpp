@@ -1,6 +1,6 @@
-// Goal: special values match C's Annex F (elementary.h, invariant 3), and sincos agrees with sin
-// and cos as closely as promised. Method: check a table per function; a zero's sign counts, and NaN
-// equals NaN.
+// Goal: the functions return the values that Annex F of the C standard requires for zeros,
+// infinities and NaN (elementary.h, invariant 3). Method: compare each function with a table. The
+// sign of a zero must match, and any NaN equals any other NaN.
 #include <gtest/gtest.h>
 
 #include <bit>

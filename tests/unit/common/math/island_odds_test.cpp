@@ -21,9 +21,9 @@ std::vector<double> logs_of(const std::vector<double>& estimates, double shift =
 }
 
 TEST(IslandOdds, AreMeanErrorAndShare) {
-  // Goal: mean, relative standard error and largest share match the textbook in any order of
-  // islands, also for estimates below the range of doubles. Method: use estimates 1, 2, 3 and 6,
-  // whose mean is 3 and whose variance is 14 / 3.
+  // Goal: the mean, its error and the largest share have their textbook values in any order of
+  // islands, even if the estimates underflow a double. Method: use the estimates 1, 2, 3 and 6,
+  // whose mean is 3 and whose variance is 14/3. Multiply them by very small and very large factors.
   for (const double shift : {0.0, -207.0, -5000.0, 5000.0}) {
     for (const std::vector<double>& estimates :
          {std::vector{1.0, 2.0, 3.0, 6.0}, std::vector{6.0, 3.0, 1.0, 2.0}}) {
@@ -39,8 +39,8 @@ TEST(IslandOdds, AreMeanErrorAndShare) {
 }
 
 TEST(IslandOdds, IslandsWithoutASolutionCount) {
-  // Goal: estimates of 0 count. Method: use two zeros among four estimates (mean 1/2, variance
-  // 1/3), and four zeros.
+  // Goal: islands with an estimate of 0 count in the mean and in the error. Method: use the
+  // estimates 0, 1, 0 and 1, whose mean is 1/2 and whose variance is 1/3. Then use four zeros.
   const IslandOdds half = island_odds(logs_of({0, 1, 0, 1}, -300));
   EXPECT_NEAR(half.log_mean, std::log(0.5) - 300, 1e-11);
   EXPECT_NEAR(half.relative_sd, 2 / std::sqrt(3.0), 1e-12);
@@ -52,7 +52,7 @@ TEST(IslandOdds, IslandsWithoutASolutionCount) {
 }
 
 TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
-  // Goal: too few islands, or invalid estimates, make the odds unknown. Method: try each case.
+  // Goal: the odds are unknown if there are too few islands or if an estimate is invalid.
   EXPECT_TRUE(std::isnan(island_odds({}).log_mean));
   const IslandOdds one = island_odds(logs_of({2}));
   EXPECT_NEAR(one.log_mean, std::log(2), 1e-15);
@@ -69,7 +69,7 @@ TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
 }
 
 TEST(IslandOdds, EqualIslandsHaveNoError) {
-  // Goal: rounding can't make the variance negative and give NaN. Method: use equal numbers.
+  // Goal: equal estimates have an error of 0, because rounding can't make the variance negative.
   for (const double log_estimate : {0.0, -0.1, -207.3, 1e300, -1e300}) {
     const IslandOdds odds = island_odds(std::vector<double>(177, log_estimate));
     EXPECT_TRUE(odds.known());
@@ -79,8 +79,8 @@ TEST(IslandOdds, EqualIslandsHaveNoError) {
 }
 
 TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
-  // Goal: known() applies each limit exactly. Method: test both sides of each limit with estimates
-  // that are all 1, except one, which is `largest`.
+  // Goal: the odds are known only with enough islands, none of which has too large a share. Method:
+  // test both sides of each limit, with estimates that are all 1 except for one.
   const auto odds = [](std::size_t count, double largest) {
     std::vector<double> estimates(count, 1);
     estimates[count / 2] = largest;
@@ -93,8 +93,8 @@ TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
 }
 
 TEST(IslandSums, AreThoseOfAllAtOnce) {
-  // Goal: the running sums equal sums in long doubles, wherever the largest estimate occurs.
-  // Method: use normal logs in ascending, descending and random order.
+  // Goal: the running sums give the same odds as sums in long double, wherever the largest estimate
+  // occurs. Method: add normally distributed logarithms in random, ascending and descending order.
   random::Stream stream({.seed = 40417, .purpose = random::Purpose::prior}, 0);
   std::vector<double> logs;
   for (int i = 0; i < 500; ++i)

@@ -1,5 +1,5 @@
-// Goal: quaternions rotate like the plain formulas for tiny to huge angles. Method: use Rodrigues'
-// formula in long double; check group identities and that the three ways to rotate agree.
+// Goal: quaternions rotate vectors correctly for tiny to huge angles. Method: compare with
+// Rodrigues' formula in long double. Check compositions, inverses and rotation matrices.
 #include "common/math/rotation.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(QuaternionOfRotationVector, rotates_as_rodrigues_formula) {
   for (const Vec3& w : rotation_vectors()) {
     const Quat q = quaternion_of_rotation_vector(w);
     EXPECT_NEAR(quaternion_norm(q), 1, 0x1p-50);
-    // The largest part of the error is the rounding of the angle, up to 2^-53 of 100 rad.
+    // Most of the error comes from rounding the angle: up to 2^-53 of 100 rad.
     EXPECT_LT((rotated(q, v) - rodrigues(w, v)).cwiseAbs().maxCoeff(), 4e-14) << w.transpose();
     if (norm(w) < 10) {
       EXPECT_LT((rotated(q, v) - rodrigues(w, v)).cwiseAbs().maxCoeff(), 5e-15) << w.transpose();
@@ -57,7 +57,8 @@ TEST(QuaternionOfRotationVector, rotates_as_rodrigues_formula) {
 }
 
 TEST(QuaternionOfRotationVector, is_accurate_in_the_vector_part_of_tiny_rotations) {
-  // For |w| below 1e-8 the vector part is w/2 to within rounding, even if squares are denormal.
+  // For |w| below 1e-8, the vector part equals w/2 except for rounding, even if the squares of w
+  // underflow.
   for (const double size : {1e-300, 1e-160, 1e-20, 1e-9}) {
     const Quat q = quaternion_of_rotation_vector(Vec3(size, -2 * size, 0));
     EXPECT_EQ(q.w(), 1);
@@ -109,11 +110,11 @@ TEST(Normalized, restores_a_long_chain_of_compositions) {
   Quat q(1, 0, 0, 0);
   for (int i = 0; i < 100000; ++i)
     q = composed(step, q);
-  // The norm drifts by at most an ulp per step, and there are 100,000 steps.
+  // The norm drifts by at most one ulp per step, and there are 100,000 steps.
   EXPECT_NEAR(quaternion_norm(q), 1, 1e5 * 0x1p-52);
   EXPECT_NEAR(quaternion_norm(normalized(q)), 1, 0x1p-51);
   const Quat whole = quaternion_of_rotation_vector(Vec3(1000, -2000, 500));
-  // Each step's angle is rounded by 2^-53 of its size, which adds up over 100,000 steps.
+  // Each step rounds the angle by up to 2^-53 of its size. These errors add up over 100,000 steps.
   EXPECT_LT(distance(normalized(q), whole), 1e-11);
   EXPECT_DEATH(normalized(Quat(0, 0, 0, 0)), "check failed");
 }

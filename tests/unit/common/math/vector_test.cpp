@@ -1,6 +1,6 @@
-// Goal: products, norms and plane rotations are right, and sums run in the order that vector.h
-// states. Method: use hand values, identities, Eigen, and arguments for which another order of
-// summation changes the double.
+// Goal: products, norms and plane rotations are right, and sums are computed in the order that
+// vector.h states. Method: compare with known values, identities and Eigen. To test the order, use
+// numbers whose sum depends on the order.
 #include "common/math/vector.h"
 
 #include <gtest/gtest.h>
@@ -14,15 +14,14 @@ namespace sleight::math {
 namespace {
 
 TEST(Dot, adds_from_left_to_right) {
-  // (1e16 + 1) + -1e16 is 0 in doubles; 1e16 + (1 + -1e16) would be 0 too, but 1 + (1e16 - 1e16)
-  // is 1.
+  // In doubles, (1e16 + 1) - 1e16 is 0, but (1e16 - 1e16) + 1 is 1.
   EXPECT_EQ(dot(Vec3(1e16, 1, -1e16), Vec3(1, 1, 1)), 0);
   EXPECT_EQ(dot(Vec3(1e16, -1e16, 1), Vec3(1, 1, 1)), 1);
   EXPECT_EQ(dot(Vec3(1, 1e16, -1e16), Vec3(1, 1, 1)), 0);
 }
 
 TEST(Dot, rounds_each_product_once) {
-  // A fused multiply-add would keep the square's 2^-60 and return it.
+  // A fused multiply-add would keep the 2^-60 in the square of x, and return 2^-60 instead of 0.
   const double x = 1 + 0x1p-30;
   EXPECT_EQ(dot(Vec2(x, 1 + 0x1p-29), Vec2(x, -1)), 0);
 }
@@ -77,7 +76,8 @@ TEST(RotatedInThePlane, turns_anticlockwise) {
     const double angle = 0.1 * i;
     const Vec2 v(1.3, -0.4);
     const Vec2 turned = rotated(v, angle);
-    // The turn keeps the length; dot and cross product return its cosine and sine.
+    // The rotation keeps the length. The dot and the cross product give the cosine and the sine of
+    // the angle.
     EXPECT_NEAR(norm(turned), norm(v), 1e-15);
     EXPECT_NEAR(dot(v, turned) / dot(v, v), cos(angle), 1e-15);
     EXPECT_NEAR(cross(v, turned) / dot(v, v), sin(angle), 1e-15);

@@ -1,5 +1,6 @@
-// Goal: a segment's positions, velocities and rotations follow its formulas. Method: compare with
-// short-time differences, accumulated small steps and known rotations.
+// Goal: a segment's positions, velocities and rotations follow from its initial values and
+// accelerations. Method: compare with difference quotients, with many small rotations, and with
+// known rotations.
 #include "common/motion/segment.h"
 
 #include <gtest/gtest.h>
@@ -56,8 +57,8 @@ TEST(Segment, MovesOnAParabola) {
 }
 
 TEST(Segment, TurnsByItsAngularVelocity) {
-  // Goal: rotations follow the angular velocity. Method: accumulate 100,000 equal steps, each with
-  // the angular velocity at the step's middle.
+  // Goal: rotations follow the angular velocity. Method: compare with 100,000 small rotations, each
+  // by the angular velocity in the middle of its step.
   random::Stream stream({.seed = 2, .purpose = random::Purpose::scene}, 0);
   for (int i = 0; i < 20; ++i) {
     const Segment segment = any_segment(stream);

@@ -1,6 +1,5 @@
-// Goal: directions and rotations are drawn from their stated densities. Method: test draws by
-// chi-square against Boost.Math's normal summed over images, and against the geometry of circle,
-// sphere and rotations. Compare densities with the same sums and integrate them.
+// Goal: directions and rotations are drawn uniformly, and their densities are right. Method: test
+// draws with chi-square tests, against the geometry of the circle, the sphere and rotations.
 #include "common/random/angular_distributions.h"
 
 #include <gtest/gtest.h>
@@ -30,8 +29,8 @@ TEST(UniformDirection2, covers_the_circle_evenly) {
   expect_plausible(chi_square_p_value(counts), "direction in the plane");
 }
 
-// Returns the chi-square p of unit vectors on 8 x 8 cells of equal area (height by azimuth), about
-// the axis that `turn` rotates to z.
+// Returns the chi-square p-value of random unit vectors on 8 x 8 cells of equal area (height by
+// azimuth).
 template <class Draw>
 double sphere_p_value(const Draw& draw) {
   Stream stream = test_stream();
@@ -56,7 +55,7 @@ TEST(UniformDirection3, covers_the_sphere_evenly_about_every_axis) {
                      return math::Vec3(v.y(), v.z(), v.x());
                    }),
                    "about x");
-  // Negative control: normalised points of a cube are denser towards its corners.
+  // Negative control: normalised random points of a cube are denser towards the cube's corners.
   EXPECT_LT(sphere_p_value([&](Stream& s) {
               const Uniform side{.low = -1, .high = 1};
               const double x = side.draw(s);

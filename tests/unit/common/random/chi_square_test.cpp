@@ -1,6 +1,6 @@
-// Goal: the chi-square checker refuses wrong samplers and accepts right ones. Method: faulty
-// samplers (a scale two percent off, a shifted mean, missing tails, a regular grid, a biased
-// remainder) must give p far below the bound; a right sampler's p over 200 seeds must be uniform.
+// Goal: the chi-square test refuses wrong samplers and accepts right samplers. Method: use samplers
+// with a wrong scale, a shifted mean or missing tails. For a right sampler, check that the p-values
+// of 200 seeds are uniform.
 #include "tests/unit/common/random/chi_square.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ TEST(ChiSquare, refuses_wrong_samplers) {
   EXPECT_LT(p_of([](Stream& s) { return Normal{.mean = 0, .sd = 1.02}.draw(s); }), 1e-12);
   EXPECT_LT(p_of([](Stream& s) { return Normal{.mean = 0.02, .sd = 1}.draw(s); }), 1e-12);
   EXPECT_LT(p_of([](Stream& s) { return std::clamp(Normal{}.draw(s), -1.9, 1.9); }), 1e-12);
-  // The sum of twelve uniform numbers, a once popular substitute for the normal.
+  // The sum of twelve uniform numbers was once a popular substitute for a normal number.
   EXPECT_LT(p_of([](Stream& s) {
               double sum = -6;
               for (int i = 0; i < 12; ++i)
@@ -43,7 +43,8 @@ TEST(ChiSquare, refuses_biased_and_too_regular_counts) {
 }
 
 TEST(ChiSquare, gives_the_textbook_value) {
-  // 60 throws of a die show 5, 8, 9, 8, 10, 20. The statistic is 13.4 with 5 degrees of freedom.
+  // In 60 throws of a die, the faces occur 5, 8, 9, 8, 10 and 20 times. The statistic is 13.4 with
+  // 5 degrees of freedom.
   EXPECT_NEAR(chi_square_p_value({5, 8, 9, 8, 10, 20}), 0.0199, 0.0001);
 }
 

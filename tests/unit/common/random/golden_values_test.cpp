@@ -1,5 +1,5 @@
-// Goal: streams and distributions never change their values unnoticed. A change here changes every
-// run's result, so the commit must name its cause. Method: compare the first draws at one address
+// Goal: streams and distributions always return the same numbers. A change would alter the results
+// of every run, so its commit must name the cause. Method: compare the first draws of one stream
 // with stored hexadecimal values.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
-// Goal: Uniform and Normal draw from their stated densities. Method: test draws by chi-square;
-// compare densities with Boost.Math; test integrals, supports and bad parameters.
+// Goal: uniform and normal numbers are drawn from their densities. Method: test draws with
+// chi-square tests, compare densities with Boost.Math, and integrate the densities. Test invalid
+// parameters.
 #include "common/random/linear_distributions.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ namespace {
 
 constexpr double k_largest = std::numeric_limits<double>::max();
 
-// Returns the oracle's probability of an interval, computed from the smaller tail.
+// Returns the probability of an interval according to Boost.Math, computed from the smaller tail.
 template <class Oracle>
 double mass(const Oracle& oracle, double a, double b) {
   const auto [low, high] = boost::math::support(oracle);
@@ -43,7 +44,7 @@ void expect_agreement(const std::string& name, const Distribution& ours, const O
     EXPECT_NEAR(ours.log_density(x), expected, 1e-13 * (1 + std::fabs(expected))) << name << x;
   }
 
-  // Integrate over all but 1e-15 of the mass at each end, in units of the sd.
+  // Integrate in units of the standard deviation. Omit a mass of 1e-15 at each end.
   const double mean = boost::math::mean(oracle);
   const double sd = boost::math::standard_deviation(oracle);
   const double low = (boost::math::quantile(oracle, 1e-15) - mean) / sd;
@@ -106,8 +107,8 @@ TEST(Normal, density_holds_far_out) {
 }
 
 TEST(Normal, neighbouring_draws_are_independent) {
-  // Goal: successive draws are independent although two draws share two random words. Method: test
-  // the products of signs and of sizes by chi-square on a grid of 8 x 8 equally likely cells.
+  // Goal: successive normal numbers are independent. Method: test pairs of successive draws with a
+  // chi-square test on 8 x 8 equally likely cells.
   const boost::math::normal_distribution<double> normal;
   Stream stream = test_stream();
   std::vector<int> counts(64);

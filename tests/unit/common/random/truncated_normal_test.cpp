@@ -1,6 +1,7 @@
-// Goal: TruncatedNormal is exact from the centre to the farthest tails. Method: test draws by
-// chi-square for every interval below, and compare log densities with MPFR at 1500 bits, whose
-// exponents don't underflow. Integrate the densities to find faults that the oracle shares.
+// Goal: truncated normal numbers and their densities are accurate, from the centre to the farthest
+// tails. Method: for each interval below, test draws with a chi-square test, and compare log
+// densities with MPFR at 1,500 bits. Integrate the densities, to find faults that the comparison
+// misses.
 #include "common/random/truncated_normal.h"
 
 #include <fmt/format.h>
@@ -33,7 +34,8 @@ class Number {
   mpfr_t value_;
 };
 
-// Sets `mass` to the standard normal's mass between a and b, which may be on either side of 0.
+// Sets `mass` to the probability of a standard normal number between a and b, which may lie on
+// either side of 0.
 void set_mass(Number& mass, double a, double b) {
   // Use the side where erfc is small, so that a difference of tails is exact.
   const double sign = a > 0 ? 1 : -1;
@@ -49,7 +51,8 @@ void set_mass(Number& mass, double a, double b) {
   mpfr_div_ui(mass.get(), mass.get(), 2, MPFR_RNDN);
 }
 
-// The mean is 0 and the sd 1, so that oracle and code use the same bounds.
+// The mean is 0 and the standard deviation is 1, so that MPFR and the code use exactly the same
+// bounds.
 struct Bounds {
   double low = 0;
   double high = 0;
@@ -121,8 +124,8 @@ TEST(TruncatedNormal, draws_as_mpfr_says) {
 }
 
 TEST(TruncatedNormal, draws_an_exponential_from_the_farthest_tail) {
-  // At a = 1e8 sd and beyond, (x - low) a is exponential of rate 1 to within 1e-15. The mean is -a,
-  // so that low = 0 and nearby doubles are fine enough.
+  // If a is at least 1e8, (x - low) a has an exponential distribution of rate 1, with an error
+  // below 1e-15. The mean is -a, so that low is 0 and the doubles near low are fine enough.
   for (const double a : {1e8, 1e12, 1e100, 1e299}) {
     const TruncatedNormal right{.mean = -a, .sd = 1, .low = 0};
     const TruncatedNormal left{.mean = a, .sd = 1, .high = 0};
@@ -137,7 +140,7 @@ TEST(TruncatedNormal, draws_an_exponential_from_the_farthest_tail) {
 TEST(TruncatedNormal, log_densities_are_mpfrs) {
   for (const Bounds& bounds : k_intervals) {
     const TruncatedNormal d{.mean = 0, .sd = 1, .low = bounds.low, .high = bounds.high};
-    // The normalizer is log(mass sqrt(2 pi)), rounded correctly to a double.
+    // The normalizer is log(mass sqrt(2 pi)).
     Number normalizer(0);
     set_mass(normalizer, d.low, d.high);
     Number root(0);
@@ -164,7 +167,7 @@ TEST(TruncatedNormal, log_densities_are_mpfrs) {
 TEST(TruncatedNormal, densities_integrate_to_one) {
   for (const Bounds& bounds : k_intervals) {
     const TruncatedNormal d{.mean = 0, .sd = 1, .low = bounds.low, .high = bounds.high};
-    // Integrate over the distance from the end nearer to 0, as far as the density matters.
+    // Integrate from the end nearer to 0, as far as the density is not negligible.
     const bool right = std::fabs(d.low) <= std::fabs(d.high);
     const double near = right ? d.low : d.high;
     if (!std::isfinite(near) || std::fabs(near) >= 1e8) continue;
@@ -181,7 +184,8 @@ TEST(TruncatedNormal, densities_integrate_to_one) {
 }
 
 TEST(TruncatedNormal, scales_and_shifts) {
-  // If the sd is a power of two and no bits are lost, results are the standard normal's, scaled.
+  // A scaled and shifted distribution gives scaled and shifted draws. The standard deviation is a
+  // power of two, so that no bits are lost.
   const TruncatedNormal standard{.mean = 0, .sd = 1, .low = -1, .high = 2};
   const TruncatedNormal scaled{.mean = 3, .sd = 0.25, .low = 2.75, .high = 3.5};
   Stream first = test_stream();

@@ -1,5 +1,5 @@
-// Goal: each kind of key is read, refused, described and written as declared. Method: bind one key
-// over small sections, with and without a file.
+// Goal: each kind of key is read, checked, described and written as its declaration says. Method:
+// bind one key to small sections of a request.
 #include "common/request/binder.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,8 @@
 namespace sleight::request {
 namespace {
 
-/// Runs `bind` over the text's section [s]. Returns the errors or the normalised keys.
+/// Runs `bind` on section [s] of the text. Returns the errors, or the normalised keys if there are
+/// no errors.
 std::string bound(std::string_view text, const std::function<void(Binder&)>& bind) {
   const auto document = parse_document(text, "f");
   EXPECT_TRUE(document);
@@ -163,7 +164,7 @@ TEST(BinderError, IsPlacedAtTheKeyOrItsSection) {
 }
 
 TEST(BinderNumber, MayBeAbsent) {
-  // Goal: an optional number may be absent. Method: bind a present, an absent and a wrong number.
+  // Goal: an optional number may be absent, but a present number must be in its range.
   const auto bind = [](Binder& b) {
     std::optional<double> x;
     b.optional_number("x", x, {.minimum = 0, .maximum = 2});
@@ -174,8 +175,8 @@ TEST(BinderNumber, MayBeAbsent) {
 }
 
 TEST(BinderTables, AreReadOneByOne) {
-  // Goal: each table has its own values; keys(), help and errors include tables. Method: bind no
-  // table, some tables, too many, and values that are not tables.
+  // Goal: each table of an array is read with its own values, and errors name the table. Method:
+  // bind no table, two tables, too many tables, and a value that is not a table.
   std::vector<double> values;
   std::vector<std::size_t> shown;
   const auto bind = [&](Binder& b) {

@@ -1,6 +1,5 @@
-// Goal: rules that involve several keys of a request hold. Method: read small files over a toy
-// world; comparing the whole list of errors shows repeats and wrong order. tests/requests holds the
-// corpus of bad requests.
+// Goal: rules that involve several keys of a request are enforced. Method: read small requests of a
+// toy world, and compare the whole list of errors. More invalid requests are in tests/requests.
 #include "common/request/direction_request.h"
 
 #include <fmt/format.h>
@@ -95,9 +94,9 @@ TEST(ReadRequest, ChecksOfSeveralKeysAreAnchoredAtAKey) {
 }
 
 TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
-  // Goal: a default stop rule appears in the request and its normalised text, and is not added to
-  // an explicit rule. Method: read a request without the section, with an empty section, and with
-  // each rule.
+  // Goal: a request without a stop rule gets the default rule, five solutions. A request with a
+  // stop rule gets no other rule. Method: read requests without the section [stop], with an empty
+  // section, and with each rule.
   for (const std::string stop : {"", "[stop]\n"}) {
     const DirectionRequest request = read("[world]\nname = 'toy'\n" + stop);
     EXPECT_EQ(request.stop, (StopRule{{}, {}, 5, {}}));
@@ -111,8 +110,8 @@ TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
 }
 
 TEST(ReadRequest, ASearchHasFewKeys) {
-  // Goal: keys that don't apply to a search are refused if given and otherwise omitted. Method: set
-  // each such key; read the normalised text of a search.
+  // Goal: keys that don't apply to a search are refused, and the normalised text of a search omits
+  // these keys.
   const std::string least = "[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n";
   const std::array worlds{toy::binding(), toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
@@ -152,8 +151,8 @@ TEST(ReadRequest, ASearchHasFewKeys) {
 }
 
 TEST(ReadRequest, OddsAreARuleOfIslands) {
-  // Goal: the odds rule works alone or with other rules, and reads back. The rule requires method
-  // "sequential" and a value in its range. Method: try each case, in a world with stages.
+  // Goal: the stop rule `odds` is accepted alone or with certain other rules, and reads back. The
+  // rule requires the method "sequential" and a value in its range.
   const std::string islands = "[world]\nname = 'staged'\n[sampler]\nmethod = 'sequential'\n";
   const std::array worlds{toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
@@ -207,8 +206,8 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
 }
 
 TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
-  // Goal: keys that can't be combined with tours cause an error with the reason; other keys read
-  // back. Method: try each key and rule, in a world with stages.
+  // Goal: the key `tour_scans` requires the method "sequential", and is refused together with keys
+  // and rules that don't apply to tours.
   const std::array worlds{toy::staged_binding()};
   const auto staged_errors = [&](const std::string& method, const std::string& rest) {
     std::vector<std::string> lines;
@@ -232,9 +231,9 @@ TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
 }
 
 TEST(ReadRequest, FindsAskedForStayFinds) {
-  // Goal: if a request only searches, the command line's number of solutions counts finds.
-  // Otherwise the number counts draws, and the request's other stop rules stay. Method: read
-  // requests with an open sampler, and with chains.
+  // Goal: in a request with the rule `found`, the command line's number of solutions replaces the
+  // number of finds. If the request also draws samples, the number counts independent solutions
+  // too.
   const std::array worlds{toy::staged_binding()};
   const auto rules_of = [&](const std::string& text) {
     return read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, Asked{.number = 4})
@@ -248,9 +247,9 @@ TEST(ReadRequest, FindsAskedForStayFinds) {
 }
 
 TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
-  // Goal: without a stop rule, a request gets five takes, or the command line's number of takes.
-  // The section [stop] or the command line can request finds or draws instead. The normalised text
-  // states the rule. Method: try each case.
+  // Goal: a request of a world that relaxes finds asks for five takes if it has no sampler and no
+  // stop rule. The section [stop] and the command line can set another number, or request finds or
+  // draws instead.
   const std::array worlds{toy::relaxing_binding()};
   const auto read_with = [&](const std::string& text, std::optional<Asked> asked) {
     auto request = read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, asked);
@@ -275,8 +274,8 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
             in_proportion);
   EXPECT_EQ(read_with("[stop]\nscans = 9\n", {}).stop.takes, std::nullopt);
 
-  // The normalised request of a run that was cut states its number of takes. If the run has no take
-  // yet, the request states its number of finds.
+  // The normalised request of an interrupted run states the number of takes so far. If there are no
+  // takes yet, the request states the number of finds.
   EXPECT_THAT(normalised_text_of(open, {.found = 7, .relaxed = 2, .prior_draws = 40}),
               HasSubstr("relax_scans = 3\nstep = 0.5\n\n[stop]\ntakes = 2\n\n[output]\n"
                         "keep_max = 5000\nprior_draws = 40\n"));
@@ -296,9 +295,8 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
 }
 
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
-  // Goal: the request of a cut run with islands keeps the odds rules and the scans. The request of
-  // a cut run with another method keeps only the scans. Method: set all rules at once, for both
-  // methods.
+  // Goal: the request of an interrupted run with islands states the scans done, and keeps the rules
+  // for solutions and odds. With another method, the request states only the scans done.
   const std::array worlds{toy::staged_binding()};
   const auto cut_of = [&](const std::string& method, const std::string& rules) {
     const auto request = read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
@@ -397,9 +395,9 @@ TEST(WithSeed, IsAsIfTheFileHadIt) {
 }
 
 TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
-  // Goal: tables in a section work like keys: they set values, errors give their lines, and the
-  // canonical text and the identity contain them. Method: read a good request, and requests with
-  // one fault each.
+  // Goal: tables in a section set values, their errors name the right line, and the normalised text
+  // and the identity contain the tables. Method: read a valid request, and requests with one fault
+  // each.
   const std::array worlds{toy::binding()};
   const std::string pegs = "[[world.peg]]\ny_m = 2\n[[world.peg]]\nx_m = 3\n";
   const std::string text = "[world]\nname = 'toy'\n" + pegs + "[stop]\nscans = 1\n";

@@ -1,5 +1,6 @@
-// Goal: TOML of every form becomes sections of keys with places, and files that could harm the
-// parser never reach it. Method: read worked examples, and hostile files at and beyond each limit.
+// Goal: a TOML file is read as sections and keys with their places. Files that could harm the TOML
+// parser never reach the parser. Method: read valid examples, and hostile files at and beyond each
+// limit.
 #include "common/request/document.h"
 
 #include <gtest/gtest.h>
@@ -42,8 +43,8 @@ TEST(Document, KeepsSectionsAndKeysInFileOrderWithPlaces) {
 }
 
 TEST(Document, KeepsArraysOfTables) {
-  // Goal: tables of an array come in order, with places, beside the section's keys; arrays of other
-  // values are not tables. Method: read both notations for tables, and arrays of other values.
+  // Goal: the tables of an array are read in order, with their places. An array of numbers is not
+  // an array of tables. Method: use both notations of TOML for tables, and an array of numbers.
   const Document document = parsed(
       "[a]\nk = 1\n[[a.t]]\ny = 2\n\n  [[a.t]]\nx = 3\ny = 4\n[b]\nt = [{x = 5}]\nu = [1]\n");
   const Section& a = document.sections[0];
@@ -103,9 +104,9 @@ TEST(Document, RefusesDeepKeysInEveryDisguise) {
 }
 
 TEST(Document, TakesBitmapsOnOneLine) {
-  // Goal: the largest bitmap's normalised text, on one line, can be read. Long dotted keys are
-  // refused even beside a text with many dots. Method: read 12 rows of 40 characters with escaped
-  // line ends, then long dotted keys.
+  // Goal: the largest bitmap can be read from one line, although the line has many dots. Long
+  // dotted keys are refused even beside a text with many dots. Method: read a bitmap of 12 rows of
+  // 40 characters. Then read a line with such a text and a long dotted key.
   const std::string bitmap = "a = \"" + repeated(repeated(".", 39) + "#\\U0000000A", 6) +
                              repeated(repeated(".", 40) + "\\U0000000A", 6) + "\"";
   EXPECT_EQ(error_of(bitmap), "");
@@ -116,7 +117,8 @@ TEST(Document, TakesBitmapsOnOneLine) {
 }
 
 TEST(Document, HoldsTheDeepestFileThatIsAllowed) {
-  // Eight nested inline tables, each on a line with the maximum number of dots.
+  // Nest arrays and inline tables, each on a line with the maximum number of dots. Four pairs are
+  // too deep, and three pairs are accepted.
   std::string deep = "a" + repeated(".a", k_dots_per_line_max) + " = ";
   for (int i = 0; i < 4; ++i)
     deep += "[\n{ a" + repeated(".a", k_dots_per_line_max) + " = ";

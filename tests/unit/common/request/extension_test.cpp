@@ -1,5 +1,5 @@
-// Goal: an extended request changes only [stop], so that a run resumes with its chains. Method:
-// extend requests over a toy world and read their texts again.
+// Goal: extending a request changes only the section [stop], so that the run can resume its chains.
+// Method: extend requests of a toy world and read the new texts.
 #include "common/request/extension.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,6 @@
-// Goal: nearest() finds the intended name for a typing error, and nothing for unrelated words.
-// Method: check known distances, a slow reference distance, and typical typing errors.
+// Goal: nearest() finds the intended name after a typing error, and no name for unrelated words.
+// Method: compare edit distances with known values and with a slow recursive reference. Try typical
+// typing errors.
 #include "common/request/nearest.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@
 namespace sleight::request {
 namespace {
 
-/// Computes the distance by its recursive definition.
+/// Computes the edit distance by its recursive definition.
 std::size_t slow_distance(std::string_view a, std::string_view b) {
   if (a.empty()) return b.size();
   if (b.empty()) return a.size();

@@ -1,6 +1,6 @@
-// Goal: any request's normalised text reads back to the same request and the same text, bit for
-// bit. Method: write random valid requests, whose keys are in random order and each present with
-// probability one half. Splitmix64 draws the requests from fixed seeds, which failures print.
+// Goal: the normalised text of any request reads back to the same request and the same text.
+// Method: write random valid requests. Their keys are in random order, and each optional key is
+// present with probability one half. Failures print the seed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

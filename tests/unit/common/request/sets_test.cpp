@@ -1,6 +1,6 @@
-// Goal: a key set by `--set` reads as if the file contained it, its errors name the set, and ranges
-// expand to all combinations in order. Method: compare toy requests that use sets with the same
-// requests as files; compare the errors of bad sets with known errors.
+// Goal: a key given with `--set` works like a key in the file, and its errors name the option.
+// Ranges expand to all combinations, in order. Method: compare requests that use `--set` with
+// requests that have the same keys in the file.
 #include "common/request/sets.h"
 
 #include <gmock/gmock.h>
@@ -55,7 +55,7 @@ TEST(Sets, AreReadAsIfTheFileHadThem) {
             read_file("[world]\nname = \"toy\"\nballs = 2\nsurface = \"wood\"\nspinning = false\n"
                       "[sampler]\nseed = 7\n[constraint]\nword = \"A B\"\nlambda = 2\n"
                       "[stop]\nscans = 10\n[output]\nthin = 3\n"));
-  // Neither the order of sets nor the value in the file matters.
+  // Neither the order of the `--set` options nor the file's own value of a key matters.
   EXPECT_EQ(read({"stop.scans=20", "world.balls=4"}), read({"world.balls=4", "stop.scans=20"}));
   EXPECT_EQ(read({"world.balls=4"}, "[world]\nname = \"toy\"\nballs = \"x\"\n[stop]\nscans = 10\n"),
             read_file("[world]\nname = \"toy\"\nballs = 4\n[stop]\nscans = 10\n"));
@@ -94,7 +94,7 @@ TEST(Sets, HaveTheErrorsOfAFile) {
       tests::LinesHaveFacts("--set world.name=tou: 'name' in [world]: |\"toy\"|\"tou\"|\"toy\""));
   EXPECT_THAT(read({"world.threads=4"}),
               tests::LinesHaveFacts("--set world.threads=4: |'threads'|command-line option"));
-  // Each error names the `--set` that caused it; errors of the file keep their places.
+  // Each error names the `--set` option that caused it. Errors of the file keep their places.
   EXPECT_THAT(read({"world.balls=4", "world.balls_=4", "sampler.step=1.5"},
                    "[world]\nname = \"toy\"\nbals = 1\n[stop]\nscans = 10\n"),
               tests::LinesHaveFacts("--set world.balls_=4: |'balls_' in [world]|'balls'\n"

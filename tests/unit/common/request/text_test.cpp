@@ -1,5 +1,6 @@
-// Goal: text is harmless on terminals and exact in TOML. Method: check worked examples of each
-// class of character; for numbers, make a round trip over bit patterns.
+// Goal: printed text is harmless on a terminal, and texts and numbers written as TOML read back
+// exactly. Method: use examples of each class of characters. For numbers, write and read random bit
+// patterns.
 #include "common/request/text.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Goal: every call travels from a client over a socket to a handler and back. Method: connect a
-// client to a server with a fake service.
+// Goal: calls travel over a socket from a client to the service, and answers travel back. Method:
+// connect a client to a server with a made-up service.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -76,8 +76,8 @@ JobView full_view() {
 }
 
 TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
-  // Goal: all fields of all calls and answers travel. Method: set every field to a value other than
-  // its default, and compare at the other end.
+  // Goal: every field of every call and every answer arrives unchanged. Method: set each field to a
+  // value other than its default, and compare the values on both ends.
   service.jobs[17].view = full_view();
   ServerThread server(socket(), service);
   Client client(socket());
@@ -150,9 +150,8 @@ TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
 }
 
 TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
-  // Goal: all fields of a refusal arrive. A handler's failure, such as a dropped reply, arrives as
-  // a bug; only the log has its text. Method: call a handler that refuses, throws and drops
-  // replies.
+  // Goal: every field of a refusal arrives. If a handler throws or drops its reply, the client gets
+  // a refusal of kind `bug`, and only the server's log has the details.
   ServerThread server(socket(), service);
   Client client(socket());
   const Refusal bad = refusal_of(
@@ -190,8 +189,9 @@ TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
 }
 
 TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
-  // Goal: while a handler delays a reply, other clients are answered, and a client that left blocks
-  // nobody. Method: answer four clients in reverse order; one client leaves early.
+  // Goal: while a handler delays a reply, other clients are answered. A client that leaves before
+  // its answer blocks no other client. Method: delay the answers to four clients, one of which
+  // leaves early. Then answer in reverse order.
   service.keeps_status = true;
   ServerThread server(socket(), service);
   std::thread gives_up(
@@ -221,7 +221,7 @@ TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
 }
 
 TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
-  // Goal: calls beyond service.h's limits are refused. Method: exceed each limit by one.
+  // Goal: calls that exceed the limits in service.h or contain invalid values are refused.
   ServerThread server(socket(), service);
   Client client(socket());
   const auto submit = [&](Submission submission) {
@@ -261,8 +261,9 @@ TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
 }
 
 TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
-  // Goal: a client can read any answer; long texts are cut at a whole character. Method: list a
-  // page of 120 jobs with texts of 70 kB, and read a status with a long history.
+  // Goal: a client can read any answer, because the server cuts long texts and histories. The cut
+  // never splits a character. Method: list 120 jobs with texts of 70 kB, and read the status of a
+  // job with a long history.
   JobView huge = full_view();
   huge.reason = std::string(1, 'a') + [] {
     std::string text;
@@ -288,9 +289,9 @@ TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
 }
 
 TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
-  // Goal: a socket has mode 0600. A server refuses a living server's socket, replaces a dead
-  // server's socket, and doesn't remove its successor's socket when it ends. Method: start servers
-  // one after another; kill a process; use a path beyond the system's limit.
+  // Goal: only the owner of a socket can open it, and only one server listens on it. A server
+  // replaces the socket of a dead server, and removes its own socket when it ends. Method: start
+  // servers one after another and kill one. Use a path longer than the system's limit for sockets.
   const std::string deep = path(std::string(200, 'd'));
   std::filesystem::create_directory(deep);
   const std::string place = deep + "/socket";
@@ -324,7 +325,7 @@ TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
 }
 
 TEST_F(CallsTest, AClientOutlivesItsServers) {
-  // Goal: a client reconnects to the next server. Method: start servers one after another.
+  // Goal: a client that lost its server reconnects to the next server on the same socket.
   Client client(socket());
   for (int i = 0; i < 3; ++i) {
     EXPECT_THROW(client.info(), NoServer);
@@ -334,8 +335,8 @@ TEST_F(CallsTest, AClientOutlivesItsServers) {
 }
 
 TEST_F(CallsTest, AClientMayPauseForLongerThanACallMayTake) {
-  // Goal: a call's time limit starts with the call. Method: make two calls 2.5 s apart, with a
-  // limit of 2 s.
+  // Goal: a client may pause between calls for longer than the time limit of a call. Method: make
+  // two calls 2.5 s apart, with a time limit of 2 s for each call.
   ServerThread server(socket(), service);
   Client client(socket(), {.call_s_max = 2});
   EXPECT_EQ(client.info().version, "1.2");

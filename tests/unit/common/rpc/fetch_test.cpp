@@ -1,4 +1,4 @@
-// Goal: after any failure, a fetched file is complete or absent. Method: break connections.
+// Goal: whatever fails during a fetch, the destination has a complete file or no new file.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -47,8 +47,8 @@ class FetchTest : public testing::SocketFolder {
 };
 
 TEST_F(FetchTest, BringsAFileOfAnySize) {
-  // Goal: files arrive bit for bit, replace an older file and add no other. Method: use file sizes
-  // around the size of a piece.
+  // Goal: a fetched file equals the original, replaces an older file, and leaves no other file.
+  // Method: fetch files whose sizes are near the size of a piece.
   ServerThread server(socket(), service);
   Client client(socket());
   const std::string to = path("out/ball.h5");
@@ -75,9 +75,9 @@ TEST_F(FetchTest, BringsAFileOfAnySize) {
 }
 
 TEST_F(FetchTest, GoesOnWhereItStopped) {
-  // Goal: a stopped fetch resumes with its partial file if the service has the same content;
-  // otherwise it starts from scratch and removes the partial file. Method: stop in the middle; then
-  // fetch the same content, and other content.
+  // Goal: a stopped fetch resumes with its partial file if the content is still the same. Otherwise
+  // the fetch starts from scratch and removes the partial file. Method: stop a fetch in the middle.
+  // Then fetch the same content, or other content.
   const std::size_t size = 4 * k_piece_bytes_max;
   const std::string first = content_of(size, 1);
   const std::string second = content_of(size, 2);
@@ -113,8 +113,9 @@ TEST_F(FetchTest, GoesOnWhereItStopped) {
 }
 
 TEST_F(FetchTest, GoesOnOverKilledServers) {
-  // Goal: killing servers loses no byte that arrived. Method: kill a server after every third of
-  // the pieces; count the bytes that are read again.
+  // Goal: if servers are killed during a fetch, bytes that have arrived are not fetched again.
+  // Method: kill the server after every three pieces, and check that the number of bytes never
+  // decreases.
   const std::size_t size = 9 * k_piece_bytes_max + 5;
   const auto shared = testing::make_shared_memory();
   auto server = std::make_unique<ServerProcess>(socket(), *shared, size);
@@ -138,8 +139,9 @@ TEST_F(FetchTest, GoesOnOverKilledServers) {
 }
 
 TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
-  // Goal: a file with wrong bytes is never put in place; after a few tries the fetch fails. Method:
-  // announce a wrong digest; damage a partial file, which a new try repairs.
+  // Goal: a file whose bytes don't match the announced digest is never put in place. A damaged
+  // partial file is fetched again. Method: damage a partial file, announce a wrong digest, and
+  // announce an invalid digest.
   const std::string content = content_of(3 * k_piece_bytes_max, 3);
   service.add_file("ball.h5", content);
   ServerThread server(socket(), service);
@@ -162,8 +164,9 @@ TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
 }
 
 TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
-  // Goal: a file created at the destination during a fetch stays unless it may be replaced or has
-  // the same content. Method: create the file when the last piece arrives.
+  // Goal: if another program creates a file at the destination during a fetch, the file is replaced
+  // only if that is allowed. A file with the same content is no conflict. Method: create the file
+  // when the last piece arrives.
   const std::string content = content_of(2 * k_piece_bytes_max, 3);
   service.add_file("ball.h5", content);
   const ServerThread server(socket(), service);
@@ -189,9 +192,8 @@ TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
 }
 
 TEST_F(FetchTest, BringsManyFilesByPages) {
-  // Goal: one call fetches several files into a folder, across pages and killed connections; names
-  // that leave the folder are refused. Method: fetch 20 files, 7 per page, and a file with a
-  // hostile name.
+  // Goal: one call fetches several files into a folder, page by page. Names that lead out of the
+  // folder are refused. Method: fetch 20 files on pages of 7. Then add a file with a hostile name.
   for (int i = 10; i < 30; ++i)
     service.add_file(fmt::format("failure-{}.bin", i), content_of(1000, static_cast<unsigned>(i)));
   service.files_in_page = 7;
@@ -209,13 +211,15 @@ TEST_F(FetchTest, BringsManyFilesByPages) {
 }
 
 TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
-  // Goal: a failed write is reported and leaves the destination unchanged. Method: limit file
-  // sizes, as on a full disk, in a separate process; then lift the limit.
+  // Goal: a failed write is reported and leaves no file at the destination. A later fetch succeeds.
+  // Method: limit the size of files in a separate process, as on a full disk. Then fetch without
+  // the limit.
   const std::string content = content_of(3 * k_piece_bytes_max, 4);
   service.add_file("ball.h5", content);
   ServerThread server(socket(), service);
   const std::string to = path("out/ball.h5");
-  // Run the death test by exec, because the server's thread may hold a lock at a fork.
+  // Start the death test as a new program, because the server's thread may hold a lock during a
+  // fork.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto fetch_with_little_room = [&] {
     ::signal(SIGXFSZ, SIG_IGN);
@@ -236,8 +240,8 @@ TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
 }
 
 TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
-  // Goal: a file that is replaced during a fetch arrives in its old version. Method: call
-  // open_source(), then rename another file over it.
+  // Goal: if a file is replaced during a fetch, the client gets the old content. A read beyond a
+  // file's end is refused. Method: open a file, then rename another file over it.
   std::ofstream(path("a"), std::ios::binary) << "old content";
   const auto source = open_source(path("a"), "a.h5", "digest");
   std::ofstream(path("b"), std::ios::binary) << "new";
@@ -259,7 +263,8 @@ TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
   EXPECT_TRUE(is_refused);
 }
 
-/// A link that breaks in the first call, finds no server in the second, and works in the third.
+/// A link whose first call is cut off, whose second call finds no server, and whose third call
+/// works.
 class CutLink final : public Link {
  public:
   std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>&) override { return {}; }
@@ -284,9 +289,9 @@ class CutLink final : public Link {
 };
 
 TEST_F(FetchTest, AFirstCallThatIsCutIsRepeated) {
-  // Goal: a client waits for a daemon that is killed during a fetch's first call, but not for a
-  // daemon that never ran. Method: use a link that loses the first call and then finds no server,
-  // and a link that finds no server at once.
+  // Goal: a client waits for a daemon that is killed during the first call of a fetch, but not for
+  // a daemon that never ran. Method: use a link that loses the first call, and a link that finds no
+  // server in the first call.
   CutLink cut;
   EXPECT_EQ(fetch_file_over(cut, {}, archive, path("out/a.h5"), {}, {}, AtItsPlace::replaced).how,
             Waited::settled);

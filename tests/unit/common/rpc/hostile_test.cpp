@@ -1,6 +1,6 @@
-// Goal: whatever peers send or don't read, the server's memory stays bounded and other clients are
-// served. Method: measure the peak memory of a server in its own process; another client calls
-// during and after each attack.
+// Goal: whatever a peer sends or leaves unread, the server's memory stays bounded and other clients
+// are served. Method: measure the peak memory of a server in its own process. Another client makes
+// calls during and after each attack.
 #include <capnp/message.h>
 #include <capnp/rpc-twoparty.h>
 #include <capnp/rpc.capnp.h>
@@ -42,7 +42,8 @@ class Raw {
   Raw(const Raw&) = delete;
   Raw& operator=(const Raw&) = delete;
 
-  /// Sends as much as it can within the time. Returns false if the server ended the connection.
+  /// Sends as many bytes as possible within the time limit. Returns false if the server ended the
+  /// connection.
   bool send(const void* bytes, std::size_t size, int patience_ms = 2000) {
     const char* next = static_cast<const char*>(bytes);
     while (size > 0) {
@@ -64,7 +65,7 @@ class Raw {
     ::ioctl(descriptor_, FIONREAD, &bytes);
     return bytes;
   }
-  /// Reads until the server ends the connection or the time is over.
+  /// Reads until the server ends the connection or the time limit is over.
   bool is_ended(int patience_ms = 5000) {
     char buffer[4096];
     pollfd looked = {.fd = descriptor_, .events = POLLIN, .revents = 0};
@@ -111,7 +112,7 @@ void ask_for_bootstrap(capnp::MessageBuilder& message, std::uint32_t question) {
   message.initRoot<capnp::rpc::Message>().initBootstrap().setQuestionId(question);
 }
 
-/// Starts a call to the service that open() has requested as question 1 of the connection.
+/// Starts a call to the service, which open() has requested as the connection's question 1.
 capnp::rpc::Call::Builder call_of_service(capnp::MessageBuilder& message, std::uint32_t question,
                                           std::uint16_t method) {
   auto call = message.initRoot<capnp::rpc::Message>().initCall();
@@ -172,8 +173,9 @@ TEST_F(HostileTest, AnyBytes) {
 }
 
 TEST_F(HostileTest, MessagesThatAreTooLargeEndTheirConnection) {
-  // Goal: announced sizes are checked before memory is allocated. Method: announce sizes beyond the
-  // limit, too many parts, and parts whose sum is too large.
+  // Goal: the server checks the announced size of a message before it allocates memory. Method:
+  // announce a size that is too large, too many segments, and segments whose total size is too
+  // large.
   const std::vector<std::vector<std::uint32_t>> heads = {{0, 0xFFFFFFFF},
                                                          {0, (4U << 20U) / 8 + 1},
                                                          {0xFFFFFFFF, 1},
@@ -189,8 +191,8 @@ TEST_F(HostileTest, MessagesThatAreTooLargeEndTheirConnection) {
 }
 
 TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
-  // Goal: depth and total content of a message are bounded. Method: send a call with 200 levels of
-  // lists, and a submission of 1,000 jobs that all point at one text of 1 MB.
+  // Goal: deeply nested messages and submissions of many jobs don't harm the server. Method: send a
+  // call with 200 nested levels, and a submission of 1,000 jobs.
   Raw deep(socket());
   open(deep);
   capnp::MallocMessageBuilder nested;
@@ -202,7 +204,6 @@ TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
 
   Raw many(socket());
   open(many);
-  // These words, built by hand, hold 1,000 structs whose second pointers share one far text.
   capnp::MallocMessageBuilder aliased;
   auto submit = call_of_service(aliased, 2, 0);
   auto submission =
@@ -218,8 +219,9 @@ TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
 }
 
 TEST_F(HostileTest, HalfMessagesAreGivenUp) {
-  // Goal: incomplete messages take bounded memory, end in time, and block nobody. Method: 30
-  // connections announce 4 MB each and send a part, with a total limit of 16 MB.
+  // Goal: incomplete messages take limited memory, and the server ends their connections in time.
+  // Method: open 30 connections that announce 4 MB each and send only a part. The server's limit
+  // for all connections is 16 MB.
   std::vector<std::unique_ptr<Raw>> raws;
   const std::uint32_t head[2] = {0, (4U << 20U) / 8};
   const std::string part(100'000, 'x');
@@ -236,9 +238,8 @@ TEST_F(HostileTest, HalfMessagesAreGivenUp) {
 }
 
 TEST_F(HostileTest, AThousandConnections) {
-  // Goal: however many connections are open, other clients are served and memory stays low. Method:
-  // open 1,000 idle connections, half of which have sent part of a message, while ordinary clients
-  // call.
+  // Goal: with a thousand open connections, other clients are served and memory stays low. Method:
+  // open 1,000 idle connections, half of which have sent part of a message.
   rlimit files = {};
   ::getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = files.rlim_max;
@@ -255,14 +256,14 @@ TEST_F(HostileTest, AThousandConnections) {
 }
 
 TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
-  // Goal: unread answers take bounded memory, and their connections are ended in time. Method:
-  // request the same status and pieces of a file repeatedly and read nothing.
+  // Goal: answers that a peer doesn't read take limited memory, and the server ends such
+  // connections in time. Method: request pieces of a file on 20 connections, and read no answer.
   std::vector<std::unique_ptr<Raw>> raws;
   for (int i = 0; i < 20; ++i) {
     raws.push_back(std::make_unique<Raw>(socket()));
     open(*raws.back());
   }
-  // Waits until all connections have the same number of unread bytes, more than `before`.
+  // Waits until all connections have the same number of unread bytes, and more than `before`.
   const auto wait_for_more_than = [&](int before) {
     EXPECT_TRUE(testing::comes_true([&] {
       const int first = raws.front()->unread();
@@ -287,8 +288,8 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
       auto call = message.initRoot<capnp::rpc::Message>().initCall();
       call.setQuestionId(question);
       call.getSendResultsTo().setCaller();
-      // Call by capability number, because a promise can't be followed into a list. The file is the
-      // connection's third capability.
+      // Address the file by its capability number, because a promise can't refer to an element of a
+      // list. The file is the connection's third capability.
       call.initTarget().setImportedCap(2);
       call.setInterfaceId(capnp::typeId<generated::File>());
       call.setMethodId(0);
@@ -306,17 +307,16 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
     EXPECT_LT(raw->received, k_megabyte);
     if (raw->received > 100'000U) ++filled;
   }
-  // Check that the attack worked: the first part of a piece filled the system's buffers. On a busy
-  // machine the server may end some connections before their first answer.
+  // Check that the attack worked: at least half of the connections filled the system's buffers. On
+  // a busy machine, the server may end some connections before their first answer.
   EXPECT_GE(filled, 10);
   expect_served();
   expect_bounded(40 * k_megabyte);
 }
 
 TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
-  // Goal: a peer can't make the server store answers, either by never releasing them or by leaving
-  // results on the server. Method: ask more questions than allowed and read their answers; make a
-  // call that requests its results to stay on the server.
+  // Goal: a peer can't make the server store answers without limit. Method: ask more questions than
+  // allowed. Make a call that tells the server to keep the results.
   Raw many(socket());
   open(many);
   bool is_ended = false;
@@ -337,9 +337,9 @@ TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
 }
 
 TEST_F(HostileTest, APeerBringsNoCapabilities) {
-  // Goal: a peer can't make the server hold descriptions of the peer's capabilities, which Cap'n
-  // Proto would hold forever. Method: send one such message of each kind; each must end its
-  // connection.
+  // Goal: the server refuses messages that bring capabilities of the peer, because Cap'n Proto
+  // would keep such capabilities forever. Method: send one such message of each kind. Each message
+  // must end its connection.
   using Make = std::function<void(capnp::rpc::Message::Builder)>;
   const std::vector<Make> messages = {
       [](auto message) { message.initResolve().initCap().setSenderPromise(0); },
@@ -374,8 +374,9 @@ TEST_F(HostileTest, APeerBringsNoCapabilities) {
 }
 
 TEST_F(HostileTest, MoreCallsAtOnceThanAllowedAreRefused) {
-  // Goal: a connection's simultaneous calls are bounded, and a dropped watch frees its place.
-  // Method: open more watches than allowed on one connection; drop some and open as many new ones.
+  // Goal: the number of simultaneous calls on a connection is limited, and a dropped call makes
+  // room for a new call. Method: open one watch more than allowed on one connection. Then drop all
+  // watches and open a new watch.
   auto io = kj::setupAsyncIo();
   auto stream = io.lowLevelProvider->wrapSocketFd(connect_to(socket()).value(),
                                                   kj::LowLevelAsyncIoProvider::TAKE_OWNERSHIP);

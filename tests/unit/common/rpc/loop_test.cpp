@@ -1,5 +1,5 @@
-// Goal: the event loop calls timers, file callbacks, posts and signal handlers correctly. Method:
-// use short real times and pipes.
+// Goal: the event loop calls timers, file callbacks, posted functions and signal handlers at the
+// right time. Method: use short real times and pipes.
 #include "common/rpc/loop.h"
 
 #include <gtest/gtest.h>
@@ -20,8 +20,8 @@ double now_s() {
 }
 
 TEST(LoopTest, CallsInTimeAndInOrder) {
-  // Goal: timers fire in time order and never early; a destroyed timer doesn't fire. Method: start
-  // several timers; destroy one, and let one destroy another.
+  // Goal: timers fire in order of time and never early, and a destroyed timer doesn't fire. Method:
+  // start several timers. Destroy one timer at once, and let a callback destroy another timer.
   Loop loop;
   const double began_s = now_s();
   std::vector<int> called;
@@ -43,8 +43,8 @@ TEST(LoopTest, CallsInTimeAndInOrder) {
 }
 
 TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
-  // Goal: a delay starts when it is requested, not when the loop last woke. Method: run a callback
-  // that takes 50 ms and then requests a delay of 20 ms.
+  // Goal: a timer's delay starts when the timer is requested, not when the loop last woke. Method:
+  // run a callback that takes 50 ms and then requests a delay of 20 ms.
   Loop loop;
   double asked_s = 0.0;
   double called_s = 0.0;
@@ -62,8 +62,8 @@ TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
 }
 
 TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
-  // Goal: an interval repeats, and its own callback may destroy its handle. Method: destroy the
-  // handle in the fifth call, and wait for a sixth call, which must not come.
+  // Goal: an interval timer repeats until its handle is destroyed, even by the timer's own
+  // callback. Method: destroy the handle in the fifth call, and check that no sixth call follows.
   Loop loop;
   int count = 0;
   std::optional<Loop::Handle> every;
@@ -78,9 +78,8 @@ TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
 }
 
 TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
-  // Goal: a callback fires while data is readable, even after a partial read, and when the other
-  // end closes. The callback doesn't fire after its handle is destroyed. Method: read a pipe one
-  // byte per call.
+  // Goal: a file callback is called while data is readable, even after a partial read, and when the
+  // other end closes. Method: read one byte of a pipe in each call.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   Loop loop;
@@ -107,8 +106,9 @@ TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
 }
 
 TEST(LoopTest, TakesPostsFromOtherThreadsInOrder) {
-  // Goal: functions that threads post run on the loop's thread, in each thread's order, including
-  // functions posted before run(). Method: post 500 times from each of four threads.
+  // Goal: functions that other threads post run on the loop's thread, in the order in which each
+  // thread posted them. Method: post one function before run(), and 500 functions from each of four
+  // threads.
   Loop loop;
   const auto here = std::this_thread::get_id();
   std::vector<int> next(4, 0);
@@ -133,7 +133,7 @@ TEST(LoopTest, TakesPostsFromOtherThreadsInOrder) {
 }
 
 TEST(LoopTest, EndsWithWhatACallbackThrows) {
-  // Goal: run() rethrows a callback's exception and can be called again. Method: throw.
+  // Goal: run() rethrows a callback's exception and can be called again.
   Loop loop;
   loop.post([] { throw std::runtime_error("the callback"); });
   EXPECT_THROW(loop.run(), std::runtime_error);
@@ -142,8 +142,8 @@ TEST(LoopTest, EndsWithWhatACallbackThrows) {
 }
 
 TEST(LoopTest, HearsStopSignalsAndBlocksNone) {
-  // Goal: SIGTERM, SIGINT and SIGHUP are reported, even several at once. No signal stays blocked,
-  // because child processes would inherit that. Method: raise the signals; read the signal mask.
+  // Goal: the loop reports SIGTERM, SIGINT and SIGHUP, even several at once. No signal is blocked,
+  // because child processes would inherit the blocked signals.
   std::vector<int> heard;
   {
     Loop loop;

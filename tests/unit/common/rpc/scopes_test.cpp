@@ -1,6 +1,6 @@
-// Goal: a token's scopes determine a session's calls, no token can create tokens, and the audit
-// records actions and refusals. Method: a client of a real server makes each call with a token of
-// each single scope, and over the Unix socket.
+// Goal: a token's scopes determine which calls a client may make, and no token can create tokens.
+// The audit records actions and refusals. Method: make each call with a token of each single scope,
+// and over the Unix socket.
 #include <unistd.h>
 
 #include <map>
@@ -162,7 +162,8 @@ TEST_F(ScopesTest, AUserOfThisMachineMayDoAll) {
   EXPECT_EQ(told["hold"].of, "g5");
 }
 
-// A daemon that ends destroys its server before the objects that still owe replies.
+// Goal: a call that has no answer when its server ends is audited. Method: destroy the server first
+// and the pending reply later, as a daemon does when it ends.
 TEST_F(ScopesTest, AReplyThatOutlivesTheServerIsTold) {
   Loop loop;
   testing::FakeService service;

@@ -1,6 +1,7 @@
 // Goal: over TLS, only clients with a valid token are served, and revoking a token ends its
-// sessions. An untrusted server gets no token, and strangers can't disturb others. Method: connect
-// over loopback to a server with a generated certificate and an authority that counts its calls.
+// sessions. A client sends no token to an untrusted server. Clients without a token don't disturb
+// others. Method: connect over loopback to a server with a generated certificate, and count the
+// logins.
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -153,7 +154,7 @@ TEST_F(TlsTest, TextsThatAreNoTokenAreNotLookedUp) {
   EXPECT_EQ(authority_.logins, 0);
 }
 
-// The size limit for a stranger's message is lower than for a user's.
+// A message of a client without a valid token has a lower size limit.
 TEST_F(TlsTest, AStrangersLargeMessageEndsItsConnection) {
   RemoteService wrong = remote();
   wrong.token = std::string(1U << 20U, 'a');
@@ -201,7 +202,8 @@ TEST_F(TlsTest, AServerWithAnotherCertificateGetsNoToken) {
   } catch (const NotTrusted& error) {
     EXPECT_NE(std::string(error.what()).find("has changed since the login"), std::string::npos);
   }
-  // If the right certificate names another host, the error is a host name mismatch, not an attack.
+  // If the trusted certificate is for another host name, the error is a host name mismatch, not a
+  // changed certificate.
   other = remote();
   other.own_name = "another.example.org";
   try {
@@ -298,7 +300,7 @@ TEST_F(TlsCrowdTest, BytesThatAreNoTlsAreEnded) {
   EXPECT_TRUE(testing::comes_true([&] { return server_.counts().strangers == 0; }));
 }
 
-// A service serves two hundred clients at once.
+// Two hundred clients are served at the same time.
 TEST_F(TlsTest, TwoHundredClients) {
   std::atomic<int> served = 0;
   std::vector<std::thread> threads;

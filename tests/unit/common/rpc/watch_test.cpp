@@ -71,8 +71,9 @@ class WatchTest : public testing::SocketFolder {
 };
 
 TEST_F(WatchTest, TellsAllFromAnyNumberOnAndSettles) {
-  // Goal: a watch from any number gets each event once, in order, and the end. Method: watch a
-  // finished job with more events than an answer holds; use a sink that stops.
+  // Goal: a watch from any event number returns each later event once, in order, and then the end
+  // of the job. Method: watch a finished job that has more events than one answer holds. Stop one
+  // watch early.
   service.jobs[1] = {.view = {.id = {1}}, .events = 1000, .changes = 3, .is_over = true};
   ServerThread server(socket(), service);
   Client client(socket());
@@ -90,8 +91,8 @@ TEST_F(WatchTest, TellsAllFromAnyNumberOnAndSettles) {
 }
 
 TEST_F(WatchTest, NewsArriveAsTheyCome) {
-  // Goal: a watch waits without polling, gets each event at once, and can be interrupted. Method:
-  // send events one by one; the handler counts its calls.
+  // Goal: a watch receives each event at once, without polling, and can be interrupted. Method:
+  // send events one by one, and count the calls of the handler.
   service.jobs[1] = {.view = {.id = {1}}};
   ServerThread server(socket(), service);
   Listener listener;
@@ -124,9 +125,9 @@ TEST_F(WatchTest, NewsArriveAsTheyCome) {
 }
 
 TEST_F(WatchTest, ASlowWatcherMissesNothingNumberedAndNothingQueues) {
-  // Goal: a slow watcher gets all events and fewer progress reports, and the server buffers nothing
-  // for it. Method: send 20,000 changes of progress and 2,000 events; the watcher sleeps after each
-  // event.
+  // Goal: a slow watcher gets all events but fewer progress reports, and the server buffers nothing
+  // for the watcher. Method: send 20,000 progress reports and 2,000 events to a watcher that sleeps
+  // after each event.
   const auto shared = testing::make_shared_memory();
   ServerProcess server(socket(), *shared);
   const std::size_t before = server.peak_bytes();
@@ -152,8 +153,8 @@ TEST_F(WatchTest, ASlowWatcherMissesNothingNumberedAndNothingQueues) {
 }
 
 TEST_F(WatchTest, NoneIsLostOrDoubledOverKilledServers) {
-  // Goal: each numbered event and the end arrive once and in order although servers are killed.
-  // Method: kill a server process at random moments while events come; the seed is printed.
+  // Goal: each numbered event and the end arrive once and in order, although servers are killed.
+  // Method: kill the server process at random moments while events are sent.
   random::Stream stream({.seed = 26, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   const auto shared = testing::make_shared_memory();
@@ -185,8 +186,9 @@ TEST_F(WatchTest, NoneIsLostOrDoubledOverKilledServers) {
 }
 
 TEST_F(WatchTest, GivesUpAServiceThatStaysAway) {
-  // Goal: a watch ends if the service does not come back, and ends at once if no service ever ran.
-  // Method: kill the service of a client that waits only a short time.
+  // Goal: a watch gives up if the service stays away, and ends at once if there was never a
+  // service. Method: watch without a service. Then kill the service during a watch, with a client
+  // that waits only a short time.
   const auto shared = testing::make_shared_memory();
   Listener listener;
   Client client(socket(), {.first_wait_s = 0.01, .wait_s_max = 0.05, .away_s_max = 0.3});
@@ -204,8 +206,9 @@ TEST_F(WatchTest, GivesUpAServiceThatStaysAway) {
 }
 
 TEST_F(WatchTest, WatchesManyJobsAtOnce) {
-  // Goal: one watch of many jobs settles when each job has ended or is refused. Method: watch
-  // finished jobs, a job that ends later, a missing job, and a job that is deleted meanwhile.
+  // Goal: a watch of many jobs settles when each job has ended or was refused. Method: watch
+  // finished jobs, a job that ends later, a missing job, and a job that is deleted during the
+  // watch.
   for (std::uint64_t id = 1; id <= 50; ++id)
     service.jobs[id] = {.view = {.id = {id}}, .events = 0, .changes = 0, .is_over = id > 2};
   ServerThread server(socket(), service);
@@ -234,9 +237,8 @@ TEST_F(WatchTest, WatchesManyJobsAtOnce) {
 }
 
 TEST_F(WatchTest, ASilentServerIsHeardOfAndAGapIsSaid) {
-  // Goal: a watch without news gets empty answers now and then, which the sink doesn't see; a
-  // missing event causes a refusal. Method: use a short time limit, and a handler that skips an
-  // event.
+  // Goal: a watch without news gets empty answers from time to time. A missing event ends the watch
+  // with a refusal. Method: use a short time limit, and a handler that skips an event.
   service.jobs[1] = {.view = {.id = {1}}, .events = 3, .is_over = false};
   service.jobs[2] = {.view = {.id = {2}}, .events = 5, .is_over = true};
   service.gap_at = 4;

@@ -1,5 +1,6 @@
-// Goal: a surface has its formula's heights where control points exist, and no heights elsewhere.
-// Method: use planes and parabolas, whose splines differ by a constant; remove points.
+// Goal: a surface returns the heights of its formula, and no height where control points are
+// missing. Method: use a plane and a parabola, whose spline differs from the formula by a constant.
+// Remove one control point at a time.
 #include "common/scene/surface.h"
 
 #include <gtest/gtest.h>

@@ -16,8 +16,8 @@ using ::testing::HasSubstr;
 class DatabaseOf : public archive::testing::Scratch {};
 
 TEST_F(DatabaseOf, ValuesComeBack) {
-  // Goal: every kind of value reads back as it was bound. Method: store a row of extremes, an empty
-  // blob that is not NULL, and text with a zero byte.
+  // Goal: every kind of value reads back as it was stored. Method: store extreme numbers, a text
+  // with a zero byte, an empty blob and NULL.
   Database database(path("a.sqlite"), Access::read_write);
   database.execute("CREATE TABLE t(i INTEGER, r REAL, t TEXT, b BLOB NOT NULL, n BLOB)");
   Statement insert = database.prepare("INSERT INTO t VALUES(?1,?2,?3,?4,?5)");
@@ -37,7 +37,8 @@ TEST_F(DatabaseOf, ValuesComeBack) {
 }
 
 TEST_F(DatabaseOf, IsDurableByItsSettings) {
-  // Goal: a commit that has returned survives loss of power. Method: query SQLite's mode.
+  // Goal: finished commits survive a loss of power. Method: check SQLite's settings for the journal
+  // and for synchronous writes.
   Database database(path("a.sqlite"), Access::read_write);
   Statement journal = database.prepare("PRAGMA journal_mode");
   ASSERT_TRUE(journal.step());
@@ -48,8 +49,7 @@ TEST_F(DatabaseOf, IsDurableByItsSettings) {
 }
 
 TEST_F(DatabaseOf, ErrorsNameTheFileAndWhatToDo) {
-  // Goal: each error's message states what to fix. Method: open a missing file, a missing folder
-  // and a file that is no database; run invalid SQL; violate a constraint.
+  // Goal: each error of the database names the file, the violated rule or the remedy.
   const auto failure = [](const auto& act) -> std::string {
     try {
       act();
@@ -78,7 +78,7 @@ TEST_F(DatabaseOf, ErrorsNameTheFileAndWhatToDo) {
 }
 
 TEST_F(DatabaseOf, DeathTestNotANumberIsABug) {
-  // Goal: NaN is refused, because SQLite would silently store NULL. Method: bind NaN.
+  // Goal: binding NaN is a bug, because SQLite would silently store NULL.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   Database database(path("a.sqlite"), Access::read_write);
   Statement select = database.prepare("SELECT ?1");

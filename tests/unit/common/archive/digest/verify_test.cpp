@@ -1,5 +1,5 @@
-// Goal: verify accepts sound archives and names each kind of fault. Method: damage one thing in the
-// in-memory archive, correct the stored digest, and look for the finding that names the fault.
+// Goal: verify() accepts sound archives and reports each kind of fault. Method: change one part of
+// an in-memory archive, recompute the stored digest, and look for a finding about the fault.
 #include "common/archive/digest/verify.h"
 
 #include <gmock/gmock.h>

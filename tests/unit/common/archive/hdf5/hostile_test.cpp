@@ -1,6 +1,6 @@
-// Goal: a file that our writer can't have written is refused before any value is read, with an
-// error that names the file and the object. Method: add one thing to a sound archive with the HDF5
-// library.
+// Goal: a file that Sleight can't have written is refused with an error that names the file and the
+// object. Method: change a sound archive with the HDF5 library, for example by adding a foreign
+// object.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ class Hostile : public archive::testing::Scratch {
     write_file(path("whole.h5"), files, archive::testing::filler({}));
   }
 
-  /// Returns the path of a copy of the sound archive, changed by `change(file id)`.
+  /// Copies the sound archive, calls `change` with the copy's HDF5 id, and returns the copy's path.
   std::string changed(const std::function<void(hid_t)>& change) const {
     const std::string file = path("changed.h5");
     put_bytes(file, bytes_of(path("whole.h5")));
@@ -90,8 +90,9 @@ TEST_F(Hostile, OtherFiles) {
 }
 
 TEST_F(Hostile, OtherFormats) {
-  // Goal: an archive of another format version is refused, naming its format, its writer's version
-  // and the supported format. Method: set an older version, a newer version, or no version.
+  // Goal: the error about another format version names the archive's format, the writer's version
+  // and the supported format. Method: write older, newer and invalid format versions into a sound
+  // archive.
   const auto of_format = [&](std::int64_t version) {
     return changed([version](hid_t id) {
       const hid_t attribute = H5Aopen(id, "format_version", H5P_DEFAULT);
@@ -173,7 +174,7 @@ TEST_F(Hostile, Types) {
                  "/", "added is not a fixed-length text");
 }
 
-/// Overwrites a root attribute's text; the length of its type stays.
+/// Overwrites the text of a root attribute, but keeps the length of the attribute's type.
 void overwrite_root_text(hid_t file, const char* name, const std::string& text) {
   const hid_t attribute = H5Aopen(file, name, H5P_DEFAULT);
   const hid_t type = H5Aget_type(attribute);
@@ -185,7 +186,7 @@ void overwrite_root_text(hid_t file, const char* name, const std::string& text) 
 }
 
 TEST_F(Hostile, Texts) {
-  // The first byte is invalid UTF-8; the second starts a terminal's escape sequence.
+  // 0xFF is invalid UTF-8, and 0x1B starts an escape sequence of a terminal.
   for (const char* text : {"a\xFF", "a\x1B"}) {
     expect_refused(changed([&](hid_t id) { overwrite_root_text(id, "world", text); }), "/",
                    "world contains control characters");

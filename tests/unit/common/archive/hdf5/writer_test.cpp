@@ -1,6 +1,6 @@
-// Goal: a file holds the same values as the in-memory archive, equal content gives equal bytes, and
-// a failed write leaves only the old file. Method: compare digests; compare files from processes
-// whose heaps hold different garbage; limit the file size; make file-system calls fail.
+// Goal: a file holds the same values as an in-memory archive, equal content gives equal bytes, and
+// a failed write leaves the old file. Method: compare digests. Compare files that different
+// processes wrote. Limit the size of files, and make calls of the file system fail.
 #include "common/archive/hdf5/writer.h"
 
 #include <fmt/format.h>
@@ -41,7 +41,8 @@ class Writer : public archive::testing::Scratch {
 };
 
 TEST_F(Writer, FilesAndMemoryHaveOneDigest) {
-  // The last two runs exceed a batch, so their datasets have chunks and a shorter last chunk.
+  // The last two runs are longer than a batch, so their datasets have several chunks and a shorter
+  // last chunk.
   const std::vector<FakeRunOptions> runs{{},
                                          {.chains = 1, .scans = 1, .satisfied_share = 0},
                                          {.chains = 1, .scans = 1, .satisfied_share = 1},
@@ -77,7 +78,8 @@ TEST_F(Writer, ReadsAnyRangeOfElements) {
 }
 
 TEST_F(Writer, EqualContentIsEqualBytesInEveryProcess) {
-  // MALLOC_PERTURB_ fills fresh and freed memory with a byte, so uninitialised bytes would differ.
+  // MALLOC_PERTURB_ fills fresh and freed memory with a given byte, so uninitialised bytes would
+  // differ between the files.
   std::string first;
   for (const char* byte : {"0", "165", "90", "255"}) {
     const std::string file = path("sample.h5");
@@ -89,7 +91,7 @@ TEST_F(Writer, EqualContentIsEqualBytesInEveryProcess) {
     if (first.empty()) first = bytes;
     EXPECT_TRUE(bytes == first) << "MALLOC_PERTURB_=" << byte;
   }
-  // A second archive from one process has the same bytes.
+  // A process that writes the same archive twice gets the same bytes.
   const FakeRunOptions run{.scans = 20000};
   write_file(path("x.h5"), files_, filler({.chains = 1}));
   write_file(path("y.h5"), files_, filler(run));
@@ -117,7 +119,7 @@ TEST_F(Writer, AFullDiskLeavesTheOldFileAlone) {
   write_file(path("b.h5"), files_, filler(run));
   const std::string whole = bytes_of(path("b.h5"));
 
-  // One process tries all limits, so a failed write must not harm the next one.
+  // One process tries all limits, so that a failed write must not harm the next write.
   const auto write_within_limits = [&] {
     std::signal(SIGXFSZ, SIG_IGN);
     const auto try_with = [&](rlim_t bytes) {
@@ -161,15 +163,15 @@ TEST_F(Writer, FailuresOfTheFileSystemLeaveAWholeFile) {
     }
     EXPECT_GE(failing.failures(), 1U) << name_of(call);
     EXPECT_THAT(names(), ElementsAre("a.h5")) << name_of(call);
-    // Only sync_directory comes after the rename that puts the new file in place.
+    // Only sync_directory is called after the rename that puts the new file in place.
     EXPECT_EQ(bytes_of(path("a.h5")) == old, call != FileCall::sync_directory);
     EXPECT_THAT(verify(*open_file(path("a.h5"))), ::testing::IsEmpty());
   }
 }
 
 TEST_F(Writer, AFileHasItsAllocatedLength) {
-  // Goal: a file includes the space at its end that HDF5 allocates but doesn't write. A failure to
-  // extend the file is reported. Method: allocate a dataset early and never fill it.
+  // Goal: a file has its full length even if HDF5 never writes its last bytes. A failure to extend
+  // the file is reported. Method: create a dataset whose space is allocated but never written.
   const hsize_t bytes = 100000;
   const auto write = [&](base::FileSystem& files) {
     OutputFile output(path("a.h5"), files);
@@ -198,9 +200,9 @@ TEST_F(Writer, AFileHasItsAllocatedLength) {
 }
 
 TEST_F(Writer, EachCallMayFailOnce) {
-  // Goal: whichever call fails, the old file stays whole or the complete new file replaces it, even
-  // if later calls succeed. Method: fail only the k-th call, for every k until a write makes fewer
-  // than k calls; with sanitizers, for every third k.
+  // Goal: whichever call of the file system fails, the old file stays or the complete new file
+  // replaces it. Method: let only the k-th call fail, for each k until a write succeeds. Sanitizer
+  // builds try every third k.
 #ifdef SLEIGHT_SANITIZED
   constexpr std::uint64_t k_step = 3;
 #else

@@ -1,6 +1,6 @@
-// Goal: a damaged file never hangs or crashes the reading program, and never passes for the
-// original. Method: truncate a small archive or flip its bits; for each damage, a reader process
-// must end in an error, in findings, or with the original digest.
+// Goal: a damaged file never hangs or crashes the program that reads it, and is never taken for the
+// original. Method: truncate a small archive, flip its bits, or overwrite parts of it. Each time,
+// the reader must report an error or findings, or return the original digest.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ class Damage : public archive::testing::Scratch {
     try {
       const auto source = open_remote_by(SLEIGHT_READER, file, {.cpu_s = 20, .timeout_s = 30});
       if (!verify(*source).empty()) return Outcome::found;
-      // Compare with the original's digest, because the stored one can be damaged.
+      // Compare with the original's digest, because the stored digest may be damaged.
       EXPECT_EQ(digest(*source), digest_);
       return Outcome::equal;
     } catch (const base::Error& error) {
@@ -69,7 +69,8 @@ TEST_F(Damage, FlippedBitsNeverPassForSound) {
   for (const std::uint64_t seed :
        property::cases(property::long_run() ? 5000 : property::of_tier(40, 300))) {
     std::string bytes = whole_;
-    // Put a third of the flips into the first 4 KiB, where the structures are dense.
+    // In a third of the cases, flip a bit in the first 4 KiB, where the structures of HDF5 are
+    // dense.
     const std::uint64_t place = mixed(seed) % (seed % 3 == 0 ? 4096 : bytes.size());
     bytes[place] = static_cast<char>(bytes[place] ^ (1 << mixed(seed + 7) % 8));
     const Outcome outcome = outcome_of(bytes);

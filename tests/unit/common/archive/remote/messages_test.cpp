@@ -1,6 +1,6 @@
-// Goal: a reader's description of an archive arrives unchanged, and an invalid one is refused with
-// a reason. Method: encode and decode contents; break one invariant of contents_check.h at a time;
-// remove bytes at the end or change bytes anywhere.
+// Goal: a description of an archive survives encoding and decoding, and an invalid description is
+// refused with a reason. Method: encode and decode descriptions, also with cut or changed bytes.
+// Break one invariant of contents_check.h at a time.
 #include "common/archive/remote/messages.h"
 
 #include <gmock/gmock.h>
@@ -149,7 +149,7 @@ TEST(Contents, DatasetsThatCantBeAreNamed) {
   EXPECT_THAT(with({.name = "mine", .dims = {{"a b", 3}}}), HasSubstr("invalid name"));
   EXPECT_THAT(with({.name = "mine", .dims = self(k_growing)}), HasSubstr("more than"));
   EXPECT_THAT(with({.name = "mine", .dims = self(k_dataset_bytes_max)}), HasSubstr("more than"));
-  // 2^62 elements of 8 bytes: the product overflows to 0 in 64 bits.
+  // The size of 2^62 elements of 8 bytes overflows to 0 in 64 bits.
   const std::size_t half = std::size_t{1} << 31;
   EXPECT_THAT(with({.name = "mine", .dims = {{"mine", half}, {"mine", half}}}),
               HasSubstr("more than"));

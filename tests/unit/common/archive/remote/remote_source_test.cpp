@@ -1,7 +1,6 @@
-// Goal: the calling program survives any archive and any behaviour of its reader, reports the
-// cause, and reads its other archives. Method: open sound and damaged archives from several threads
-// with the real reader, and with a reader under the same limits (lying_reader.cpp) that crashes,
-// hangs, lies or tries forbidden calls.
+// Goal: the calling program survives any archive and any fault of a reader process, and reports the
+// cause. Method: open sound and damaged archives with the real reader. Also use a faulty reader
+// (lying_reader.cpp) that crashes, hangs, sends wrong answers or makes forbidden calls.
 #include "common/archive/remote/remote_source.h"
 
 #include <fcntl.h>
@@ -39,7 +38,8 @@ using ::testing::HasSubstr;
 constexpr const char* k_reader = SLEIGHT_READER;
 constexpr const char* k_liar = SLEIGHT_LYING_READER;
 
-/// Returns the message that `work` throws. Fails if `work` throws nothing or another kind of error.
+/// Returns the message of the error that `work` throws. Fails if `work` throws nothing or an error
+/// with another exit code.
 std::string reason_of(const std::function<void()>& work,
                       base::ExitCode code = base::ExitCode::bad_archive) {
   try {
@@ -65,7 +65,7 @@ class Remote : public archive::testing::Scratch {
     return path(name);
   }
 
-  /// Writes an "archive" that contains only `word`, and returns its path. The word tells the lying
+  /// Writes a file that contains only `word`, and returns the file's path. The word tells the lying
   /// reader what to do.
   std::string telling(const std::string& word) {
     put_bytes(path(word), word);
@@ -79,7 +79,7 @@ class Remote : public archive::testing::Scratch {
     return reason;
   }
 
-  /// Returns the error that a wrong answer causes. The next question must fail with the same error.
+  /// Returns the error that a wrong answer causes. A second question must fail with the same error.
   std::string why_not_read(const std::string& word, const std::string& dataset = "draw",
                            const ReaderLimits& limits = {}) {
     const auto source = open_remote_by(k_liar, telling(word), limits);
@@ -196,7 +196,8 @@ TEST_F(Remote, AKilledReaderIsNamed) {
   std::array<std::byte, 1> byte{};
   while (process.receive(byte) == Received::all) {
   }
-  // The kernel closes the dead process's pipe ends one after the other.
+  // The kernel closes the pipes of a dead process one after the other, so try to send until a send
+  // fails.
   bool is_heard = true;
   for (int i = 0; i < 1000 && is_heard; ++i) {
     is_heard = process.send(byte);
@@ -227,7 +228,7 @@ TEST_F(Remote, LiesAboutValuesAreFound) {
 }
 
 TEST_F(Remote, WordsThatNobodyAskedForAreFound) {
-  // The first answer is right but has a surplus byte, which is noticed at the next question.
+  // The reader sends a surplus byte after the right first answer. A later question must fail.
   const auto source = open_remote_by(k_liar, telling("more"));
   source->read(k_posterior, "draw", 0, 4);
   std::string reason;
@@ -280,7 +281,8 @@ TEST_F(Remote, AReaderHasNothingButItsOwn) {
 
 TEST_F(Remote, EndsWithTheProgramThatAsks) {
   telling("spin");
-  // As subreaper, this process adopts the reader and can wait for its end.
+  // As a subreaper, this process adopts the reader when the reader's parent dies, and can wait for
+  // the reader's end.
   ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0), 0);
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
@@ -289,7 +291,7 @@ TEST_F(Remote, EndsWithTheProgramThatAsks) {
     const int archive = ::open(path("spin").c_str(), O_RDONLY | O_CLOEXEC);
     ReaderProcess process(k_liar, archive, {});
     const pid_t reader = process.id();
-    // Starting and confinement take less than 0.3 s of processor time, so the reader now spins.
+    // Wait until the reader has used 0.3 s of processor time, which is more than its start takes.
     clockid_t clock{};
     timespec used{};
     while (::clock_getcpuclockid(reader, &clock) == 0 && ::clock_gettime(clock, &used) == 0 &&

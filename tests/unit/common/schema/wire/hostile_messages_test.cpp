@@ -1,6 +1,6 @@
-// Goal: no bytes crash decode(); each input is refused with a reason or gives a valid message.
-// Method: cut messages, change bits or words, splice two, and use noise, from a printed seed; an
-// accepted message is encoded and decoded again to the same bits.
+// Goal: no bytes crash decode(). Each input is refused with a reason or gives a valid message.
+// Method: cut messages, change their bits or words, join two messages, and use random bytes. An
+// accepted message must survive another encoding and decoding.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ std::size_t below(std::size_t count, random::Stream& stream) {
   return random::UniformInteger{.count = count}.draw(stream);
 }
 
-/// Returns messages short enough that a change hits structure as often as content.
+/// Returns short messages, so that a random change hits structure as often as content.
 std::vector<base::Bytes> short_messages() {
   std::vector<base::Bytes> all;
   for (const Message& message : testing::examples()) {
@@ -127,7 +127,7 @@ TEST(HostileMessages, AreRefusedOrWellFormed) {
 }
 
 TEST(HostileMessages, EveryCutIsRefused) {
-  // Goal: an incomplete message is refused. Method: decode every prefix of each message.
+  // Goal: every incomplete message is refused.
   for (const base::Bytes& whole : short_messages()) {
     for (std::size_t size = 0; size < whole.size(); ++size) {
       EXPECT_FALSE(decode(base::BytesView(whole).first(size)).ok()) << size;
@@ -136,8 +136,8 @@ TEST(HostileMessages, EveryCutIsRefused) {
 }
 
 TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
-  // Goal: noise does no harm. Method: decode noise of 0 to 60 words, half of the inputs with a head
-  // that claims one segment of the right length.
+  // Goal: random bytes are refused or give a valid message. Method: decode up to 60 words of random
+  // bytes. Half of the inputs begin with a head that claims the right length.
   for (const std::uint64_t input : property::cases(inputs())) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::proposal}, input);
     base::Bytes bytes(below(480, stream));
@@ -159,8 +159,8 @@ TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
 }
 
 TEST(HostileMessages, ListsOfNothingCostLittle) {
-  // Goal: a few bytes can't claim a list of hundreds of millions of empty scans, results or
-  // members. Method: replace each list pointer of messages by a claim of such a list.
+  // Goal: a short message can't claim to contain a list of hundreds of millions of empty elements.
+  // Method: replace each word of a message by a pointer to such a list.
   const Message claimants[] = {testing::example_delivery({1}), testing::example_delivery({1, 2}),
                                testing::example_assignment(3),
                                Pong{.epoch = 1, .assignments = {1, 2, 3}}};
@@ -169,7 +169,7 @@ TEST(HostileMessages, ListsOfNothingCostLittle) {
     for (std::size_t at = 8; at + 8 <= good.size(); at += 8) {
       for (const std::uint64_t element_size : {0U, 7U}) {
         base::Bytes bytes = good;
-        // A list pointer: kind 1, offset 0, element size, element count.
+        // This list pointer has kind 1, offset 0, an element size and an element count.
         const std::uint64_t pointer =
             1U | (element_size << 32U) | (std::uint64_t{0x1fffffff} << 35U);
         std::memcpy(bytes.data() + at, &pointer, 8);

@@ -11,8 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(Messages, ComeBackBitForBit) {
-  // Goal: a message arrives with every bit. Method: encode and decode one message of every kind and
-  // shape.
+  // Goal: every kind of message survives encoding and decoding bit for bit.
   const std::vector<Message> all = testing::examples();
   for (std::size_t i = 0; i < all.size(); ++i) {
     const base::Result<Message, std::string> back = decode(encode(all[i]));
@@ -21,8 +20,8 @@ TEST(Messages, ComeBackBitForBit) {
   }
 }
 
-/// Returns whether the comparer notices `change`. Fails if the comparer reports a difference before
-/// the change.
+/// Returns whether the comparison notices `change`. Fails if the comparison reports a difference
+/// before the change.
 template <class M, class Change>
 bool is_seen(const M& example, const Change& change) {
   M changed = example;
@@ -32,8 +31,8 @@ bool is_seen(const M& example, const Change& change) {
 }
 
 TEST(Messages, ComparerSeesOneBit) {
-  // Goal: same_bits can fail. Method: change each field of each kind as little as possible (sign of
-  // zero, NaN payload, kind).
+  // Goal: the comparison of messages notices every difference. Method: change each field as little
+  // as possible, for example the sign of a zero.
   Delivery zeros = testing::example_delivery({1});
   zeros.results[0].scans[0].outcome = {0.0};
   EXPECT_TRUE(is_seen(zeros, [](Delivery& d) { d.results[0].scans[0].outcome = {-0.0}; }));
@@ -92,7 +91,7 @@ TEST(Messages, ComparerSeesOneBit) {
 }
 
 TEST(Messages, EncodingIsAFunctionOfTheMessage) {
-  // Goal: equal messages encode to equal bytes. Method: encode twice.
+  // Goal: encoding a message twice gives the same bytes.
   for (const Message& message : testing::examples())
     EXPECT_EQ(encode(message), encode(message));
 }
@@ -103,9 +102,8 @@ std::string refusal(const Message& message) {
 }
 
 TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
-  // Goal: a result is sent with its unit's replica, first scan and number of records, whatever
-  // number of scans the unit claims. The coordinator has the unit's other fields. Method: fill
-  // every field of a unit, and claim other lengths.
+  // Goal: a result arrives with its unit's replica, first scan and number of records, whatever
+  // number of scans the unit claims. The unit's other fields are not sent.
   for (const std::uint32_t claimed : {3U, 0U, 2U, 4U, 0xffffffffU}) {
     Delivery delivery = testing::example_delivery({3});
     plan::Unit& unit = delivery.results[0].unit;
@@ -126,22 +124,22 @@ TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
 }
 
 TEST(Messages, ResultWithoutScansIsRefused) {
-  // Goal: a delivery is refused if one of its results has no scans. Method: encode three results,
-  // one of them without scans, and a delivery without results.
+  // Goal: a delivery is refused if one of its results has no scans. A delivery without results is
+  // accepted.
   EXPECT_THAT(refusal(testing::example_delivery({0})), HasSubstr("no scans"));
   EXPECT_THAT(refusal(testing::example_delivery({2, 0, 1})), HasSubstr("no scans"));
   EXPECT_EQ(refusal(testing::example_delivery({})), "");
 }
 
 TEST(Messages, HelloOfNoThreadsIsRefused) {
-  // Goal: a worker without threads is refused. Method: use 0 threads.
+  // Goal: a worker that announces 0 threads is refused.
   EXPECT_THAT(refusal(Hello{.results_version = "1", .identity = "i", .threads = 0}),
               HasSubstr("0 threads"));
 }
 
 TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
-  // Goal: a worker never gets a block that it must not run. Method: break one rule at a time in a
-  // valid single unit and in a valid part of a ladder, with numbers that overflow too.
+  // Goal: an assignment whose parts contradict each other is refused. Method: break one rule at a
+  // time, in a valid single unit and in a valid part of a ladder. Use numbers that overflow, too.
   const plan::Unit unit{.replica = {}, .seed = 0, .first_scan = {}, .scans = 1};
   const Assignment alone{
       .epoch = 1, .assignment = 2, .block = {.members = {unit}, .ladder = {}}, .states = {{}}};
@@ -209,8 +207,7 @@ TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
 }
 
 TEST(Messages, PiecesOfNothingAreRefused) {
-  // Goal: impossible lengths are refused before reading. Method: decode no bytes, and a message
-  // with one byte more or less.
+  // Goal: an empty message, and a message with a byte too many or too few, are refused.
   EXPECT_FALSE(decode({}).ok());
   const base::Bytes whole = encode(testing::example_delivery({2}));
   EXPECT_FALSE(decode(base::BytesView(whole).first(whole.size() - 1)).ok());
@@ -220,7 +217,7 @@ TEST(Messages, PiecesOfNothingAreRefused) {
 }
 
 TEST(Messages, AreReadAtAnyAddress) {
-  // Goal: bytes need no alignment. Method: decode one message at eight neighbouring addresses.
+  // Goal: a message can be decoded at any address, without alignment.
   const Message message = testing::example_delivery({3});
   const base::Bytes bytes = encode(message);
   for (std::size_t offset = 0; offset < 8; ++offset) {
