@@ -57,7 +57,7 @@ TEST(FailureFile, NamesWhatIsWrong) {
     const auto back = read(text, "x.toml");
     return back.ok() ? "read" : request::to_string(back.error());
   };
-  EXPECT_THAT(error_of("[failure]", "[success]"), HasSubstr("x.toml:1:1: not the file"));
+  EXPECT_THAT(error_of("[failure]", "[success]"), HasSubstr("x.toml:1:1: not a failure file"));
   EXPECT_THAT(error_of("\n[world]", "\n[word]"), HasSubstr("section [world] is missing"));
   EXPECT_THAT(error_of("scan = 4", "scan = -4"),
               HasSubstr("x.toml:8:8: 'scan' must be an integer"));

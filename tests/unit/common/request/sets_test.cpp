@@ -110,7 +110,7 @@ TEST(Sets, ThatCannotBeReadSayWhy) {
   EXPECT_THAT(read({"sampler.=1"}), tests::LinesHaveFacts("--set sampler.=1: " + form));
   EXPECT_THAT(read({""}), tests::LinesHaveFacts("--set : " + form));
   EXPECT_THAT(read({"world.peg.x_m=1"}),
-              tests::LinesHaveFacts("--set world.peg.x_m=1: " + form + "|tables"));
+              tests::LinesHaveFacts("--set world.peg.x_m=1: " + form + "|table"));
   EXPECT_THAT(read({"sampler.seed="}), tests::LinesHaveFacts("--set sampler.seed=: |'='|'\"\"'"));
   EXPECT_THAT(read({"constraint.word=\"HI"}), HasSubstr("=\"HI: not valid TOML: "));
   EXPECT_THAT(read({"world.balls=[1, 2"}), HasSubstr("not valid TOML: "));

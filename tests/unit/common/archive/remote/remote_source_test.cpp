@@ -204,7 +204,7 @@ TEST_F(Remote, AKilledReaderIsNamed) {
     ::usleep(1000);
   }
   EXPECT_FALSE(is_heard);
-  EXPECT_THAT(process.end().words, HasSubstr("was killed by a user"));
+  EXPECT_THAT(process.end().words, HasSubstr("was killed, by a user"));
 }
 
 TEST_F(Remote, LiesAboutContentsAreFound) {
