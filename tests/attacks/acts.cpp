@@ -19,7 +19,8 @@ class Talk {
  public:
   Talk(const Scene& scene, std::unique_ptr<Line> line) : scene_(scene), line_(std::move(line)) {}
 
-  /// Reads what has arrived, waiting up to the timeout. False: open, but nothing came.
+  /// Reads what has arrived, and waits up to the timeout for the first bytes. Returns false if the
+  /// connection is open and nothing came.
   bool hear(int patience_ms = 0) {
     bool has_heard = false;
     std::string bytes;
@@ -120,7 +121,7 @@ void Scene::trouble_is(const std::string& words) const {
   trouble.say(fmt::format("{} (episode {}, {})", words, episode, kind));
 }
 
-// Goal: a call of any method with any valid parameters is answered.
+// Goal: the server answers calls of all methods with any valid parameters.
 void calls(const Scene& scene) {
   auto talk = begin_opened(scene);
   if (!talk) return;
@@ -206,7 +207,7 @@ void broken_frames(const Scene& scene) {
   send_messages(scene, 1, [&](std::uint32_t) { return broken_frame(scene.dice); });
 }
 
-// Goal: a peer that disconnects in the middle of a message does no harm.
+// Goal: a peer that disconnects in the middle of a message does the server no harm.
 void cut_streams(const Scene& scene) {
   auto talk = begin(scene);
   if (!talk) return;
@@ -226,7 +227,8 @@ void cut_streams(const Scene& scene) {
   if (talk->listener().messages() > 0) ++scene.tally.reached;
 }
 
-// Goal: unread answers don't accumulate, and are dropped with their connection.
+// Goal: answers that a peer doesn't read don't accumulate in the server, which drops them when the
+// connection ends.
 void unread_answers(const Scene& scene) {
   auto talk = begin_opened(scene);
   if (!talk) return;
@@ -257,8 +259,8 @@ void noise(const Scene& scene) {
   ++scene.tally.reached;  // the server ended the line, so it read the message
 }
 
-// Goal: no wrong token is accepted. Method: send a wrong token, then a call, then sometimes a
-// second login.
+// Goal: the server accepts no wrong token. Method: log in with a wrong token, send a call, and
+// sometimes log in a second time.
 void wrong_logins(const Scene& scene) {
   auto talk = begin(scene);
   if (!talk) return;

@@ -68,7 +68,7 @@ void tls_hellos(const Scene& scene) {
   send_and_end(scene, *line, bytes);
 }
 
-// Goal: records of any size, order and number are accepted or refused without blocking the server.
+// Goal: the server accepts or refuses TLS records of any size, order and number, and never hangs.
 void tls_records(const Scene& scene) {
   const auto line = reach(scene);
   if (!line) return;
@@ -81,17 +81,17 @@ void tls_records(const Scene& scene) {
       for (const char c : content)
         bytes += record(handshake, std::string(1, c));
       break;
-    case 1:  // cut anywhere
+    case 1:  // a hello cut at any place
       bytes = hello.substr(0, 1 + dice.below(hello.size() - 1));
       break;
     case 2:  // larger than the maximum record
       bytes = record(handshake, 0xFFFF, random_bytes(dice, 2000) + std::string(60'000, 'x'));
       break;
-    case 3:  // empty ones, and empty ones of data
+    case 3:  // empty records, of the handshake and of data
       for (std::uint64_t i = 0; i < 200; ++i)
         bytes += record(dice.one_in(2) ? handshake : data, "");
       break;
-    case 4:  // alerts, warnings among them
+    case 4:  // alerts at the level of warnings
       for (std::uint64_t i = 0; i < 50; ++i)
         bytes += record(alert, std::string{1, static_cast<char>(dice.bits())});
       bytes += hello;
@@ -104,7 +104,7 @@ void tls_records(const Scene& scene) {
     case 6:  // data before there is a key
       bytes = hello + record(data, random_bytes(dice, 1 + dice.below(16'000)));
       break;
-    default:  // hello after hello
+    default:  // the hello several times
       for (int i = 0; i < 5; ++i)
         bytes += hello;
       break;
@@ -112,7 +112,8 @@ void tls_records(const Scene& scene) {
   send_and_end(scene, *line, bytes);
 }
 
-// Goal: a cut handshake does no harm. Method: send only the hello, or a changed or cut answer.
+// Goal: an incomplete or damaged TLS handshake does the server no harm. Method: send a hello. Then
+// disconnect, or send a changed or truncated reply to the server's answer.
 void tls_half_handshakes(const Scene& scene) {
   auto line = reach(scene);
   if (!line) return;
@@ -140,7 +141,8 @@ void tls_half_handshakes(const Scene& scene) {
   await_end(scene, *line);
 }
 
-// Goal: key updates, new handshakes, alerts and bad records after a handshake do no harm.
+// Goal: key updates, new handshakes, alerts and bad records after a TLS handshake do the server no
+// harm.
 void tls_after_handshakes(const Scene& scene) {
   auto line = reach(scene);
   if (!line) return;

@@ -1,5 +1,6 @@
-// Goal: axe-core finds no serious or critical problem in any view, light or dark, wide or narrow. Method:
-// axe-core in Chromium on each view, and on a page that has known problems.
+// Goal: the accessibility checker axe-core finds no serious or critical problem in any view, in both themes,
+// and in a narrow window. Method: run axe-core in Chromium on each view. As a control, run it on a page that
+// has known problems.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -16,7 +17,7 @@ const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 before(async () => ({ visitor, page } = await visit([hi, dice])));
 after(leave);
 
-/** Each finding as text: rule, impact and elements. */
+/** Returns each finding as text: rule, impact and elements. */
 async function findings(of = page) {
   await of.evaluate(axe);
   return of.evaluate(async () => {

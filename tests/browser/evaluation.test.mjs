@@ -1,6 +1,7 @@
-// Goal: the page's code evaluates segments as the C++ code does: positions to 1e-9 m, velocities to 1e-9 m/s,
-// orientations to 1e-6 rad. Method: 100,000 random segments of all modes and causes, with and without
-// accelerations and spins, at random times; the page's own modules, bundled for Node.
+// Goal: the page's code and the C++ code compute the same motion from a segment. Positions agree within 1e-9
+// m, velocities within 1e-9 m/s, and orientations within 1e-6 rad. Method: evaluate 100,000 random segments
+// of all modes and causes at random times. Some segments have accelerations and spins. Compare the results of
+// the page's own modules, bundled for Node, with those of the C++ code.
 import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
@@ -11,7 +12,7 @@ import { Random } from "./support/random.mjs";
 const count = 100_000;
 const page = join(source, "clients/gallery");
 
-/** Columns of doubles of a packed file. */
+/** Returns the columns of doubles in a packed file. */
 function doublesOf(path) {
   const bytes = readFileSync(path);
   const start = 4 + bytes.readUInt32LE(0);

@@ -1,7 +1,7 @@
 // Goal: measure the gallery's performance with software rendering on this machine, and compare it with the
-// limits. Method: the program serves 5,000 real animations (hi.toml) and a chain of a million draws
-// (million.toml) to Debian's Chromium. The script prints a table, and exits with 1 if a limit isn't met. It
-// needs the whole machine: run it by `deploy/soak gallery`, where nothing else runs.
+// limits. Method: serve 5,000 real animations (hi.toml) and a chain of a million draws (million.toml) to
+// Debian's Chromium. The script prints a table, and exits with 1 if a limit isn't met. The script needs the
+// whole machine, so run it with `deploy/soak gallery`, which runs nothing else at the same time.
 //
 //   SLEIGHT_BIN=build/release/bin node tests/browser/figures.mjs
 //
@@ -49,7 +49,7 @@ const pageOf = async (gallery) => {
   return page;
 };
 
-// Start times: without stored data of the archive, then with all of it.
+// Measure the start times, first without stored data about the archive, then with it.
 {
   const from = performance.now();
   const gallery = await Gallery.start([archive], { home });
@@ -71,7 +71,7 @@ await wallIsUsable(page);
 tell("wall usable, warm index", { most: 1 }, (performance.now() - from) / 1000, "s",
   `first cards, without pictures, after ${carded.toFixed(1)} s`);
 
-// Times of the server's answers.
+// Measure the times of the server's answers.
 const random = new Random();
 const { generation } = await page.evaluate(async () => (await (await fetch("/api/gallery")).json()).archives[0]);
 const archives = [{ id: 0, generation }];

@@ -1,7 +1,8 @@
-// Goal: texts of an archive (names of features, numbers, units, world, run and proposals; its request) stay
-// text wherever the page shows them, and archives that the reader refuses are reported. Method: an archive of
-// dice with markup in each of these places (support/hostile_archives.py), shown in all views. The test
-// detects scripts and attributes that ran, and elements created from the markup.
+// Goal: the page shows every text of an archive as text, never as markup, and reports archives that the
+// reader refuses. Method: copy an archive of dice once for each kind of text: names of features, numbers,
+// units, world, run and proposals, and the request. Put markup into that text (support/hostile_archives.py),
+// and open the copies in all views. Detect scripts and event attributes that ran, and elements that were
+// created from the markup.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";

@@ -1,7 +1,8 @@
-// Goal: only the authorized page can read or change anything. Another name of this address, a foreign page in
-// the same browser and another program of the host cannot. Method: the real program, with Chromium as the
-// victim's browser (a host name mapped to loopback, a page of another port). Refusals must not reveal the
-// content. Hand-made requests are tested in tests/unit/clients/web.
+// Goal: only the authorized page can read or change anything. Pages under another host name of the same
+// address, foreign pages in the same browser, and other programs on the host must be refused. Method: run the
+// real program, with Chromium as the victim's browser. Open the gallery under another host name that maps to
+// loopback, and attack it from a page on another port. Refusals must not reveal the content.
+// tests/unit/clients/web tests hand-made requests.
 import assert from "node:assert/strict";
 import { copyFileSync, mkdirSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -34,7 +35,7 @@ after(async () => {
 
 const notesNow = () => page.evaluate(async () => (await fetch("/api/notes")).text());
 
-/** Another person's server on this host; `pages`: path -> HTML. Records its requests. */
+/** Starts another person's server on this host. It serves `pages` (path -> HTML) and records its requests. */
 async function foreignServer(pages) {
   const asked = [];
   const server = createServer((request, response) => {
@@ -52,7 +53,7 @@ test("another name of this address is refused", async () => {
   assert.ok([400, 403, 421].includes(answer.status()), `${answer.status()}`);
   const body = await answer.text();
   assert.doesNotMatch(body, /evil\.test|sleight-gallery-root|app"/);
-  // For the browser this page has the same origin; the server refuses it anyway.
+  // The browser treats this page's requests as same-origin, but the server must refuse them anyway.
   const tried = await other.evaluate(async () => {
     const status = async (path, options) => (await fetch(path, options)).status;
     return [await status("/api/gallery"), await status("/api/notes"), await status("/"),
@@ -165,7 +166,7 @@ test("names of files stay text", async () => {
   assert.ok((await page.locator("nav[aria-label=Archives]").innerText()).includes("<script>alert(3)<script>.h5 (damaged)"));
   assert.equal(await page.locator("script:not([src]), [onerror], [onload], a[href^='javascript:']").count(), 0);
   assert.equal(await page.locator("img").count(), 0);
-  // The same for names in links and selections.
+  // Names in links and selections stay text too.
   await visitor.open(`#archive=${encodeURIComponent(`${odd}.h5`)}&q=in:${encodeURIComponent("<img src=x onerror=alert(4)>")}&tag=${encodeURIComponent("<b>")}`);
   assert.equal(await page.locator("#chips .chip-text").innerText(), "<img src=x onerror=alert(4)>");
   assert.equal(await page.locator("img, b").count(), 0);

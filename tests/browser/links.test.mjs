@@ -1,5 +1,6 @@
-// Goal: a link shows the same page in another window, and later; everything works by keyboard alone. Method:
-// links are copied and opened in another window of the same browser.
+// Goal: a link opens the same view in another window. The browser's back and forward buttons restore earlier
+// views. The keyboard alone is enough to go from the wall to the player and back. Method: copy links, and
+// open them in another window of the same browser.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -176,7 +177,7 @@ test("from the wall to the player and back by keyboard", async () => {
   await page.locator("#query-count", { hasText: "matches" }).waitFor();
   await page.keyboard.press("Enter");
   await page.locator("#counts", { hasText: `${namesFound(hi, "--where", "rest_s > 2").length} of 40 shown` }).waitFor();
-  // Leave the field, to a chip's button.
+  // Move the focus from the field to a chip's button.
   await page.keyboard.press("Shift+Tab");
   await page.keyboard.press("?");
   await page.locator("dialog#keys").waitFor();

@@ -1,7 +1,7 @@
-// Goal: an open page stays up to date. New animations are offered without moving others; damaged, deleted and
-// new archives and a killed server are reported, and the page recovers. Method: a gallery in Chromium. Its
-// archives are replaced by longer ones of the same run, truncated, deleted and restored; the server is killed
-// with SIGKILL and restarted on its port.
+// Goal: an open page stays up to date. The page offers new animations without moving others. The page reports
+// damaged, deleted and new archives and a killed server, and recovers. Method: open a gallery in Chromium.
+// Replace its archives with longer ones of the same run, and truncate, delete and restore them. Kill the
+// server with SIGKILL, and restart it on its port.
 import assert from "node:assert/strict";
 import { copyFileSync, mkdirSync, readFileSync, renameSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -38,7 +38,7 @@ after(async () => {
   await gallery?.kill();
 });
 
-/** Writes as the programs do: beside the target, then renames. */
+/** Writes a temporary file and renames it to the target, as the programs do. */
 function put(bytes, path) {
   writeFileSync(`${path}.tmp`, bytes);
   renameSync(`${path}.tmp`, path);

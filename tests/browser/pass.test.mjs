@@ -1,7 +1,7 @@
-// Goal: detect the most important failures of the gallery. The wall has a picture for each kept animation, a
-// query matches as `sleight find` does, the player plays, and bodies are drawn where the C++ code computes
-// them. Method: one visit to a gallery of one archive in Chromium; the pixels of ten animations. The other
-// files test the rest.
+// Goal: the most important features of the gallery work. The wall shows all kept animations in groups with
+// pictures. A query matches the same animations as `sleight find`. The player plays to the end, and bodies
+// are drawn where the C++ code computes them. Method: visit a gallery of one archive in Chromium, and check
+// the pixels of ten animations. The other files test the rest.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";

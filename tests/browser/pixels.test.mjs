@@ -1,7 +1,7 @@
-// Goal: each body is drawn where the C++ code computes it. Method: random animations of each world, one to
-// nine side by side, at random times and from random directions. Each body is drawn alone, and the middle of
-// its pixels is compared with its centre by C++ (sleight-evaluate-poses) in the page's projection. 40
-// animations per world; 200 with SLEIGHT_FULL=1.
+// Goal: each body is drawn where the C++ code computes it. Method: show random animations of each world, one
+// to nine side by side, at random times and from random directions. Draw each body alone. Compare the middle
+// of its pixels with the centre that the C++ code computes (sleight-evaluate-poses), in the page's
+// projection. Use 40 animations per world, or 200 with SLEIGHT_FULL=1.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";

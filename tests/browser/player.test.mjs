@@ -1,6 +1,6 @@
 // Goal: the player shows one to nine aligned animations, seeks to times and events, and reports its state.
-// Method: a gallery in Chromium; times and events compared with the archive's numbers; pictures of the
-// canvas.
+// Method: play animations of a gallery in Chromium. Compare times and events with the archive's numbers, and
+// compare pictures of the canvas before and after each change.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -52,7 +52,7 @@ test("one animation: played from a card, by time and by events", async () => {
   await page.locator("#player-proportion").waitFor();
   assert.match(await page.locator("#numbers").innerText(), /log_prior/);
 
-  // Frames and events
+  // Step by frames and by events.
   await page.locator("#timeline").focus();
   await page.keyboard.press("Home");
   near(await time(), 0);
@@ -117,7 +117,7 @@ test("trails, marks, cameras and the ghost change the picture reversibly", async
   assert.equal(seen.size, 4);
   await page.locator("#camera-home").click();
   assert.equal(await picture(), plain);
-  // By the pointer
+  // Turn and zoom with the pointer.
   const box = await canvas().boundingBox();
   await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2);
   await page.mouse.down();

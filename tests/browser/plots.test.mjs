@@ -1,5 +1,5 @@
-// Goal: all of an archive's plots are drawn; a click on a point opens its animation, and a range filters the
-// wall. Method: a gallery with an archive of each world in Chromium.
+// Goal: the page draws all plots of an archive. A click on a point opens its animation, and a plot's visible
+// range can filter the wall.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -26,7 +26,7 @@ async function drawAll(path) {
   for (const { name, title, kind } of titles) {
     await page.locator(`button[data-plot="${name}"]`).click();
     await page.locator("#plot-title", { hasText: title }).waitFor();
-    // The previous plot stays until this one is read.
+    // The page shows the previous plot until it has read this one.
     await page.waitForFunction(() => document.querySelector("#plot-words").hidden ||
       document.querySelector("#plot-words").textContent !== "Reading …");
     const words = await page.locator("#plot-words").innerText();
@@ -121,7 +121,7 @@ test("a point opens its animation, and a range filters the wall", async () => {
   await page.keyboard.press("Escape");
   await page.locator("#player").waitFor({ state: "hidden" });
 
-  // After zooming by keys, the visible range becomes a query.
+  // Zoom with keys, then turn the visible range into a query.
   await page.locator("#plot-place .chart").focus();
   await page.keyboard.press("+");
   await page.locator("#plot-filter-seen").click();

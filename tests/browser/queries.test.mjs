@@ -1,5 +1,6 @@
-// Goal: queries match as `sleight find` does, are counted before they are applied, and can be typed or built
-// from fields, boxes and times. Method: a gallery in Chromium; the same queries to the program.
+// Goal: a query matches the same animations as `sleight find`. The page shows the number of matches before a
+// query is applied. People can type queries, or build them from fields, boxes and times. Method: give the
+// same queries to a gallery in Chromium and to `sleight find`.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -57,7 +58,7 @@ test("a typed query is counted, applied, negated, switched off, edited and delet
   await shows(namesFound(hi, "--where", late, "--not", touch));
   const chip = (index) => page.locator("#chips > li").nth(index);
   await chip(1).locator(".chip-counts", { hasText: `matches ${touching.length}; ${many / 2 - both.length} left` }).waitFor();
-  // Negated
+  // Remove the negation.
   await chip(1).locator(".chip-sign").click();
   await shows(both);
   await chip(0).locator("[data-focus^='on-']").click();
@@ -65,7 +66,7 @@ test("a typed query is counted, applied, negated, switched off, edited and delet
   await chip(0).locator("[data-focus^='on-']").click();
   await chip(1).locator("[data-focus^='remove-']").click();
   await shows(lateOnes);
-  // Edited
+  // Edit the query.
   await chip(0).locator("[data-focus^='edit-']").click();
   assert.equal(await page.locator("#query").inputValue(), late);
   await type(`not ${late}`);

@@ -1,6 +1,7 @@
-// Goal: a saved gallery shows, finds and plays what the served one does, from any web server and as a file,
-// and loads nothing else. Method: `sleight gallery --save`; opened by file: and from a plain static server in
-// Chromium; queries and groups compared with `sleight find` and the served page.
+// Goal: a saved gallery shows, finds and plays the same animations as a served gallery. A saved gallery works
+// from any web server and as a local file, and loads nothing else. Method: save a gallery with `sleight
+// gallery --save`, and open it in Chromium as a file and from a static server. Compare queries with `sleight
+// find`, and queries and groups with the served page.
 import assert from "node:assert/strict";
 import { createReadStream, existsSync, readdirSync, readFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -87,7 +88,7 @@ for (const way of ["a file", "a static server"]) {
     assert.deepEqual(own.sorted, namesFound(hi, "--sort", "rest_s", "--descending").slice(0, 4));
 
     assert.deepEqual(own, served);
-    // It plays, plots, and opens links.
+    // The page plays animations, draws plots and opens links.
     const [first] = own.sorted;
     await page.locator(`#list [data-key='${first}']`).dblclick();
     const { range } = await playerShows(page, 1);

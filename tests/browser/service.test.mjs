@@ -1,6 +1,7 @@
-// Goal: `sleight gallery JOB` shows what a service's job has kept so far, offers new animations while the job
-// runs, reports an unreachable service and recovers. Method: a daemon in its own folder, a job that finds
-// animations one by one, and a gallery of the job in Chromium.
+// Goal: `sleight gallery JOB` shows the animations that a service's job has kept so far, and offers new ones
+// while the job runs. The gallery reports an unreachable service, and recovers once the service is back.
+// Method: start a daemon in its own folder, and a job that finds animations one by one. Open a gallery of the
+// job in Chromium.
 import assert from "node:assert/strict";
 import { existsSync, mkdirSync, readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
@@ -17,7 +18,7 @@ const home = join(folder, "home");
 
 let daemon, gallery, visitor, page, job, watch;
 
-/** While the run grows, requests for an older generation are answered 409 and repeated. */
+/** While the run grows, the server answers requests for an older generation with 409, and the page repeats them. */
 const ofGrowing = /status of 409 .*\/api\/(find|groups|alike)\b/;
 
 async function serve() {
@@ -78,7 +79,7 @@ test("a running job: its animations are shown, and new ones are offered", async 
   }
   // Nothing has moved.
   assert.equal(await page.locator("#counts").innerText(), counts);
-  // Makes the request for the new groups one of an older generation, as if it came too late.
+  // Give the request for the new groups an older generation, as if the request came too late.
   await page.route("**/api/groups", (route) => {
     const asked = route.request().postDataJSON();
     return route.continue({ postData: JSON.stringify({ ...asked, generation: asked.generation - 1 }) });

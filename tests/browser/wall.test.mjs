@@ -1,6 +1,6 @@
-// Goal: the wall shows kept animations in groups and as a sorted list, and stores a person's notes. Method: a
-// gallery with an archive of each world in Chromium, used as people do. The page's numbers are compared with
-// `sleight find`, its pictures with blank ones.
+// Goal: the wall shows kept animations in groups and as a sorted list, and stores a person's notes. Method:
+// use a gallery with an archive of each world in Chromium as a person would. Compare the page's numbers with
+// `sleight find`, and its pictures with blank ones.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -69,7 +69,7 @@ test("a group opens into its members, and closes again", async () => {
 });
 
 test("groups open and close by keyboard, and the focus follows", async () => {
-  // Goal: people without a mouse don't lose their place. Method: keys alone; the cards that have the focus.
+  // Goal: keyboard users don't lose their place. Method: use only keys, and check which card has the focus.
   await visitor.open();
   await page.locator("#groups [role=gridcell]").nth(1).waitFor();
   const focused = (grid, index) => page.waitForFunction(([of, at]) =>
@@ -89,7 +89,7 @@ test("groups open and close by keyboard, and the focus follows", async () => {
   await focused("groups", 1);
   assert.equal(await page.evaluate(() => document.activeElement.dataset.key), key);
   await page.keyboard.press("Escape");
-  // Subgroups must be loaded, and so must the enclosing groups.
+  // The page loads subgroups, and the enclosing groups again, without losing the focus.
   await page.keyboard.press("Home");
   await page.keyboard.press("Enter");
   await focused("list", 0);
@@ -127,7 +127,7 @@ test("the list is sorted as `find` sorts", async () => {
   await first.click();
   await page.locator("#more-like").click();
   await page.locator("#toolbar-words", { hasText: `Most similar to ${name} first` }).waitFor();
-  // The text changes at the click, the order when the answer arrives.
+  // The text changes at the click, but the order changes only when the answer arrives.
   await page.waitForFunction((key) => document.querySelector("#list [data-index='0']")?.dataset.key === key, name);
   assert.equal((await listed())[0], name);
   await page.locator("#unlike").click();
@@ -179,7 +179,7 @@ test("stars, tags and hidden animations are stored, and can be undone", async ()
   assert.deepEqual(await listed(), [second]);
   await page.locator("#filter-hidden").selectOption("without");
 
-  // Only actions since the page was opened are undone.
+  // Undo reverses only actions since the page was opened.
   await page.locator(`#list [data-key='${first}']`).hover();
   await page.locator(`#list [data-key='${first}'] [data-act=hide]`).click();
   await page.locator("#counts", { hasText: "38 of 40 shown, 2 hidden by you" }).waitFor();

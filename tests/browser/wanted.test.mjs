@@ -1,8 +1,10 @@
 // Goal: an animator who knows only what an animation looks like finds it among thousands in under a minute.
-// Method: random targets in an archive of real animations that spell HI. For each target, a script has a
-// coarse memory (wanted/memories.mjs) and uses only the page's controls (wanted/finder.mjs). The result is
-// compared by name at the end. Time is counted by the keystroke-level model, plus 2 s for each look at a
-// picture, plus the page's measured delays. Four searches among 500; with SLEIGHT_FULL=1, 50 among 5,000.
+// Method: choose random targets from an archive of real animations that spell HI. For each target, a script
+// gets a coarse memory of the animation (wanted/memories.mjs), and searches with only the page's controls
+// (wanted/finder.mjs). At the end, compare the name of the found animation with the target's name. Estimate
+// the time with the keystroke-level model, plus 2 s for each look at a picture, plus the page's measured
+// delays. Search for four targets among 500 animations. With SLEIGHT_FULL=1, search for 50 targets among
+// 5,000 animations.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { test } from "node:test";
@@ -29,7 +31,7 @@ function archiveOfMany() {
   return path;
 }
 
-/** "#rrggbb" of each ball, as in the page's pictures. */
+/** Returns each ball's colour in the page's pictures, as "#rrggbb". */
 async function coloursOf(page, origin) {
   const bytes = await (await page.request.get(`${origin}/api/archives/0/looks`)).body();
   const { meshes } = JSON.parse(bytes.subarray(4, 4 + bytes.readUInt32LE(0)).toString()).head;
@@ -40,7 +42,8 @@ async function coloursOf(page, origin) {
 
 /** Opens the gallery as a new visitor sees it: wall, no query, no selection. */
 async function beginAnew(page, origin) {
-  // The browser stores settings of the cards; each search must pay for changing them.
+  // The browser stores the cards' settings. Clear them, so that each search spends its own time on changing
+  // them.
   await page.evaluate(() => localStorage.clear());
   await page.goto("about:blank");
   await page.goto(origin);
@@ -59,7 +62,7 @@ test("a wanted animation is found by what it looks like", { timeout: 3_600_000 }
     page.setDefaultTimeout(60_000);
     await page.goto(gallery.link);
     await assertWebGl(page);
-    // A new archive is read first.
+    // Wait until the gallery has read the new archive.
     await page.locator("#counts", { hasText: "shown" }).waitFor();
     const colours = await coloursOf(page, gallery.origin);
     assert.equal(new Set(colours.map((colour) => rgbOf(colour).join())).size, 16);
@@ -69,7 +72,7 @@ test("a wanted animation is found by what it looks like", { timeout: 3_600_000 }
       await beginAnew(page, gallery.origin);
       const hands = new Hands(page);
       const isFound = await find(page, hands, memory);
-      // Only here the script reads the animation's name.
+      // The script reads the animation's name only here.
       const found = isFound ? await page.evaluate(() => window.sleightGallery.player.labels[0]) : "none";
       searches.push({ name, found, seconds: hands.seconds, parts: hands.parts });
       const parts = Object.entries(hands.parts).map(([part, seconds]) => `${part} ${seconds.toFixed(1)}`);

@@ -80,16 +80,17 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(Seeds, DigestIsTheSerialRuns) {
-  // Goal: for any faults of workers, messages, coordinator and disk, a run ends once faults stop,
-  // has the serial run's bits, and loses no commit. Method: simulate clusters of 1 to 4096 workers;
-  // compare digests, check the store's invariants, and limit the time after the last fault.
+  // Goal: after any faults of workers, messages, coordinator and disk, a run ends, has the same
+  // bits as a serial run, and loses no commit. Method: simulate clusters of 1 to 4096 workers.
+  // Compare digests with the serial run, check the store's invariants, and limit the time from the
+  // last fault to the end.
   check_share({}, seeds());
 }
 
 TEST_P(Seeds, FewWorkersDoIt) {
-  // Goal: the previous test's claims also hold for small clusters, where a single blocked worker
-  // would stop the run. Method: simulate clusters of at most four workers, with twenty times as
-  // many seeds.
+  // Goal: runs on small clusters, where one blocked worker would stop the run, also end with the
+  // serial run's bits and lose no commit. Method: simulate clusters of at most four workers, with
+  // twenty times as many seeds as for large clusters.
   check_share({.method = {}, .workers_max = 4}, 20 * seeds());
 }
 

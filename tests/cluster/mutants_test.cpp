@@ -69,8 +69,8 @@ std::string words_for(int status) {
 class Mutant : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(Mutant, IsCaught) {
-  // Goal: the comparison with the serial run fails if work is distributed wrongly. Method: run
-  // clusters with a mistake until one fails; the same clusters without the mistake must pass.
+  // Goal: the tests of clusters detect each known mistake in the distribution of work. Method: run
+  // clusters with a mistake until one fails. The same clusters without the mistake must pass.
   const auto& [mistake, name] = k_mistakes[GetParam()];
   int status = k_right;
   std::uint64_t seed = 0;

@@ -71,7 +71,8 @@ void print_line(const std::string& line) {
 double critical_path_s(const Case& of, const Size& size) {
   std::vector<double> done_s(size.levels, 0.0);
   for (std::uint64_t scan = 0; scan < size.scans; ++scan) {
-    // Costs belong to replicas. Costs by level are equivalent, because all are independent.
+    // Costs belong to replicas. Here they belong to levels, which gives the same distribution
+    // because all costs are independent.
     for (std::uint32_t level = 0; level < size.levels; ++level)
       done_s[level] += of.scenario.work.costs.of({{}, base::ReplicaId{level}}, scan);
     for (std::uint32_t level = scan % 2; level + 1 < size.levels; level += 2)
@@ -81,9 +82,10 @@ double critical_path_s(const Case& of, const Size& size) {
 }
 
 TEST(Scale, AThousandWorkersAreBusy) {
-  // Goal: with one ladder per worker, at least 95% of 1,024 workers' time is used. Method: simulate
-  // clusters of several sizes; measure utilisation between the first and the last fifth of the
-  // scans, and over the whole run including its slow start and end.
+  // Goal: with at least one ladder per worker, up to 1,024 workers are busy at least 95% of the
+  // time in the middle of a run. Method: simulate clusters of several sizes. Measure the
+  // utilisation between the first and the last fifth of the scans, and over the whole run with its
+  // slow start and end.
   const bool is_long = property::long_run();
   print_line("| workers | ladders x levels | scans a block | amid the run | whole run | run |");
   print_line("|---|---|---|---|---|---|");
@@ -128,9 +130,10 @@ Case case_of_islands(std::uint32_t workers, double handling_s) {
 }
 
 TEST(Scale, IslandsKeepAThousandWorkersBusy) {
-  // Goal: chains of islands never wait, so nearly all of 1,024 workers' time is used over a whole
-  // run of about 3.6 s. The limit is the time that the coordinator takes for the first messages of
-  // all workers. Method: compare runs with several handling times per message with the serial run.
+  // Goal: chains of islands never wait, so 1,024 workers are busy nearly all the time in a whole
+  // run of about 3.6 s. Only the coordinator's time for the first messages of all workers limits
+  // the utilisation. Method: simulate runs with two handling times per message, and compare their
+  // results with a serial run.
   constexpr std::uint32_t k_workers = 1024;
   struct Asked {
     double handling_s;
@@ -149,11 +152,12 @@ TEST(Scale, IslandsKeepAThousandWorkersBusy) {
 }
 
 TEST(Scale, OneLadderAgainstWorkers) {
-  // Goal: measure one ladder's utilisation for different numbers of workers, and compare it with
-  // the theoretical bounds. Method: simulate clusters of 1 to 64 workers. A ladder of N levels has
-  // at most N units at once. W workers take at least sum(c) / W, and at least the time of the
-  // swaps' critical path. Each scan of a pair waits for the slower level, so S scans take longer
-  // than S E[max(c1, c2)]. If costs are log-uniform over a factor r, and q = log r:
+  // Goal: the utilisation of one ladder by different numbers of workers is near its theoretical
+  // bounds. Method: simulate clusters of 1 to 64 workers. A ladder of N levels has at most N units
+  // that can run at once. With W workers and costs c, a run takes at least sum(c) / W, and at least
+  // the time of the swaps' critical path. Each scan of a pair waits for the slower level, so S
+  // scans take longer than S E[max(c1, c2)]. If costs are log-uniform over a factor r, and q = log
+  // r:
   //   E[c] / E[max(c1, c2)] = (r - 1) / (2 (r - (r - 1) / q)).
   constexpr Size k_size{.workers = 1, .ladders = 1, .levels = 32, .scans = 600};
   constexpr double k_r = k_cost_spread;

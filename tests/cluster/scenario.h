@@ -26,7 +26,7 @@ enum class Method { independent, islands, tempering, simulated_tempering, anneal
 struct Scenario {
   std::uint64_t seed = 1;
   Method method = Method::independent;
-  std::function<std::unique_ptr<plan::Plan>()> make_plan;  ///< a fresh one
+  std::function<std::unique_ptr<plan::Plan>()> make_plan;  ///< returns a new plan
   std::uint64_t swap_seed = 1;
   std::uint32_t workers = 1;
   std::uint32_t threads_max = 1;  ///< per worker; some have fewer

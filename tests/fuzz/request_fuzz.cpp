@@ -1,8 +1,8 @@
 // Goal: no file, however hostile, makes the request reader crash, hang or report nonsense. Method:
-// read every input of libFuzzer as a request of every world. A valid request's normalised text must
-// read back to the same request, parameters and text, also with another stop rule. An invalid
-// request must have sorted errors. Each error has a place within the file, and is one line without
-// control characters.
+// read every input of libFuzzer as a request of every world. The normalised text of a valid request
+// must read back as the same request, with the same parameters and the same normalised text. A text
+// with another stop rule must read back too. An invalid request must have sorted errors. Each error
+// has a place within the file, and is one line without control characters.
 //
 // CMakeLists.txt beside this file explains how to replay a failure.
 #include <fmt/format.h>
@@ -87,7 +87,7 @@ void check_errors(std::string_view text, const std::vector<request::Diagnostic>&
   CHECK_LE(errors.size(), request::k_diagnostics_max + 1);
   request::Place last;
   for (const request::Diagnostic& error : errors) {
-    // Errors are ordered by place, each in the file or just behind a line's end.
+    // Errors are ordered by place. Each place is in the file or just after the end of a line.
     CHECK(last <= error.place);
     last = error.place;
     const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;

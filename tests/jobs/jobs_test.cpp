@@ -72,15 +72,16 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(Seeds, EachJobEndsOnce) {
-  // Goal: the invariants of jobs.h hold. Method: simulate services with 1 to 1,000 jobs of up to 20
-  // users, whose daemon, keepers, messages, clock and disk fail in every way. A ledger checks the
-  // service's rules, and the time from the last fault to the end of all jobs is limited.
+  // Goal: each job ends exactly once, and the other invariants of jobs.h hold, whatever faults
+  // occur. Method: simulate services with 1 to 1,000 jobs of up to 20 users, whose daemon, keepers,
+  // messages, clock and disk fail in every way. Check the service's rules with a ledger, and limit
+  // the time from the last fault to the end of all jobs.
   check_share({}, seeds());
 }
 
 TEST_P(Seeds, FewJobsToo) {
-  // Goal: the same invariants hold if any fault hits any step of a job. Method: simulate services
-  // with at most ten jobs, and use ten times as many seeds.
+  // Goal: the invariants of jobs.h hold even if faults hit every step of a job. Method: simulate
+  // services with at most ten jobs, with ten times as many seeds as for large services.
   check_share({.jobs_max = 10}, 10 * seeds());
 }
 

@@ -54,8 +54,8 @@ std::string words_for(int status) {
 class Mutant : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(Mutant, IsCaught) {
-  // Goal: the checks fail if a service is wrong. Method: run services with a mistake until one
-  // fails; the same services without the mistake must pass.
+  // Goal: the tests of services detect each known mistake. Method: run services with a mistake
+  // until one fails. The same services without the mistake must pass.
   const auto& [mistake, name] = k_mistakes[GetParam()];
   int status = k_right;
   std::uint64_t seed = 0;

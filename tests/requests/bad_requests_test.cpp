@@ -1,6 +1,6 @@
-// Goal: every kind of bad request gets exactly its expected errors, each at its place. Shipped
-// requests get no errors. Method: read bad/<name>.toml as a ball_2d request, and compare its errors
-// with bad/<name>.expected, one per line.
+// Goal: the request reader reports exactly the expected errors of each bad request, each at its
+// place. It reports no errors for shipped requests. Method: read each bad/<name>.toml as a ball_2d
+// request, and compare its errors with the lines of bad/<name>.expected.
 //
 // After a change of wording, SLEIGHT_ACCEPT_ERRORS=1 rewrites the .expected files, and git diff
 // shows the changes to review.

@@ -105,10 +105,11 @@ sampling::BurnIn ring_burn_in(std::uint32_t chain) {
 }
 
 TEST(SimulatedTempering, HasItsJointDistribution) {
-  // Goal: the chain has density w_i p_w p_c^beta_i over (level, place) for any weights, both in the
-  // occupancy of levels and in the places at each level. Method: compare the last states of chains
-  // of 120 scans, all from exact draws at the coolest level, with enumeration. The fast tier has as
-  // few chains as mutants/method_checks.cpp, whose checks reject every mutant.
+  // Goal: for any weights w_i, simulated tempering samples (level, place) with density w_i p_w
+  // p_c^beta_i. Method: start chains from exact draws at the coolest level, and run each for 120
+  // scans. Compare the last states with enumeration: levels alone, levels with places, and places
+  // at the coolest level. The fast tier has as few chains as mutants/method_checks.cpp, whose
+  // checks reject every mutant.
   const std::uint64_t chains = property::of_tier(12'000, 20'000);
   constexpr std::size_t k_levels = 4;
   const sampling::BurnIn first = ring_burn_in(0);
@@ -153,7 +154,7 @@ TEST(SimulatedTempering, HasItsJointDistribution) {
   EXPECT_LT(chi_square_p(levels, std::vector<double>(k_levels, 0.25)), 1e-12);
 }
 
-/// Returns how often each place was a draw in one seed's run.
+/// Counts the draws at each place in a run, from `first_draw` on.
 std::vector<double> place_counts(plan::Plan& plan, std::uint64_t first_draw) {
   const run::ChainWorker<RuggedRing> worker({}, {});
   std::vector<double> counts(k_places, 0);
@@ -166,7 +167,8 @@ std::vector<double> place_counts(plan::Plan& plan, std::uint64_t first_draw) {
   return counts;
 }
 
-/// Expects each place's share of draws over independent runs within 5 standard errors.
+/// Expects that each place's share of draws, over independent runs, is within 5 standard errors of
+/// its probability.
 void expect_shares(const char* name, const std::vector<std::vector<double>>& runs) {
   const std::vector<double> exact = RuggedRing::exact(1);
   const auto n = static_cast<double>(runs.size());
@@ -207,9 +209,9 @@ std::unique_ptr<plan::Plan> burnt_in(std::uint64_t seed, std::uint64_t scans, Ma
 constexpr std::uint64_t k_burn_in = 140;
 
 TEST(SimulatedTempering, IsRightAfterALearntBurnIn) {
-  // Goal: with a burn-in's weights, draws at inverse temperature 1 have the target's distribution,
-  // and levels are visited about equally often. Method: compare 400 runs of 1,500 scans after three
-  // burn-in rounds with enumeration.
+  // Goal: with weights from a burn-in, simulated tempering draws from the target at inverse
+  // temperature 1, and visits each level often. Method: make 400 runs of 1,500 scans after three
+  // burn-in rounds, and compare the shares of places with enumeration.
   std::vector<std::vector<double>> runs;
   double least = 1;
   double trips = 0;
@@ -231,8 +233,8 @@ TEST(SimulatedTempering, IsRightAfterALearntBurnIn) {
 }
 
 TEST(TemperedTransitions, AreRightAfterALearntBurnIn) {
-  // Goal: tempered transitions have the target's distribution. Method: compare 400 runs of 300
-  // scans with enumeration.
+  // Goal: tempered transitions sample the target. Method: make 400 runs of 300 scans after a
+  // burn-in, and compare the shares of places with enumeration.
   std::vector<std::vector<double>> runs;
   double acceptance = 0;
   for (std::uint64_t repeat = 0; repeat < 400; ++repeat) {
@@ -250,11 +252,12 @@ TEST(TemperedTransitions, AreRightAfterALearntBurnIn) {
 }
 
 TEST(AnnealedImportance, WeightsAreUnbiased) {
-  // Goal: mean weights are unbiased for Z and P(satisfied), weighted means are the target's, and
-  // errors are calibrated. Method: make 1,500 runs of 24 ascents with ladders from short burn-ins.
-  // The mean over runs of exp(log Z) / Z and of exp(log P) / P is 1. The z-scores of the logs have
-  // a spread of about 1. The limits are 0.8 and 1.4, because 24 weights are skewed. Each place's
-  // sum of weights is right.
+  // Goal: annealed importance sampling estimates Z and P(satisfied) without bias, and its errors
+  // are calibrated. Its weighted draws have the target's distribution. Method: make 1,500 runs of
+  // 24 ascents with ladders from short burn-ins. The mean ratio of an estimate to the exact value
+  // must be 1. The z-scores of the log estimates must have a standard deviation between 0.8 and
+  // 1.4. This range is wide because 24 weights are skewed. Each place's share of the weights must
+  // equal its probability.
   constexpr std::uint64_t k_repeats = 1500;
   std::vector<double> ratios[2];
   std::vector<double> z[2];
@@ -319,9 +322,9 @@ TEST(AnnealedImportance, WeightsAreUnbiased) {
 }
 
 TEST(AnnealedImportance, ErrorsAreHonestWithManyAscents) {
-  // Goal: the standard errors of log Z and log P equal their spread. Method: compute the z-scores
-  // of 200 runs of 800 ascents. Over 200 runs, 5 standard errors are 0.35 for the mean of z and 25%
-  // for its sd.
+  // Goal: with many ascents, the reported standard errors of log Z and log P equal the spread of
+  // the estimates. Method: compute the z-scores of 200 runs of 800 ascents. Over 200 runs, 5
+  // standard errors are 0.35 for the mean of z and 25% for its standard deviation.
   std::vector<double> z[2];
   for (std::uint64_t repeat = 0; repeat < 200; ++repeat) {
     const std::uint64_t seed = k_seed + 10'000 + repeat;
@@ -351,11 +354,10 @@ TEST(AnnealedImportance, ErrorsAreHonestWithManyAscents) {
 }
 
 TEST(AnnealedStarts, LeaveTheTargetRight) {
-  // Goal: annealed ladders reach the target's distribution early, and annealed plain chains keep
-  // the distribution that they arrive with. Method: anneal 400 ladders over 30 scans, skip 100 more
-  // scans, then compare the shares of places with enumeration. Anneal 20,000 plain chains over 25
-  // scans on a world that a walk covers, run them for 60 more, and compare them with exact draws
-  // (Kolmogorov-Smirnov).
+  // Goal: ladders and plain chains that start by annealing sample the target. Method: anneal 400
+  // ladders over 30 scans, skip 100 more scans, then compare the shares of places with enumeration.
+  // Anneal 20,000 plain chains over 25 scans in a world that a walk covers, and run them for 60
+  // more scans. Compare their last states with exact draws (Kolmogorov-Smirnov).
   std::vector<std::vector<double>> runs;
   for (std::uint64_t repeat = 0; repeat < 400; ++repeat) {
     sampling::ParallelTempering plan({.ladders = 1,

@@ -35,9 +35,9 @@ std::size_t side_up(const DieView& die) {
 }
 
 TEST(DiceFaces, ComeUpOnceInSixThrows) {
-  // Goal: the simulator prefers no side of a cube. Method: compare the upper sides of resting dice
-  // with 1/6 each by chi-square, for 3,000 throws from the prior (60,000 with SLEIGHT_SOAK=1).
-  // Fails by chance once in 10,000 seeds.
+  // Goal: the simulator prefers no side of a cube. Method: simulate 3,000 throws from the prior
+  // (60,000 with SLEIGHT_SOAK=1), and count which side of the resting die is up. Compare the counts
+  // with 1/6 for each side in a chi-square test. The test fails by chance for one of 10,000 seeds.
   const std::uint64_t throws = property::long_run() ? 60'000 : 3'000;
   const Dice world(Parameters{});
   std::vector<double> counts(6, 0.0);

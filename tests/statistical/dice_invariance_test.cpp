@@ -48,8 +48,8 @@ Parameters small_table() {
   return parameters;
 }
 
-/// Dice whose simulation is a formula with three collisions. Their places depend on the throw and
-/// on the heights of the points, so each change shifts the shares of all points.
+/// Dice whose simulation is a formula with three collisions. The places of the collisions depend on
+/// the throw and on the heights of the points, so each change shifts the shares of all points.
 class Formula {
  public:
   using State = worlds::dice::State;
@@ -222,9 +222,10 @@ double least_p(const T& world, const Run& run) {
 class DiceInvariance : public testing::TestWithParam<std::tuple<double, std::uint64_t>> {};
 
 TEST_P(DiceInvariance, ProposalsKeepExactDrawsExact) {
-  // Goal: the kernel leaves p_w p_c^beta invariant, including the table's points and the start.
-  // Method: make exact draws by rejection, move them, and compare them with fresh exact draws. The
-  // simulation is a formula. Fails by chance once in 10^4 runs.
+  // Goal: proposals for dice leave p_w p_c^beta invariant, including the table's points and the
+  // dice's start. Method: make exact draws by rejection, move them with the kernel, and compare
+  // them with fresh exact draws. A formula takes the place of the simulation. The test fails by
+  // chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();
   const std::size_t chains = is_soak() ? 100'000 : 4000;
   const double p = least_p(Formula(small_table()), {beta, steps, chains});
@@ -237,8 +238,8 @@ INSTANTIATE_TEST_SUITE_P(Betas, DiceInvariance,
                                           testing::Values(std::uint64_t{1}, std::uint64_t{20})));
 
 TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
-  // Goal: the previous test can fail. Method: run the test with a kernel that omits
-  // change_contact's ratio.
+  // Goal: the invariance test rejects a kernel that omits the ratio of change_contact. Method:
+  // compare moved exact draws with fresh ones, for the wrong kernel and for the right one.
   Parameters parameters = small_table();
   parameters.proposal.change_all = 0;
   parameters.proposal.change_die = 0;
@@ -256,9 +257,10 @@ TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
 }
 
 TEST(DiceInvarianceOfThrows, Holds) {
-  // Goal: the kernel is right with real simulations that reuse similar ones, and with a face goal
-  // whose numbering is chosen after the simulation. Method: use a table of a few points and a wide
-  // goal, so that exact draws are cheap.
+  // Goal: the kernel leaves its target invariant with real simulations, which reuse similar ones.
+  // The target stays invariant even with a goal for a face, whose numbering is chosen after the
+  // simulation. Method: use a table of a few points and wide goals, so that exact draws are cheap.
+  // Compare moved exact draws with fresh ones.
   Parameters parameters = small_table();
   parameters.world.dice[0].position_m.x() = -0.03;
   parameters.world.dice[0].velocity_mps.x() = 0.2;

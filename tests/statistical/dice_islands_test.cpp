@@ -40,8 +40,9 @@ StagedDice two_dice(double sigma_m, double tolerance_m) {
 }
 
 TEST(DiceIslands, AgreeWithRejection) {
-  // Goal: islands and blind throws agree on Z and P(satisfied) of two dice. Method: use islands
-  // whose pools have eight throws, and compare them with prior draws within 4 combined errors.
+  // Goal: islands and draws from the prior give the same Z and P(satisfied) for two dice. Method:
+  // estimate both from islands whose pools have eight throws, and from prior draws. The estimates
+  // must agree within 4 combined standard errors.
   const StagedDice world = two_dice(0.02, 0.025);
   const int throws = property::long_run() ? 200'000 : 8'000;
   const std::uint32_t islands = property::long_run() ? 20'000 : 700;
@@ -69,10 +70,10 @@ TEST(DiceIslands, AgreeWithRejection) {
 }
 
 TEST(DiceIslands, PoolsGiveThePrior) {
-  // Goal: weights of throws from a pool account for how the pool was drawn, and how a throw was
-  // chosen from the pool. Method: at inverse temperature 0, the mean of Z is 1. If Z counts as 0
-  // unless the first (or second) die is faster than average, its mean is 1/2. Pools have two
-  // throws, and islands one particle. Means agree within 4 errors.
+  // Goal: the weight of a throw from a pool corrects for how the pool was drawn, and for how the
+  // throw was chosen from the pool. Method: estimate Z at inverse temperature 0 from islands with
+  // one particle and pools of two throws. The mean of Z must be 1. Count Z as 0 if a chosen die is
+  // slower than average; then its mean must be 1/2. Means must agree within 4 standard errors.
   const StagedDice world = two_dice(0.04, 0.05);
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 2;
@@ -98,9 +99,10 @@ TEST(DiceIslands, PoolsGiveThePrior) {
 }
 
 TEST(DiceIslands, StepsKeepExactDrawsExact) {
-  // Goal: both particle steps leave p_w p_c of two dice invariant. Method: make exact draws by
-  // rejection, and move half of them by three steps. Compare the moved half with the other half:
-  // the dice's speeds, and the total duration. P-values are above 1e-5.
+  // Goal: both particle steps (conditional and independence) leave p_w p_c of two dice invariant.
+  // Method: make exact draws by rejection, and move half of them by three steps. Compare the dice's
+  // speeds and the total duration between the moved half and the other half. All p-values must be
+  // above 1e-5.
   const StagedDice world = two_dice(0.06, 0.05);
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 3;

@@ -76,8 +76,9 @@ double p_value(double beta, std::uint64_t first_chain, const Move& move) {
 }
 
 TEST(FailuresInvariance, StepsKeepTheRestrictedTarget) {
-  // Goal: if failing candidates are rejected, p_beta given success is invariant. Method: move exact
-  // draws by ten steps at several inverse temperatures, and compare counts with enumeration.
+  // Goal: if steps reject candidates whose simulation fails, p_beta given success stays invariant.
+  // Method: move exact draws by ten steps at several inverse temperatures, and compare the counts
+  // of places with enumeration.
   for (const double beta : {0.2, 0.7, 1.0}) {
     const double p = p_value(beta, 0, [&](const auto& ring, const auto& streams, auto& sample) {
       for (std::uint64_t iteration = 1; iteration <= 10; ++iteration)
@@ -88,8 +89,9 @@ TEST(FailuresInvariance, StepsKeepTheRestrictedTarget) {
 }
 
 TEST(FailuresInvariance, DrawsAgainAreDrawsOfTheRestrictedPrior) {
-  // Goal: a draw that is repeated until success is distributed like the prior given success. A
-  // single draw isn't. Method: compare counts with enumeration, with the single draw as a control.
+  // Goal: a prior draw that is repeated until its simulation succeeds has the distribution of the
+  // prior given success. A single draw doesn't. Method: compare the counts of places with
+  // enumeration, for repeated draws and, as a control, for single draws.
   const auto draw = [](const auto& ring, const auto& streams, auto& sample) {
     sample = sampling::draw_afresh(ring, streams, 1);
   };
@@ -102,9 +104,9 @@ TEST(FailuresInvariance, DrawsAgainAreDrawsOfTheRestrictedPrior) {
 }
 
 TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
-  // Goal: p_beta given success is invariant under tempered transitions, though their draws and
-  // steps may fail. Method: move exact draws by an excursion to the prior, and compare counts with
-  // enumeration.
+  // Goal: tempered transitions leave p_beta given success invariant, although their draws and steps
+  // may fail. Method: move exact draws by an excursion to the prior, and compare the counts of
+  // places with enumeration.
   const std::vector<double> below{0.4, 0.1, 0};
   const double p =
       p_value(1, 2 * k_draws, [&](const auto& ring, const auto& streams, auto& sample) {
@@ -116,9 +118,9 @@ TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
 }
 
 TEST(FailuresInvariance, ACandidateThatFailsIsRefusedFromAnywhere) {
-  // Goal: from a start of zero density, a chain accepts candidates by the prior alone, but never a
-  // failed candidate. Method: make long walks from a place with p_c = 0 next to places whose
-  // simulation fails.
+  // Goal: a chain that starts at zero density accepts candidates by the prior alone, but never a
+  // candidate whose simulation fails. Method: start 2,000 chains at a place with p_c = 0 near
+  // places whose simulation fails, and make 20 steps of each chain.
   const FailingRing ring;
   for (std::uint64_t chain = 0; chain < 2000; ++chain) {
     auto sample = sampling::evaluate(ring, RuggedRing::State{12});

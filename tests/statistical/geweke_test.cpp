@@ -1,5 +1,5 @@
-// Geweke's test ("Getting it right", 2004). The constraint is treated as a datum, the landing place
-// observed with noise sigma_d, so prior, kernel and simulator are tested as one joint model.
+// Geweke's test ("Getting it right", 2004). The constraint is treated as a datum: the landing
+// place, observed with noise sigma_d. So prior, kernel and simulator are tested as one joint model.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -16,7 +16,8 @@ namespace sleight::statistical::geweke_test {
 constexpr std::uint64_t k_seed = 979323;
 constexpr std::size_t k_functions = 8;
 
-/// A wide constraint, so that one kernel step moves: the test is about correctness, not mixing.
+/// The constraint is wide, so that single kernel steps change the state. The test is about
+/// correctness, not mixing.
 worlds::ball_2d::Parameters parameters_with_datum(double datum_diameters) {
   worlds::ball_2d::Parameters parameters;
   parameters.constraint.sigma_diameters = 1;
@@ -45,7 +46,7 @@ double largest_z(Bug bug) {
   constexpr std::uint64_t k_steps = 100000;
   const Ball prior_ball{parameters_with_datum(0)};
 
-  // Marginal-conditional: normals from the prior, the datum given the landing.
+  // Marginal-conditional: draw normals from the prior, then the datum given the landing place.
   std::array<std::vector<double>, k_functions> independent;
   for (std::uint32_t i = 0; i < k_independent; ++i) {
     random::Stream stream = streams_of(k_seed, 10 + i).at(random::Purpose::prior, 0);
@@ -55,7 +56,8 @@ double largest_z(Bug bug) {
       independent[f].push_back(values[f]);
   }
 
-  // Successive-conditional: the datum given the landing, then one kernel step given the datum.
+  // Successive-conditional: draw the datum given the landing place, then make one kernel step given
+  // the datum.
   std::array<std::vector<std::vector<double>>, k_functions> successive;
   for (auto& series : successive)
     series.resize(1);
@@ -84,13 +86,15 @@ double largest_z(Bug bug) {
 
 TEST(Geweke, BothWaysToDrawTheJointAgree) {
   // Goal: prior, proposal, acceptance, simulator and constraint belong to one joint density.
-  // Method: compare means of 8 functions in standard errors that include autocorrelation. One of
-  // the 8 exceeds 4.5 errors by chance once in 18,000 runs.
+  // Method: draw (normals, datum) in two ways, and compare the means of 8 functions. Standard
+  // errors include autocorrelation. One of the 8 differences exceeds 4.5 standard errors by chance
+  // once in 18,000 runs.
   EXPECT_LT(largest_z(Bug::none), 4.5) << "seed " << k_seed;
 }
 
 TEST(Geweke, ABrokenKernelDisagrees) {
-  // Goal: the test can fail. Method: run the test with five bugs of different kinds.
+  // Goal: Geweke's test rejects wrong kernels. Method: run the test with five bugs of different
+  // kinds.
   for (const Bug bug : {Bug::prior_forgotten, Bug::ratio_inverted, Bug::constraint_forgotten,
                         Bug::wrong_temperature, Bug::independence_draw_as_symmetric}) {
     EXPECT_GT(largest_z(bug), 6) << name_of(bug);

@@ -54,9 +54,9 @@ std::array<double, k_ball_functions> p_values(Bug bug, double beta, std::uint64_
 class Invariance : public testing::TestWithParam<std::tuple<double, std::uint64_t>> {};
 
 TEST_P(Invariance, ExactDrawsStayExact) {
-  // Goal: the kernel leaves its target invariant. Method: make exact draws by rejection, move them,
-  // and compare them with fresh ones in 8 functions. A p-value below 1e-5 / 8 fails, by chance once
-  // in 10^5 runs.
+  // Goal: the Metropolis-Hastings kernel leaves its target invariant. Method: make exact draws by
+  // rejection, move them with the kernel, and compare 8 functions of them with fresh exact draws.
+  // The test fails for p-values below 1e-5 / 8, which happens by chance once in 10^5 runs.
   const auto [beta, steps] = GetParam();
   const auto p = p_values(Bug::none, beta, steps, property::of_tier(k_draws_that_tell, 30000), 0);
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -70,9 +70,9 @@ INSTANTIATE_TEST_SUITE_P(Betas, Invariance,
                                                           std::uint64_t{100})));
 
 TEST(InvarianceRepeats, PValuesAreUniform) {
-  // Goal: no small bias hides below the single test's threshold. Method: compare each function's
-  // p-values in 400 repeats of 300 draws with the uniform distribution. Fails by chance with
-  // probability 8e-5.
+  // Goal: the kernel has no bias that is too small for a single invariance test. Method: repeat the
+  // invariance test 400 times with 300 draws, and compare the p-values of each function with the
+  // uniform distribution. The test fails by chance with probability 8e-5.
   std::array<std::vector<double>, k_ball_functions> collected;
   for (std::uint32_t repeat = 1; repeat <= 400; ++repeat) {
     const auto p = p_values(Bug::none, 1.0, 10, 300, repeat);
@@ -87,8 +87,9 @@ TEST(InvarianceRepeats, PValuesAreUniform) {
 class BrokenKernel : public testing::TestWithParam<Bug> {};
 
 TEST_P(BrokenKernel, IsCaught) {
-  // Goal: the invariance test can fail with the fast run's number of draws. Method: make 100 steps
-  // of each kernel with a known bug. At least one p-value is below the test's threshold.
+  // Goal: the invariance test rejects each known wrong kernel with as few draws as in the fast
+  // tier. Method: move exact draws by 100 steps of a wrong kernel. At least one p-value must be
+  // below the test's threshold.
   const auto p = p_values(GetParam(), 1.0, 100, k_draws_that_tell, 0);
   EXPECT_LT(*std::min_element(p.begin(), p.end()), 1e-5 / k_ball_functions) << name_of(GetParam());
 }

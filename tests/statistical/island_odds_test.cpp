@@ -1,6 +1,7 @@
-// Goal: if the rule of [stop] sets the size of the batch, its odds are right on average and their
-// errors are calibrated. A run that stops when its own estimate looks good underestimates P.
-// Method: draw lognormal estimates of known mean, and deliver them as chains of islands.
+// Goal: if the rule in [stop] sets the number of islands of a batch, the batch's odds are right on
+// average and their errors are calibrated. A run that stops when its own estimate looks good
+// underestimates P. Method: draw lognormal estimates of known mean, and deliver them as chains of
+// islands.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -78,7 +79,7 @@ class Coverage {
   int runs() const { return runs_; }
   double within_one() const { return within_one_ / runs_; }
   double within_two() const { return within_two_ / runs_; }
-  /// Mean of the estimates of P relative to P, and its standard error.
+  /// Mean relative deviation of the estimates from P, and its standard error.
   double bias() const { return sum_ / runs_; }
   double bias_error() const { return std::sqrt((squares_ / runs_ - bias() * bias()) / runs_); }
   double mean_error() const { return errors_ / runs_; }
@@ -101,13 +102,13 @@ class Coverage {
 };
 
 TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
-  // Goal: P is right on average over all runs, and the error is about as requested. Among runs that
-  // report an error, about 65% are within one error of the truth and 92% within two. Normal
-  // estimates have larger shares, but here the sum is skewed and its spread is estimated. Two rules
-  // bias P by less than a quarter of its error: the batch is extended if one island has a tenth of
-  // the sum, and no error is reported if this doesn't help. Method: make 1,000 runs of the plan
-  // itself. The shares may be lower by five binomial standard errors, and the mean may differ by
-  // four standard errors.
+  // Goal: with batches of a set size, the mean of P over all runs is right, and the error is about
+  // as requested. About 65% of the runs that report an error are within one error of the truth, and
+  // about 92% are within two. Normal estimates would have larger shares, but here the sum is skewed
+  // and its spread is estimated. Two rules bias P by less than a quarter of its error. One rule
+  // extends the batch if one island has a tenth of the sum. The other rule reports no error if the
+  // extension doesn't help. Method: make 1,000 runs of the plan itself. The shares may be lower by
+  // five binomial standard errors, and the mean may differ by four standard errors.
   Coverage all;
   Coverage known;
   for (int run = 0; run < k_runs; ++run) {
@@ -128,9 +129,9 @@ TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
 }
 
 TEST(IslandOdds, ARunThatStopsByItsOwnEstimateSaysTooLittle) {
-  // Goal (negative control): without a batch sized beforehand, P comes out too low by more than
-  // chance. Method: count all islands, and stop the run at the first island after which the
-  // estimate looks good enough. The bias exceeds four standard errors of the mean.
+  // Goal (negative control): runs that stop by their own estimate make P too low by more than
+  // chance. Method: count all islands, and stop each run at the first island after which the
+  // estimate looks good enough. The bias must exceed four standard errors of the mean.
   Coverage stopped;
   for (int run = 0; run < k_runs; ++run) {
     random::Stream stream = stream_of(k_runs + run);

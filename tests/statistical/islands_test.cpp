@@ -86,21 +86,22 @@ void expect_unbiased(const Make& make, std::uint32_t chain) {
 }
 
 TEST(Islands, EstimatesAreUnbiased) {
-  // Goal: Z and P(satisfied) of islands are unbiased for any size, guide and resampling, and so is
-  // Z times an indicator of the drawn state. Method: compare many islands of each setting with
-  // enumeration, within 4 standard errors. With 7 settings of three estimates, correct code fails
-  // once in 750 runs with new seeds.
+  // Goal: free islands estimate Z and P(satisfied) without bias, for any number of particles, any
+  // guide and any resampling. The product of Z and an indicator of the drawn state is unbiased too.
+  // Method: make many islands in each of 7 settings, and compare the means of the three estimates
+  // with enumeration. The means must agree within 4 standard errors. Correct code fails once in 750
+  // runs with new seeds.
   expect_unbiased([](const auto& islands) { return islands.free(0); }, 0);
 }
 
 TEST(Islands, EstimatesOfParticlesThatChooseTogetherAreUnbiased) {
-  // Goal: estimates of joint islands are unbiased. Method: as in EstimatesAreUnbiased.
+  // Goal: joint islands estimate Z and P(satisfied) without bias.
   expect_unbiased([](const auto& islands) { return islands.joint(0); }, 20'000'000);
 }
 
 TEST(Islands, AFifthOfTheToyIsRescued) {
-  // Goal: a fifth of the toy's mass is in states that are never reached if psi is 0 for a fallen
-  // walker. Method: enumerate all states.
+  // Goal: about a fifth of the toy's mass is in states that islands never reach if psi is 0 for a
+  // fallen walker.
   const Toy toy;
   const std::vector<double> masses = toy.masses(1);
   double rescued = 0;
@@ -111,8 +112,9 @@ TEST(Islands, AFifthOfTheToyIsRescued) {
 }
 
 TEST(Islands, AHardPotentialLeavesOutWhatIsRescued) {
-  // Goal: if psi = 0, islands estimate the mass of the states that they reach, and draw no other
-  // state. Method: compare 10,000 islands with a list of all states whose walker never falls.
+  // Goal: if psi is 0 for a fallen walker, islands estimate the mass of the states that they reach,
+  // and draw no other state. Method: compare the mean Z of 10,000 islands with the enumerated mass
+  // of all states whose walker never falls.
   const Toy toy;
   const Guide guide{.log_fallen = sampling::k_log_zero};
   const std::vector<double> masses = toy.masses(1);
@@ -196,8 +198,9 @@ void expect_kept(std::uint32_t first_chain,
 }
 
 TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
-  // Goal: particle Gibbs is right for two or more particles, each way of resampling and any
-  // temperature. Method: compare exact draws after one step and after ten with enumeration.
+  // Goal: conditional steps (particle Gibbs) leave the target invariant for two or more particles,
+  // each way of resampling and any temperature. Method: move exact draws by one step and by ten,
+  // and compare both sets of states with enumeration.
   expect_kept(20'000'000, [](const auto& islands, std::uint64_t number, ToyParticle& current) {
     const std::uint32_t ground = Toy::ground_of(current.sample.state);
     sampling::conditional_step(islands, number, current);
@@ -206,8 +209,9 @@ TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
 }
 
 TEST(ParticleSteps, IndependenceStepsKeepTheTarget) {
-  // Goal: the independence sampler over islands is right. Each chain's first step draws an island
-  // given the exact draw. Method: as in the previous test.
+  // Goal: independence steps leave the target invariant. Method: move exact draws by one step and
+  // by ten, and compare both sets of states with enumeration. Each chain's first step draws an
+  // island given the exact draw.
   expect_kept(60'000'000, [](const auto& islands, std::uint64_t number, ToyParticle& current) {
     sampling::independence_step(islands, 2 * number, current);
   });
@@ -235,8 +239,9 @@ Step mixed(const Setting& setting, AfterLocalMove after) {
 }
 
 TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
-  // Goal: local moves in addition to islands are right, even if a potential of 0 makes some states
-  // reachable only by local moves. Method: as in the tests above.
+  // Goal: chains that mix independence steps with local moves leave the target invariant. This
+  // holds even if a potential of 0 makes some states reachable only by local moves. Method: move
+  // exact draws by one step and by ten, and compare both sets of states with enumeration.
   const std::vector<Setting> settings{
       {.guide = {}, .options = {.particles = 2}},
       {.guide = {}, .options = {.particles = 8}},
@@ -253,8 +258,9 @@ TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
 }
 
 TEST(ParticleSteps, MistakesWithStaleIslandsAreCaught) {
-  // Goal: the previous test can fail. Method: run one chain that keeps Z after a local move, and
-  // another that replaces its state by the new island's draw if the old island is stale.
+  // Goal: the invariance test of mixed chains rejects two mistakes with stale islands. Method: run
+  // a chain that keeps Z after a local move. Run a chain that replaces its state by the new
+  // island's draw if the old island is stale.
   const Setting two{.guide = {}, .options = {.particles = 2}};
   const Setting eight{.guide = {}, .options = {.particles = 8}};
   const Kept keeps_z = kept_by(mixed(two, AfterLocalMove::keeps_z), 1, 800'000'000, 60'000);

@@ -49,12 +49,13 @@ struct Census {
 };
 
 TEST(LadderInvariance, ExactDrawsStayExact) {
-  // Goal: with a fixed ladder, every level keeps its distribution and levels stay independent, over
-  // swaps, scans and ends of rounds. Method: start many ladders of five levels from exact draws.
-  // After one scan and after ten, compare each level and each pair of neighbours with enumeration
-  // by chi-square. There are 18 p-values; by chance, each is below 1e-6 once in a million runs.
-  // Mean rejection rates agree with enumeration within 5 standard errors (4 rates: 2.3e-6). The
-  // fast tier has as few repeats as mutants/ladder_checks.cpp, whose checks reject every mutant.
+  // Goal: in a fixed ladder, swaps, scans and ends of rounds leave the distribution of each level
+  // unchanged, and levels stay independent. Method: start many ladders of five levels from exact
+  // draws. After one scan and after ten, compare each level and each pair of neighbouring levels
+  // with enumeration in chi-square tests. Each of the 18 p-values is below 1e-6 by chance once in a
+  // million runs. Compare the four mean rejection rates with enumeration. The rates must agree
+  // within 5 standard errors. This fails by chance with probability 2.3e-6. The fast tier has as
+  // few repeats as mutants/ladder_checks.cpp, whose checks reject every mutant.
   const std::uint64_t repeats = property::of_tier(6'000, 100'000);
   const RuggedRing ring;
   const std::vector<std::uint64_t> looked_at{1, 10};
@@ -121,10 +122,11 @@ TEST(LadderInvariance, ExactDrawsStayExact) {
 }
 
 TEST(LadderInvariance, LearningLaddersFindTheDistribution) {
-  // Goal: an ordinary run starts from prior draws, adapts the ladder and its size, and reaches p_w
-  // p_c even if no proposal connects the parts of the ring. Method: run 300 independent ladders.
-  // Each place's mean share in the last of five rounds is within 5 standard errors of the exact
-  // share (11 places: 6e-6 by chance). Lineages begin only at prior draws.
+  // Goal: an ordinary run reaches p_w p_c even if no proposal connects the parts of the ring. The
+  // run starts from prior draws, and adapts the ladder and its size. Method: run 300 independent
+  // ladders. In the last of five rounds, each place's mean share must be within 5 standard errors
+  // of the exact share. With 11 places, this fails by chance with probability 6e-6. Lineages must
+  // begin only at prior draws.
   constexpr std::uint64_t k_repeats = 300;
   const RuggedRing ring;
   std::vector<std::vector<double>> shares(k_places);

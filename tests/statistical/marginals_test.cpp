@@ -99,11 +99,11 @@ double largest_z(const Ball& ball, Bug bug, const std::vector<BallSample>& exact
 }
 
 TEST(Marginals, AgreeWithRejectionSamplingAndABrokenChainDoesNot) {
-  // Goal: long chains have the right marginals, and the comparison can fail. Method: compare 56
-  // statistics of 400 chains of 1,000 iterations with 100,000 exact draws. Standard errors come
-  // from the spread of the chains' means, and are valid for any mixing. One of the 56 exceeds 4.5
-  // errors by chance once in 2,600 runs. Make the same comparison with two bugs that still yield a
-  // stationary chain.
+  // Goal: long chains have the right marginals, and the comparison rejects two wrong kernels whose
+  // chains are stationary too. Method: compare 56 statistics of 400 chains of 1,000 iterations with
+  // 100,000 exact draws. Standard errors come from the spread of the chains' means, and are valid
+  // for any mixing. One of the 56 differences exceeds 4.5 standard errors by chance once in 2,600
+  // runs.
   const Ball ball{worlds::ball_2d::Parameters{}};
   const std::vector<BallSample> exact = exact_draws(ball);
   EXPECT_LT(largest_z(ball, Bug::none, exact), 4.5) << "seed " << k_seed;

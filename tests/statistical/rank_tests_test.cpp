@@ -22,8 +22,8 @@ std::vector<double> normals(std::uint32_t chain, std::size_t count, double mean)
 }
 
 TEST(KolmogorovSmirnov, ItsPValuesAreUniformWhenTheSamplesAreAlike) {
-  // Goal: the Kolmogorov-Smirnov test is calibrated. Method: test the p-values of 500 pairs of
-  // samples for uniformity.
+  // Goal: the Kolmogorov-Smirnov test is calibrated. Method: test 500 pairs of samples from one
+  // distribution, and compare the p-values with the uniform distribution.
   std::vector<double> p_values;
   for (std::uint32_t i = 0; i < 500; ++i) {
     p_values.push_back(kolmogorov_smirnov_p(normals(2 * i, 400, 0), normals(2 * i + 1, 300, 0)));
@@ -32,14 +32,15 @@ TEST(KolmogorovSmirnov, ItsPValuesAreUniformWhenTheSamplesAreAlike) {
 }
 
 TEST(KolmogorovSmirnov, RejectsASmallShift) {
-  // Goal: the Kolmogorov-Smirnov test can fail. Method: shift 10,000 draws by a tenth of a standard
-  // deviation, which is about seven standard errors.
+  // Goal: the Kolmogorov-Smirnov test rejects a small shift. Method: shift 10,000 draws by a tenth
+  // of a standard deviation, which is about seven standard errors.
   EXPECT_LT(kolmogorov_smirnov_p(normals(0, 10000, 0), normals(1, 10000, 0.1)), 1e-6);
 }
 
 TEST(KolmogorovSmirnov, HasTheKnownTail) {
-  // Goal: the series is Kolmogorov's. Method: shift equally spaced values to the tabulated 5%
-  // point, 1.3581, and expect p = 0.05. The small-sample correction is below 1e-3.
+  // Goal: p-values have the tail of Kolmogorov's distribution. Method: shift equally spaced values
+  // to the tabulated 5% point, 1.3581, and expect p = 0.05. The small-sample correction is below
+  // 1e-3.
   const std::size_t n = 1000000;
   const double d = 1.3581 / std::sqrt(static_cast<double>(n));
   std::vector<double> values(n);
@@ -50,8 +51,9 @@ TEST(KolmogorovSmirnov, HasTheKnownTail) {
 }
 
 TEST(EffectiveSampleSize, IsThatOfAnAutoregression) {
-  // Goal: errors include autocorrelation. Method: estimate the autocorrelation time of x' = 0.9 x +
-  // noise, which is (1 + 0.9) / (1 - 0.9) = 19. 200,000 steps estimate it to a few percent.
+  // Goal: the effective sample size accounts for autocorrelation. Method: estimate the
+  // autocorrelation time of the process x' = 0.9 x + noise. Its exact value is (1 + 0.9) / (1 -
+  // 0.9) = 19, and 200,000 steps estimate it to a few percent.
   const std::vector<double> noise = normals(7, 200000, 0);
   std::vector<double> series(noise.size());
   double x = 0;

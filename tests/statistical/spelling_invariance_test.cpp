@@ -82,7 +82,8 @@ class SpellingInvariance : public testing::TestWithParam<std::tuple<double, std:
 
 TEST_P(SpellingInvariance, ExactDrawsStayExact) {
   // Goal: the kernel leaves p_w p_c^beta invariant, including the number of active balls. Method:
-  // compare moved exact draws (by rejection) with fresh ones. Fails by chance once in 10^4 runs.
+  // make exact draws by rejection, move them with the kernel, and compare them with fresh exact
+  // draws. The test fails by chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();
   const double p = least_p(world_with(Kernel::correct), beta, steps);
   std::printf("beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -90,8 +91,9 @@ TEST_P(SpellingInvariance, ExactDrawsStayExact) {
 }
 
 TEST_P(SpellingInvariance, AimedDropsKeepExactDrawsExact) {
-  // Goal: proposals whose ratio depends on the outcome, and is known only after the simulation, are
-  // right. Method: as in the first test, but most proposals are of this kind.
+  // Goal: proposals whose ratio depends on the outcome, and is known only after the simulation,
+  // leave p_w p_c^beta invariant. Method: compare moved exact draws with fresh ones. Most proposals
+  // are of this kind.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_aims()), beta, steps);
   std::printf("aimed, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -111,8 +113,8 @@ Spelling with_redraws() {
 }
 
 TEST_P(SpellingInvariance, RedrawsKeepExactDrawsExact) {
-  // Goal: redrawing vertices leaves p_w p_c^beta invariant. Method: as in the first test, with many
-  // redraws.
+  // Goal: redrawing vertices leaves p_w p_c^beta invariant. Method: compare moved exact draws with
+  // fresh ones. Many proposals redraw vertices.
   const auto [beta, steps] = GetParam();
   const double p = least_p(with_redraws(), beta, steps);
   std::printf("redrawn, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -133,7 +135,7 @@ struct CarelessRedraws : Spelling {
 };
 
 TEST(SpellingInvarianceOfCarelessRedraws, IsRefuted) {
-  // Goal: the redraw test can fail. Method: use a kernel whose redraws count the prior twice.
+  // Goal: the redraw test rejects a kernel whose redraws count the prior twice.
   const CarelessRedraws careless(with_redraws().parameters());
   EXPECT_LT(least_p(careless, 1, 60), 1e-6);
 }
@@ -149,15 +151,15 @@ struct Hasty : Spelling {
 };
 
 TEST(SpellingInvarianceOfAHastyRatio, IsRefuted) {
-  // Goal: the test of proposals by outcome can fail. Method: use a ratio that ignores the outcome.
+  // Goal: the test of proposals by outcome rejects a ratio that ignores the outcome.
   const double p = least_p(Hasty(parameters_with_aims()), 1.0, 40);
   std::printf("hasty, 40 steps: p %g\n", p);
   EXPECT_LT(p, 1e-9);
 }
 
 TEST_P(SpellingInvariance, SoloStepsKeepExactDrawsExact) {
-  // Goal: walks and anchored steps, which are first judged by simulating balls alone, are right.
-  // Method: as in the first test.
+  // Goal: walks and anchored steps, which are first judged by simulating balls alone, leave p_w
+  // p_c^beta invariant. Method: compare moved exact draws with fresh ones.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_solo_steps()), beta, steps);
   std::printf("solo, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -180,7 +182,7 @@ struct Stubborn : Spelling {
 };
 
 TEST(SpellingInvarianceOfStubbornAnchors, IsRefuted) {
-  // Goal: the test of solo steps can fail. Method: anchors without their probabilities.
+  // Goal: the test of solo steps rejects a kernel that omits the anchors' probabilities.
   const double p = least_p(Stubborn(parameters_with_solo_steps()), 1.0, 10);
   std::printf("stubborn, 10 steps: p %g\n", p);
   EXPECT_LT(p, 1e-9);
@@ -191,8 +193,7 @@ INSTANTIATE_TEST_SUITE_P(Betas, SpellingInvariance,
                                           testing::Values(std::uint64_t{1}, std::uint64_t{10})));
 
 TEST(SpellingInvarianceOfThePrintedKernel, IsRefuted) {
-  // Goal: the test can fail, and rejects A.2.2 as printed. Method: run the same test with that
-  // kernel.
+  // Goal: the invariance test rejects the kernel that A.2.2 of the thesis prints.
   EXPECT_LT(least_p(world_with(Kernel::thesis), 1.0, 10), 1e-9);
 }
 

@@ -47,9 +47,9 @@ void expect_mean(const char* name, const std::vector<double>& draws, double expe
 }
 
 TEST(SpellingIslands, AgreeWithRejection) {
-  // Goal: islands and blind throws agree on Z and P(satisfied) of three balls. Method: use islands
-  // with two guides, and joint islands. Their means must agree with the means of prior draws within
-  // 4 errors.
+  // Goal: islands and draws from the prior give the same Z and P(satisfied) for three balls.
+  // Method: estimate both from islands with two guides, from joint islands, and from prior draws.
+  // The estimates must agree within 4 combined standard errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#\n.#.").value();
   parameters.constraint.log_lambda = 1.5;
@@ -93,10 +93,10 @@ TEST(SpellingIslands, AgreeWithRejection) {
 }
 
 TEST(SpellingIslands, BallsThatOthersRescueCount) {
-  // Goal: joint islands lose no prefix that later balls would rescue. Method: use two balls. In
-  // 10.2% of 54,000 blind throws that satisfy, the first ball fills no bin if it is simulated
-  // alone. Draw states by 1,500 islands. Such states must have the same share of the weight of all
-  // that satisfy, within 4 binomial standard errors of 0.008 each.
+  // Goal: joint islands lose no prefix that later balls would rescue. Method: use two balls. Among
+  // 54,000 blind throws that satisfy the constraint, 10.2% have a first ball that fills no bin if
+  // it is simulated alone. Draw states by 1,500 islands. States with such a first ball must have
+  // the same share of the weight of all satisfying states, within 4 standard errors of 0.008 each.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#").value();
   const StagedSpelling world(parameters);
@@ -118,11 +118,12 @@ TEST(SpellingIslands, BallsThatOthersRescueCount) {
 }
 
 TEST(SpellingIslands, PoolsGiveThePrior) {
-  // Goal: weights of drops from a pool account for how the pool was drawn, shared and used, even
-  // for the smallest pool. Method: at inverse temperature 0, the mean of Z is 1 for any guide. If Z
-  // counts as 0 unless both balls take part, its mean is 1/4; if the first ball must also be on the
-  // left, 1/8. Use free and joint islands of one particle, bins far apart, and two drops per bin.
-  // Means agree within 4 standard errors.
+  // Goal: the weight of a drop from a pool corrects for how the pool was drawn, shared and used,
+  // even for the smallest pool. Method: estimate Z at inverse temperature 0, where its mean must be
+  // 1 for any guide. Count Z as 0 if a ball takes no part; then its mean must be 1/4. Count Z as 0
+  // also if the first ball is on the right; then its mean must be 1/8. Use free and joint islands
+  // of one particle, bins far apart, and two drops per bin. Means must agree within 4 standard
+  // errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   parameters.constraint.log_lambda = 0.5;
@@ -156,10 +157,10 @@ TEST(SpellingIslands, PoolsGiveThePrior) {
 }
 
 TEST(SpellingIslands, GivenDropsLieInTheStrataThatGaveThem) {
-  // Goal: given a state, each of its drops has a place in stratum b of the pool with probability
-  // proportional to q_b at the drop; all places of a stratum are equally likely. Method: draw 4,000
-  // pools for two drops, and expect shares within 5 standard errors. Each drop is at its own place
-  // and at no other.
+  // Goal: a pool that is drawn given a state puts each of the state's drops into stratum b with
+  // probability proportional to q_b at the drop. All places of a stratum are equally likely.
+  // Method: draw 4,000 pools for two drops, and expect shares within 5 standard errors. Each drop
+  // must be at its own place and at no other.
   auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   const StagedSpelling world(parameters);
@@ -216,10 +217,11 @@ struct Seen {
 };
 
 TEST(SpellingIslands, StepsKeepExactDrawsExact) {
-  // Goal: both particle steps leave p_w p_c of two balls invariant: the number of active balls, the
-  // number of filled bins, and the places of drops. Method: compare exact draws (by rejection)
-  // after five steps with as many other exact draws. All eight p-values are above 1e-5. Bins far
-  // apart and few drops make the pool's strata and places matter as much as possible.
+  // Goal: both particle steps (conditional and independence) leave p_w p_c of two balls invariant.
+  // Method: move exact draws by five steps, and compare them with as many other exact draws.
+  // Compare the number of active balls, the number of filled bins, and the places of drops. All
+  // eight p-values must be above 1e-5. Bins far apart and few drops make the pool's strata and
+  // places matter as much as possible.
   auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   const StagedSpelling world(parameters);

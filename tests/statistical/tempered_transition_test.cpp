@@ -21,12 +21,12 @@ sampling::ChainStreams streams_of(std::uint64_t chain) {
 }
 
 TEST(TemperedTransition, KeepsADiscreteDistribution) {
-  // Goal: exact draws stay exact, and a transition is as likely as its reverse. Method: make many
-  // enumerated draws at two inverse temperatures, and move them by excursions that end at the prior
-  // or at an inverse temperature above 0. After one transition and after ten, compare with
-  // enumeration by chi-square. For the first transition, compare the counts from i to j with the
-  // counts from j to i. All 24 p-values are above 1e-6. Some transitions connect parts of the ring
-  // that no plain step connects.
+  // Goal: tempered transitions leave the target invariant, and a transition is as likely as its
+  // reverse. Method: make exact draws at two inverse temperatures. Move the draws by excursions
+  // that end at the prior or at an inverse temperature above 0. After one transition and after ten,
+  // compare the counts of places with enumeration in chi-square tests. For the first transition,
+  // compare the counts from i to j with the counts from j to i. All 18 p-values must be above 1e-6.
+  // Excursions to the prior must connect parts of the ring that no plain step connects.
   struct Way {
     double beta;
     std::vector<double> below;
@@ -99,9 +99,10 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
 }
 
 TEST(TemperedTransition, CrossesBetweenModes) {
-  // Goal: with other proposal scales, tempered transitions keep the target on the line, and cross
-  // between modes. Method: move 10,000 exact draws by one transition and by ten, and compare them
-  // with fresh draws by the Kolmogorov-Smirnov test. Both p-values are above 1e-6.
+  // Goal: with other proposal scales, tempered transitions leave a target of two modes invariant,
+  // and cross between the modes. Method: move 10,000 exact draws by one transition and by ten.
+  // Compare both sets with fresh exact draws in Kolmogorov-Smirnov tests. Both p-values must be
+  // above 1e-6.
   TwoModes world;
   world.prior_sd = 4;
   world.step_sd = 2;

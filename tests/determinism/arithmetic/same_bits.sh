@@ -1,9 +1,11 @@
 #!/bin/sh
 # Goal: Sleight's arithmetic gives the same bits on processors with and without fused multiply-add
-# and AVX2, and when compiled for AVX2; libm's does not, which shows that the comparison can fail.
-# Method: arithmetic_probe prints a hash of each. It runs as is; under glibc's switch that hides
-# AVX2 and FMA (libm then takes its other variants); compiled for AVX2; and, as a negative control,
-# compiled for AVX2 with the licence to regroup sums and to multiply by reciprocals.
+# (FMA) and AVX2, and when compiled for AVX2. The arithmetic of libm gives different bits, which
+# shows that the comparison can fail. Method: compare the hashes that arithmetic_probe prints in
+# four runs. The first run is plain. The second run uses glibc's switch that hides AVX2 and FMA, so
+# that libm takes its other variants. The third run has a program compiled for AVX2. The fourth run
+# is a negative control: its program is compiled for AVX2 with permission to regroup sums and to
+# multiply by reciprocals.
 #   same_bits.sh PROBE PROBE_AVX2 PROBE_LICENSED     exit 0 pass, 1 fail, 77 not decidable here
 set -eu
 probe=$1

@@ -36,7 +36,7 @@ std::vector<Mutant> all_mutants() {
 class RightCode : public testing::TestWithParam<Check> {};
 
 TEST_P(RightCode, PassesTheCheck) {
-  // Goal: right code passes the checks. Method: run each check on the code without a mistake.
+  // Goal: right code passes each check.
   const Check& check = GetParam();
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<double> p = check.p_values(right_code(), k_seed);
@@ -50,9 +50,9 @@ TEST_P(RightCode, PassesTheCheck) {
 class CheapCheck : public testing::TestWithParam<Check> {};
 
 TEST_P(CheapCheck, HasUniformPValues) {
-  // Goal: the p-values of the cheaper half of the checks are calibrated. Method: compare p-values
-  // of the right code over many seeds with the uniform distribution. Checks marked `certain` must
-  // pass with each of ten seeds.
+  // Goal: the cheaper half of the checks have calibrated p-values. Method: compare p-values of the
+  // right code over many seeds with the uniform distribution. Checks marked `certain` must pass
+  // with each of ten seeds.
   const Check& check = GetParam();
   const std::uint64_t seeds = check.certain ? 10 : uniformity_seeds();
   std::vector<std::vector<double>> p(check.count);
@@ -88,9 +88,8 @@ INSTANTIATE_TEST_SUITE_P(Checks, RightCode, testing::ValuesIn(checks()), name_of
 INSTANTIATE_TEST_SUITE_P(Checks, CheapCheck, testing::ValuesIn(cheap_checks()), name_of);
 
 TEST(Checks, FailByChanceOnceInAThousandRuns) {
-  // Goal: the suite's total probability of a chance failure is within budget. Method: add up the
-  // thresholds for all p-values of the right code, and for the tests that these p-values are
-  // uniform.
+  // Goal: the whole suite fails by chance at most once in 1,000 runs. Method: add up the thresholds
+  // for all p-values of the right code, and for the tests that these p-values are uniform.
   double sum = 0;
   std::size_t uncertain = 0;
   std::size_t shown_uniform = 0;
@@ -106,8 +105,9 @@ TEST(Checks, FailByChanceOnceInAThousandRuns) {
 }
 
 TEST(Mutants, AreCaught) {
-  // Goal: each check detects at least one mutant. Method: run each mutant's checks with the
-  // threshold that right code must stay above. At most one mutant survives.
+  // Goal: the checks reject all mutants except at most one, and each check rejects at least one
+  // mutant. Method: run the checks of each mutant with the threshold that right code must stay
+  // above.
   const std::vector<Mutant> mutants = all_mutants();
   std::set<std::string> names;
   std::set<CheckId> used;

@@ -1,4 +1,5 @@
-// Goal: the numbers for the thesis's statements are right. Method: count short chains by hand.
+// Goal: the numbers that support the thesis's statements are right. Method: compare the statistics
+// of short made-up chains with known values.
 #include "tests/thesis/figures_2/statistics.h"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // `sleight-sampling-table` counts each method's independent solutions, for docs/MEASUREMENTS.
 //
-// The rows "search, in no proportions", "islands" and "chains from a search, judged" exist for the
-// staged worlds, which are balls that spell and dice (here without judged chains). For balls, these
-// rows use the lambda and proposal shares of requests without a sampler, not the scene's lambda.
-// Lambda changes how many of a method's draws are satisfying, but not the proportions among these.
+// The rows "search, in no proportions", "islands" and "chains from a search, judged" exist only for
+// staged worlds: balls that spell, and dice (without judged chains). For balls, these rows use the
+// lambda and proposal shares of requests without a sampler, not the scene's lambda. Lambda changes
+// how many of a method's draws satisfy the constraint, but not the proportions among these draws.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -52,9 +52,9 @@ struct Row {
   Score score{};
 };
 
-/// Sets of proposals: those of A.2.2; the same with aimed drops; the same with aimed drops that are
-/// first tested by letting the ball fall alone; and those of requests without a sampler
-/// (serve_best() in worker/worlds/spelling/request.cpp).
+/// Sets of proposals. `a_2_2` has the proposals of A.2.2, and `aimed` also has aimed drops. `solo`
+/// first tests aimed drops by letting the ball fall alone. `served` has the proposals of requests
+/// without a sampler (serve_best() in worker/worlds/spelling/request.cpp).
 enum class Kernel { a_2_2, aimed, solo, served };
 struct NamedKernel {
   Kernel kernel;

@@ -35,7 +35,7 @@ std::vector<IslandSetting> all_settings() {
   return all;
 }
 
-/// Returns a state with p_c > 0, which islands require of a given state.
+/// Returns a state with p_c > 0. Conditional islands require such a state.
 StagedToy::State state_of(const sampling::ChainStreams& streams) {
   const StagedToy toy;
   random::Stream stream = streams.at(random::Purpose::start, 0);
@@ -58,8 +58,9 @@ void expect_equal(const sampling::Island<SearchedToy>& real, const ReferenceIsla
 }
 
 TEST(StagedReference, MakesTheSameIslands) {
-  // Goal: mutants are the real algorithm with one mistake. Method: compare free and conditional
-  // islands bit by bit, for many settings, seeds and island numbers.
+  // Goal: the reference implementation without a mistake makes the same islands as the real one. So
+  // each mutant is the real algorithm with one mistake. Method: compare the free and conditional
+  // islands of both bit by bit, for many settings, seeds and island numbers.
   const SearchedToy world;
   int dead = 0;
   int unreachable = 0;
@@ -97,8 +98,8 @@ void expect_equal(const BothChains& chains) {
 }
 
 TEST(StagedReference, MakesTheSameSteps) {
-  // Goal: the reference's chains equal the real ones. Method: alternate conditional steps,
-  // independence steps and local moves from prior states; states and Z are equal after each.
+  // Goal: chains of the reference implementation equal the real ones. Method: alternate conditional
+  // steps, independence steps and local moves in both chains. Compare states and Z after each.
   const SearchedToy world;
   int stale = 0;
   for (const IslandSetting& setting : all_settings()) {
@@ -134,7 +135,8 @@ TEST(StagedReference, MakesTheSameSteps) {
 }
 
 TEST(StagedReference, MakesTheSameVisits) {
-  // Goal: visits are the same as in a run, even from a start of zero density. Method: as above.
+  // Goal: visits in the reference implementation equal those of a run, even from a start of zero
+  // density. Method: start both from the same prior draw, and compare the states after each visit.
   const SearchedToy world;
   int without_mass = 0;
   for (const IslandSetting& setting : all_settings()) {
@@ -171,14 +173,13 @@ class RightIslands : public testing::TestWithParam<IslandCheck<Mistake>> {};
 class RightPools : public testing::TestWithParam<IslandCheck<PoolMistake>> {};
 
 TEST_P(RightIslands, PassTheCheck) {
-  // Goal: right code passes the checks. Method: run the checks without a mistake, with several
-  // seeds.
+  // Goal: right islands pass each check with several seeds.
   for (std::uint64_t seed = k_seed; seed < k_seed + k_seeds; ++seed)
     EXPECT_GT(least_p(GetParam(), Mistake::none, seed), k_rejects_below);
 }
 
 TEST_P(RightPools, PassTheCheck) {
-  // Goal: the same for pools. Method: as above.
+  // Goal: right pools pass each check with several seeds.
   for (std::uint64_t seed = k_seed; seed < k_seed + k_seeds; ++seed)
     EXPECT_GT(least_p(GetParam(), PoolMistake::none, seed), k_rejects_below);
 }
@@ -195,12 +196,12 @@ void expect_caught(const IslandMutant<M>& mutant, const std::vector<IslandCheck<
 }
 
 TEST_P(IslandMutants, AreCaught) {
-  // Goal: each check catches its own mistakes. Method: run each mistake's check on it.
+  // Goal: each known mistake in islands fails the check that is meant for it.
   expect_caught(GetParam(), island_checks());
 }
 
 TEST_P(PoolMutants, AreCaught) {
-  // Goal: the same for pools. Method: as above.
+  // Goal: each known mistake in pools fails the check that is meant for it.
   expect_caught(GetParam(), pool_checks());
 }
 
@@ -227,7 +228,7 @@ void expect_all_used(const std::vector<IslandMutant<M>>& mutants,
 }
 
 TEST(IslandChecks, EachMistakeAndEachCheckIsUsed) {
-  // Goal: the tables contain every mistake and every check. Method: count.
+  // Goal: the table of mutants contains every mistake once and uses every check.
   expect_all_used(island_mutants(), island_checks(), Mistake::start_of_a_search_counts);
   expect_all_used(pool_mutants(), pool_checks(), PoolMistake::retained_drops_share_a_place);
 }

@@ -282,10 +282,10 @@ TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
 }
 
 TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
-  // Goal: a request with the advised error gets more islands. Method: use 160 islands with a heavy
-  // tail after 80 pilot islands, a third of which have larger estimates. The pilot islands predict
-  // an error of sqrt(0.5 * 80 / 79 / 160) = 0.0563, so a request for any larger error gives the
-  // same round. The advised error must be below nine tenths of the prediction.
+  // Goal: a request with the advised error gets more islands. Method: use 80 pilot islands, a third
+  // of which have larger estimates, and then 160 islands with a heavy tail. The pilot islands
+  // predict an error of sqrt(0.5 * 80 / 79 / 160) = 0.0563. A request for any larger error gives
+  // the same round. The advised error must be below nine tenths of the prediction.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i) {
     const bool is_large = i % tables.islands < 20 ? (i / 60 * 20 + i % 60) % 3 == 0 : i == 30;
@@ -298,8 +298,9 @@ TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
 }
 
 TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
-  // Goal: the advised error is never NaN or below its minimum. Method: use a heavy tail after equal
-  // islands, which predict an error of 0, and after islands without solutions.
+  // Goal: the advised error is never NaN or below its minimum. Method: use two archives with a
+  // heavy tail. The first islands of one archive are equal and predict an error of 0. The first
+  // islands of the other archive have no solutions.
   IslandTables tables;
   tables.odds_from.assign(4, 20);
   tables.stop = "scans = 20\nodds = 0.3\n";
@@ -315,7 +316,7 @@ TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
 
 TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
   // Goal: in a run for solutions, only islands before `odds_until` determine the odds. Method: use
-  // 30 islands per chain, followed by islands with estimates e^9 times as large.
+  // 30 islands per chain, followed by 30 islands with estimates e^9 times as large.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 30 ? 0 : 9) + (i % 3 == 0 ? -4.8 : -5.8));
@@ -331,8 +332,8 @@ TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
 }
 
 TEST(ArchiveOdds, WhatElseHelpsIsAdvised) {
-  // Goal: the advice is a valid request and includes the number of particles. Method: use a default
-  // request for short words with too few particles per island.
+  // Goal: if islands have too few particles, the advice names the number of particles too. Method:
+  // use a default request for short words with two particles per island.
   IslandTables tables;
   tables.sampler = "tour_scans = 16\nparticles = 2\n";
   tables.stop = "independent_solutions = 2\n";
@@ -353,7 +354,9 @@ TEST(ArchiveOdds, IslandsKnowOddsThatNoDoubleHolds) {
 
 TEST(ArchiveOdds, IslandsThatCannotBeAreRefused) {
   // Goal: an archive with tables that no run writes is refused and causes no crash. Method: use
-  // values that are not logs of estimates, wrong numbers of chains, and missing islands.
+  // archives with infinite or NaN estimates, archives with an impossible number of the first
+  // counted island, and an archive with a wrong number of chains. An archive in which no island
+  // counts is valid.
   const auto expect_refused = [](const IslandTables& tables, const char* what) {
     const Made made = islands_archive(tables);
     EXPECT_THROW(odds_of(made.source, made.summary), base::Error) << what;

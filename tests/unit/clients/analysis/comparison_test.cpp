@@ -1,4 +1,4 @@
-// Goal: `sleight compare` reports how requests differ. Method: change single keys.
+// Goal: `sleight compare` reports each key that differs between two requests, with both values.
 #include "clients/analysis/comparison.h"
 
 #include <gmock/gmock.h>

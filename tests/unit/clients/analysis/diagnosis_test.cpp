@@ -1,7 +1,7 @@
-// Goal: the diagnosis judges the right draws of the right scalars and reports every reason. If a
-// hostile archive has invalid ladders, the error names their table. Method: diagnose a fake
-// in-memory run, with and without ladders, with a judge that records its input and complains on
-// request.
+// Goal: the diagnosis judges the right draws of the right scalars, and reports every reason why
+// chains have not mixed. If a hostile archive has invalid ladders, the error names their table.
+// Method: diagnose fake in-memory runs of plain chains and of ladders. Use a judge that records its
+// input and complains about selected scalars.
 #include "clients/analysis/diagnosis.h"
 
 #include <gmock/gmock.h>
@@ -136,7 +136,7 @@ TEST_F(DiagnosisTest, OfPlainChainsTheSecondHalfIsJudged) {
   EXPECT_EQ(shown_.at("lp").draws, 101U);
   EXPECT_EQ(shown_.at("lp").chains, k_chains);
   EXPECT_EQ(shown_.at("lp").first, 1234);
-  // The states are 100, 110, ... 200.
+  // The judged states belong to scans 100, 110, ... 200.
   EXPECT_EQ(shown_.at("height_m").draws, 11U);
   EXPECT_EQ(shown_.at("height_m").first, 4321);
   EXPECT_TRUE(shown_.contains("landing_m"));
@@ -162,9 +162,9 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
 }
 
 TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
-  // Goal: independent draws always pass all measures, so the diagnosis doesn't rely on measures for
-  // draws of tours. Means are still shown. Method: use a judge that accepts all draws, and a judge
-  // that complains about some.
+  // Goal: a run of tours is never reported as mixed, because independent draws pass all measures
+  // even if tours are too short. Means are still shown. Method: diagnose one run with a judge that
+  // complains about a scalar, and with a judge that accepts all.
   archive::ArchiveOptions of_tours = archive::testing::options_for(options(201));
   of_tours.request_text = "[sampler]\nmethod = \"sequential\"\ntour_scans = 16\n";
   archive::write_digested(archive_, [&](archive::Sink& sink) {

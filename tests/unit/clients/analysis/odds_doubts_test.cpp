@@ -1,6 +1,6 @@
-// Goal: an error is reported only if all its conditions hold; each failed condition gives its own
-// kind of doubt. Method: start from good tables of two rounds and change one value at a time, to
-// both sides of each limit.
+// Goal: the error of an estimate is reported only if all conditions hold. Each condition that fails
+// gives its own kind of doubt. Method: start from good tables of two rounds, and change one value
+// at a time to both sides of its limit.
 #include "clients/analysis/odds_doubts.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,6 @@
 // Goal: scalars are read entry by entry in bounded memory, and draws without a finite value rank
-// below all others. Method: check every value of a source that records its longest read.
+// below all others. Method: read a source in which each value is its own index, check every value,
+// and limit the longest read.
 #include "clients/analysis/scalar_draws.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// Goal: ladders' estimates are combined on the log scale with the largest of three errors, and
-// printed with readable units. Method: work out cases by hand at every change of unit.
+// Goal: estimates of several ladders are combined on the log scale with the largest of three
+// errors. Odds are printed with readable units. Method: compare small cases with known results, and
+// print odds near every change of unit.
 #include "clients/analysis/throw_odds.h"
 
 #include <gtest/gtest.h>

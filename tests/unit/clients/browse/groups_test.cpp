@@ -1,6 +1,6 @@
-// Goal: groups follow their stated methods and don't depend on the order of animations. Method:
-// compare medoids with all choices and exchanges, hierarchies with the plain algorithm, and groups
-// of the same set in random orders.
+// Goal: groups follow their stated methods, and don't depend on the order of animations. Method:
+// compare medoids with all choices and exchanges, and hierarchies with the plain algorithm. Compare
+// groups of one set in different orders of its animations.
 #include "clients/browse/groups.h"
 
 #include <gtest/gtest.h>
@@ -249,8 +249,9 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
 
 TEST(AlikeSets, AreGroupedAgainAsTheFirstTime) {
   // Goal: the state that an AlikeSet stores between groupings doesn't change the groups. Method:
-  // vary the number of groups by both methods, for a set with a full matrix and for a sampled set,
-  // and compare with a grouping from scratch. Compare distances with Sketches.
+  // ask for different numbers of groups by both methods, from a set with a full matrix and from a
+  // sampled set. Compare each grouping with a grouping from scratch, and distances with those of
+  // Sketches.
   random::Stream stream = testing::stream_of(k_seed, 27);
   for (const std::size_t size : {60UL, 505UL}) {
     const Index index = random_index(size, stream);

@@ -1,4 +1,4 @@
-// Goal: an outline is an index without motions. Method: strip random indexes.
+// Goal: an outline is an index without motions, and reads back from its bytes.
 #include "clients/browse/outline.h"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ Outline outline_of_many() {
 }
 
 TEST(Outline, IsTheIndexWithoutMotions) {
-  // Goal: an outline has everything of an index's entries except their motions. Method: strip a
-  // random index by hand.
+  // Goal: an outline has everything of an index's entries except their motions. Method: delete the
+  // motions of a random index's entries, and compare the entries with those of the outline.
   random::Stream stream = testing::stream_of(5, 0);
   const Index index = testing::random_index(40, stream);
   const Outline outline = outline_of_many();
@@ -43,8 +43,9 @@ TEST(Outline, IsTheIndexWithoutMotions) {
 }
 
 TEST(Outline, ComesBackFromItsBytesOrNotAtAll) {
-  // Goal: an outline reads back equal; damaged bytes and bytes of another version are rejected.
-  // Method: cut the bytes, flip bits, and write groups of missing entries with a valid checksum.
+  // Goal: the bytes of an outline read back as an equal outline. Damaged bytes and bytes of another
+  // version are rejected. Method: truncate the bytes, flip bits, and write groups of missing
+  // entries with a valid checksum.
   const Outline outline = outline_of_many();
   const base::Bytes bytes = bytes_of(outline, "1.2");
   const auto back = outline_of_bytes(bytes, "1.2");

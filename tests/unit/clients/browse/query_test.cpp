@@ -1,6 +1,7 @@
 // Goal: a query means what its text states, and the fast answer equals the slow one. Method:
-// compare random queries on random animations with tests/browse, which tests every segment of every
-// body. Check small cases with known answers, and that the comparison notices wrong answers.
+// compare the answers to random queries about random animations with tests/browse, which tests
+// every segment of every body. Check small cases with known answers, and check that the comparison
+// detects wrong answers.
 #include "clients/browse/query.h"
 
 #include <gtest/gtest.h>

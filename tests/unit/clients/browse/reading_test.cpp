@@ -1,6 +1,6 @@
 // Goal: an index agrees with its archive, even if it extends an earlier index. The index's bytes
 // read back equal or are rejected. Method: read in-memory archives of the made-up world, then
-// longer archives of the same run; change bytes.
+// longer archives of the same run. Change the bytes of an index.
 #include "clients/browse/reading.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Goal: resemblance is the stated distance. Method: compare with its plain formula, known cases,
-// and matchings over all permutations.
+// Goal: the resemblance of two animations is the stated distance. Method: compare known cases with
+// the plain formula, and the cheapest matching of bodies with all permutations.
 #include "clients/browse/resemblance.h"
 
 #include <gtest/gtest.h>

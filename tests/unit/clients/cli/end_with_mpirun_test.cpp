@@ -52,8 +52,8 @@ void map_file(const fs::path& path) {
 
 TEST(EndWithMpirunDeathTest, TakesItsMemoryAlongAndNothingElse) {
   // Goal: when mpirun dies, a rank removes Open MPI's shared-memory files and no other mapped file,
-  // even if several threads get the signal. Method: run a process that maps files and signals
-  // itself from four threads, repeatedly.
+  // even if several threads get the signal. Method: repeatedly run a process that maps files, and
+  // let its threads send it the signal of mpirun's death.
   GTEST_FLAG_SET(death_test_style, "fast");
   const fs::path folder = fs::temp_directory_path() / ("sleight-ranks-" + std::to_string(getpid()));
   const fs::path here = fs::read_symlink("/proc/self/exe");

@@ -1,5 +1,5 @@
 // Goal: commands that name jobs make the right calls, print the answers and exit with the right
-// code. Method: call a real server on a real socket, with a scripted handler.
+// code. Method: call a real server with a scripted handler on a real socket.
 #include "clients/cli/job_commands.h"
 
 #include <gtest/gtest.h>
@@ -92,8 +92,9 @@ WatchOptions watched(std::vector<std::string> jobs, bool json = false, std::uint
 const rpc::ChangeAsk k_cancel{.kind = rpc::ChangeKind::cancel};
 
 TEST_F(JobCommands, ListShowsPagesAndFilters) {
-  // Goal: filters reach the service, pages are joined, and a limited list prints the command for
-  // the next page. Method: list from a service with two jobs per page and a cursor.
+  // Goal: the list command sends filters to the service and joins pages. A limited list prints the
+  // command for the next page. Method: list the jobs of a service that returns two jobs per page,
+  // and a cursor.
   std::vector<rpc::ListAsk> asks;
   const std::vector<rpc::JobView> jobs = handler_.jobs;
   handler_.on_list = [&](rpc::ListAsk ask, rpc::Reply<rpc::JobPage> reply) {
@@ -130,7 +131,8 @@ TEST_F(JobCommands, ListShowsPagesAndFilters) {
 }
 
 TEST_F(JobCommands, ListRefusesFiltersThatAreNone) {
-  // Goal: usage errors give exit code 2 before any call. Method: run without a service.
+  // Goal: an invalid filter gives exit code 2 before any call to the service. Method: run the
+  // command without a service.
   for (const ListOptions& options :
        {ListOptions{.states = {"finished"}}, ListOptions{.user = "no such user"},
         ListOptions{.mine = true, .user = "root"}, ListOptions{.group = "17"}}) {
@@ -140,7 +142,7 @@ TEST_F(JobCommands, ListRefusesFiltersThatAreNone) {
 }
 
 TEST_F(JobCommands, CompletionIsSilentWithoutAServer) {
-  // Goal: shell completion prints ids and words, or nothing.
+  // Goal: shell completion prints the ids of jobs with descriptions, or nothing without a server.
   EXPECT_EQ(out([&] { return list_jobs(socket_, {.complete = true}); }), "");
   EXPECT_EQ(code_, 0);
   serve();
@@ -149,8 +151,7 @@ TEST_F(JobCommands, CompletionIsSilentWithoutAServer) {
 }
 
 TEST_F(JobCommands, RefusalsHaveTheirExitCodes) {
-  // Goal: the exit code states the kind of refusal, and the message the remedy. Method: try each
-  // kind.
+  // Goal: the exit code states the kind of a refusal, and the error message states the remedy.
   const std::vector<std::pair<rpc::RefusalKind, int>> kinds{
       {rpc::RefusalKind::not_found, 2},   {rpc::RefusalKind::gone, 2},
       {rpc::RefusalKind::not_allowed, 9}, {rpc::RefusalKind::bad_request, 3},
@@ -246,8 +247,9 @@ TEST_F(JobCommands, WaitPrintsTheEndAlone) {
 }
 
 TEST_F(JobCommands, WatchTellsEachEventOnALine) {
-  // Goal: the output has one line for each event from the given number on, each change of state,
-  // and the end. Method: print a job with two events as JSON, starting at the second event.
+  // Goal: a watch prints one line for each change of state, one for each event from the given
+  // number on, and one for the end. Method: print a job with two events as JSON, starting at the
+  // second event.
   serve();
   const std::string text = out([&] { return watch(socket_, watched({"17"}, true, 2)); });
   std::vector<Json> lines;
@@ -269,7 +271,7 @@ TEST_F(JobCommands, WatchTellsEachEventOnALine) {
 
 TEST_F(JobCommands, CtrlCLeavesTheJob) {
   // Goal: an interrupted watch exits with 130, prints how to resume watching, and cancels nothing.
-  // Method: send SIGINT while watching a running job without news.
+  // Method: send SIGINT while the command watches a running job that has no news.
   serve();
   handler_.on_events = [&](const rpc::WatchPoint& point) {
     if (point.change > 0) {
@@ -287,8 +289,8 @@ TEST_F(JobCommands, CtrlCLeavesTheJob) {
 }
 
 TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
-  // Goal: if one of several jobs has not ended, none is deleted. Method: delete a group with a
-  // running job, then ended jobs.
+  // Goal: if one of several jobs is running or pinned, none is deleted. Method: try to delete a
+  // group with a running job, and two jobs of which one is pinned. Then delete ended jobs.
   std::vector<rpc::Target> erased;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     EXPECT_EQ(ask.kind, rpc::ChangeKind::erase);
@@ -348,8 +350,9 @@ TEST(ExtendOptions, TakeOneRule) {
 }
 
 TEST_F(JobCommands, LogsFollowsToTheEnd) {
-  // Goal: a log's bytes are printed once, in whole lines, until its end. Method: print a growing
-  // log with an escape sequence. The log's pieces end inside a line and inside a character.
+  // Goal: the bytes of a log are printed once, in whole lines, until the log's end. Method: follow
+  // a growing log that contains an escape sequence. The pieces of the log end inside a line and
+  // inside a character.
   const std::string log = "first\nse\x1b[2Jcond ü\nlast without an end";
   std::size_t written = 8;
   handler_.on_logs = [&](rpc::LogAsk ask, rpc::Reply<rpc::LogPiece> reply) {
@@ -368,8 +371,8 @@ TEST_F(JobCommands, LogsFollowsToTheEnd) {
 }
 
 TEST(LogLines, ComeWholeHoweverTheyAreCut) {
-  // Goal: output doesn't depend on where pieces are cut, and an endless line is split. Method:
-  // print a text byte by byte and at once; print a long line.
+  // Goal: the output doesn't depend on where a log is cut into pieces, and an endless line is
+  // split. Method: print a text byte by byte and at once. Print a long line.
   const std::string text = "a\tb\r\nü\xff\n\nrest";
   LogLines at_once;
   LogLines bytewise;
@@ -429,8 +432,8 @@ TEST_F(Fetching, BringsTheFileWhole) {
 }
 
 TEST_F(Fetching, LeavesOtherFilesAlone) {
-  // Goal: without --force, a fetch doesn't replace an existing file of other content. No partial
-  // file is left.
+  // Goal: without --force, a fetch doesn't replace an existing file of other content, and leaves no
+  // partial file.
   const std::string path = scratch_ / "hi.h5";
   base::PosixFileSystem files;
   base::write_text_file(files, path, "mine");
@@ -445,8 +448,8 @@ TEST_F(Fetching, LeavesOtherFilesAlone) {
 }
 
 TEST_F(Fetching, DamagedArchivesTakeNoPlace) {
-  // Goal: an archive is checked before it is put in place; a damaged one leaves no partial file and
-  // doesn't replace the old file.
+  // Goal: a fetch checks an archive before it puts the archive in place. A damaged archive leaves
+  // no partial file and doesn't replace the old file.
   const std::string path = scratch_ / "hi.h5";
   base::PosixFileSystem files;
   base::write_text_file(files, path, "mine");
@@ -463,8 +466,8 @@ TEST_F(Fetching, DamagedArchivesTakeNoPlace) {
 }
 
 TEST_F(Fetching, AGroupFillsAFolder) {
-  // Goal: each archive gets its own name; a job without an archive is reported and doesn't stop the
-  // others.
+  // Goal: each archive of a group gets its own file name. A job without an archive is reported and
+  // doesn't stop the others.
   const std::string folder = scratch_ / "deep/g5";
   testing::internal::CaptureStderr();
   const Json json = Json::parse(out(
@@ -509,8 +512,8 @@ TEST(FetchAsk, PlacesAreNamedByJobs) {
 }
 
 TEST_F(JobCommands, ServerCommandsTellOfTheServer) {
-  // Goal: the JSON output contains the server's process number. Without a server, `status` exits
-  // with 12, and `stop` succeeds.
+  // Goal: the JSON output of `status` contains the server's process id. Without a server, `status`
+  // exits with 12, and `stop` succeeds.
   out([&] { return show_server(socket_, false); });
   EXPECT_EQ(code_, 12);
   out([&] { return stop_server(socket_, false); });

@@ -1,5 +1,5 @@
 // Goal: lists and views of jobs fit a terminal, show each count separately, and omit nothing.
-// Method: compare the lines of views with values of all kinds.
+// Method: compare the printed lines of jobs that have values of all kinds with the expected lines.
 #include "clients/cli/job_text.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +71,6 @@ rpc::JobView queued_job() {
 TEST_F(JobText, TableHasWhatPeopleAskFor) {
   // Goal: a job table has separate columns for the time left by scans and by solutions, and for
   // finds and draws. The table shows a queued job's place with the reason, and failures by kind.
-  // Method: show a running and a queued job.
   const std::vector<rpc::JobView> jobs{running_job(), queued_job()};
   EXPECT_EQ(job_table(jobs, {}),
             "ID  NAME    GROUP  STATE    PLACE              SCANS  FOUND  IN PROPORTION  SIMS/S  "
@@ -83,7 +82,7 @@ TEST_F(JobText, TableHasWhatPeopleAskFor) {
 }
 
 TEST_F(JobText, TableNamesUsersWhereAsked) {
-  // Goal: users appear by name. Method: map one user id to a name.
+  // Goal: a job table can show users by name, and cuts lines that are too long.
   const std::vector<rpc::JobView> jobs{queued_job()};
   const std::string text =
       job_table(jobs, {.width = 60, .with_users = true, .user_name = [](std::uint32_t uid) {
@@ -95,7 +94,8 @@ TEST_F(JobText, TableNamesUsersWhereAsked) {
 }
 
 TEST_F(JobText, StatusOfAFailedJobSaysWhatRepeatsIt) {
-  // Goal: a failed job shows the reason, the log's last lines and the command to repeat it.
+  // Goal: the text of a failed job shows the reason, the log's last lines and the command to repeat
+  // the job.
   rpc::JobView job = queued_job();
   job.state = rpc::JobState::failed;
   job.place = 0;
@@ -115,9 +115,9 @@ TEST_F(JobText, StatusOfAFailedJobSaysWhatRepeatsIt) {
 }
 
 TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
-  // Goal: text from other people or programs is harmless. Method: put escape sequences, line ends
-  // and bidirectional marks into every field; the output may contain no bidirectional marks, and no
-  // control characters except its own line ends and tabs.
+  // Goal: text from other people or programs can't control the terminal. Method: put escape
+  // sequences, line ends and bidirectional marks into every field. The output may contain no
+  // bidirectional marks, and no control characters except its own line ends and tabs.
   const std::string evil = "a\x1b[2Jb\nc\rd\te\u202ef\u0085g\x7f";
   rpc::JobView job = running_job();
   job.name = job.world = job.reason = job.not_yet = job.digest = job.end_words = evil;
@@ -147,7 +147,8 @@ TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
 }
 
 TEST_F(JobText, NumbersOfABrokenServiceAreShownAsNothing) {
-  // Goal: extreme times and rates don't break a line. Method: use infinities and NaN.
+  // Goal: extreme times and rates don't break a line. Method: use huge positive and negative
+  // numbers, and NaN.
   rpc::JobView job = queued_job();
   for (const double wild : {1e300, -1e300, 0.0 / 0.0}) {
     job.simulations_per_s = wild;

@@ -1,6 +1,6 @@
-// Goal: the list of a world's own plots determines the available names, the help, the trace, and
-// the error for a plot that an archive lacks. Method: use plots of two made-up worlds, and archives
-// of three worlds.
+// Goal: each world's list of its own plots determines which plots a user can ask for, their help,
+// and the trace. The list also determines the error for a plot that an archive lacks. Method: use
+// plots of two made-up worlds, and archives of three worlds.
 #include "clients/cli/plot_command.h"
 
 #include <gmock/gmock.h>

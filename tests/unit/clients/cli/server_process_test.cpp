@@ -1,5 +1,5 @@
-// Goal: starting a background server returns once the server answers, or reports why it can't
-// start. Method: start small scripts in place of the server.
+// Goal: the command that starts a background server returns once the server answers, or reports why
+// the server can't start. Method: start small scripts in place of the server.
 #include "clients/service_client/server_process.h"
 
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ bool ends(service_client::ServerProcess& process) {
 
 TEST(ServerProcess, LeavesItsWordsInTheLog) {
   // Goal: if the daemon exits at once, the error has the daemon's exit code and the log lines of
-  // this start. Only the owner can open the folder. Method: start a shell in place of the daemon,
-  // twice.
+  // this start. Only the owner can open the state folder. Method: start two shells in place of the
+  // daemon, one after the other.
   const ScratchFolder scratch;
   const std::string folder = scratch / "deep/state";
   service_client::ServerProcess first({"/bin/sh", "-c", "echo first; exit 0"}, folder);
@@ -43,8 +43,8 @@ TEST(ServerProcess, LeavesItsWordsInTheLog) {
 }
 
 TEST(ServerProcess, IsASessionOfItsOwnWithNothingInherited) {
-  // Goal: the daemon has its own session and inherits no descriptor. Method: a shell prints its
-  // session and descriptors while a pipe is open here.
+  // Goal: the daemon has its own session and inherits no descriptor. Method: open a pipe, and start
+  // a shell that prints its session and descriptors in place of the daemon.
   const ScratchFolder scratch;
   int ends_of_pipe[2];
   ASSERT_EQ(::pipe(ends_of_pipe), 0);
@@ -61,7 +61,8 @@ TEST(ServerProcess, IsASessionOfItsOwnWithNothingInherited) {
 }
 
 TEST(ServerProcess, SaysWhatIsMissing) {
-  // Goal: errors about a missing daemon program or a bad state folder name its path.
+  // Goal: the error about a missing daemon program names the program. A bad state folder is an
+  // error too.
   try {
     static_cast<void>(service_client::program_beside("no-such-daemon"));
     FAIL() << "no error";

@@ -1,5 +1,5 @@
-// Goal: JSON about the service has the documented fields and types. Method: compare the JSON of
-// views with values of all kinds.
+// Goal: JSON about the service has the documented fields and types. Method: convert views that have
+// values of all kinds to JSON, and compare the fields with expected values.
 #include "clients/cli/service_json.h"
 
 #include "clients/cli/server_commands.h"
@@ -14,8 +14,8 @@ namespace sleight::cli {
 namespace {
 
 TEST(ServiceJson, SubmittedHasTheIdThatCommandsTake) {
-  // Goal: the `.id` in a submission's JSON works in every other command. Method: print a job and a
-  // group.
+  // Goal: every other command accepts the field `id` of a submission's JSON. The field is a number
+  // for a job, and a text for a group.
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}}})),
             R"({"id":17,"group":null,"ids":[17]})");
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}, rpc::JobId{18}},
@@ -64,8 +64,8 @@ TEST(ServiceJson, AnEventKeepsItsFields) {
 }
 
 TEST(ServiceJson, IsHarmlessOnATerminal) {
-  // Goal: no text in the JSON can control a terminal. Method: use C0 and C1 control characters, a
-  // bidirectional mark and invalid UTF-8.
+  // Goal: no text in the JSON can control a terminal. Method: put C0 and C1 control characters, a
+  // bidirectional mark and invalid UTF-8 into a job's name.
   const rpc::JobView job{.id = {17}, .name = "\x1b[2J\u009b\u202e\x7f\xff\n"};
   for (const std::string& text : {indented(to_json(job, true)), on_one_line(to_json(job, true))}) {
     EXPECT_TRUE(std::ranges::all_of(text, [](char c) {

@@ -1,5 +1,5 @@
-// Goal: a submission has the request's text once per combination of `--set` values, and refusals
-// read like errors of `sleight check`. Method: call a real server with a scripted handler.
+// Goal: a submission contains the request's text once for each combination of `--set` values.
+// Refusals read like errors of `sleight check`. Method: call a real server with a scripted handler.
 #include "clients/cli/submit_command.h"
 
 #include <gtest/gtest.h>
@@ -43,8 +43,8 @@ rpc::Submission made(const SubmitOptions& options, const GivenRequest& given) {
 }
 
 TEST(Submit, AnUnchangedRequestGoesAsItIsWritten) {
-  // Goal: the service's errors have the file's line numbers, and all options reach the service.
-  // Method: submit a file's text with each option.
+  // Goal: a submission contains the file's text unchanged, so the service's errors have the file's
+  // line numbers. All options reach the service.
   const rpc::Submission submission =
       made({.request_path = "requests/hi.toml",
             .cores = 4,
@@ -84,7 +84,7 @@ TEST(Submit, SetsAndNumberAreApplied) {
 
 TEST(Submit, ARangeMakesAGroup) {
   // Goal: each value of a range gives one job, which is named after its value. Even a range of one
-  // value is a group. Method: submit a range together with a single value.
+  // value is a group. Method: submit a range of a key together with a single value of another key.
   const rpc::Submission group = made(
       {.request_path = "hi.toml", .sets = {"sampler.seed=1..3", "stop.scans=9"}, .name = "try"},
       {"hi.toml", "text"});
@@ -109,8 +109,8 @@ TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
 }
 
 TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
-  // Goal: a `--set` that contradicts an option is refused. Method: combine --word and -n with sets
-  // that conflict and sets that don't.
+  // Goal: a `--set` that contradicts an option is refused. Method: combine --word and -n with
+  // settings that conflict, and with settings that don't.
   const auto is_taken = [](const SubmitOptions& options) {
     return submission_of(options, {"x", "text"}, texts()).ok();
   };
@@ -128,7 +128,8 @@ TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
 }
 
 TEST(Submit, MoreThanASubmissionTakesIsRefused) {
-  // Goal: limits of jobs and bytes are checked before any call. Method: exceed each by one.
+  // Goal: too many jobs, too many bytes and invalid options are refused before any call to the
+  // service.
   const auto throws = [](const SubmitOptions& options, const std::string& text) {
     EXPECT_THROW(static_cast<void>(submission_of(options, {"hi.toml", text}, texts())),
                  base::Error);
@@ -143,9 +144,10 @@ TEST(Submit, MoreThanASubmissionTakesIsRefused) {
 }
 
 TEST(Submit, NamesFitTheService) {
-  // Goal: a job's default name is printable and within the service's limit, whatever the file's
-  // name; an explicit name is never cut silently. Method: use a long name of wide characters, alone
-  // and in a group, and a name with an escape.
+  // Goal: a job's default name is printable and within the service's limit, for any name of the
+  // file. An explicit name that is too long is refused, never cut. Method: use a long name of
+  // two-byte characters, both as a file name and as an explicit name. Use a file name with an
+  // escape character.
   std::string name;
   for (int i = 0; i < 200; ++i)
     name += "ü";
@@ -176,8 +178,8 @@ Printed submit_to(const std::string& socket, const SubmitOptions& options) {
 
 TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
   // Goal: if the service refuses a request, the command exits with 3 and prints lines that name the
-  // file, whatever name the service uses. Method: refuse with diagnostics, one of which has control
-  // characters.
+  // file, whatever name the service uses. Method: let the service refuse a request with two
+  // diagnostics, one of which has control characters.
   const ScratchFolder scratch;
   const std::string file = scratch / "hi.toml";
   std::ofstream(file) << "text";
@@ -244,8 +246,9 @@ class DyingServer {
 };
 
 TEST(Submit, ALostAnswerSubmitsNothingTwice) {
-  // Goal: if a server dies before answering a submission, the client repeats the call with the same
-  // key. Method: the submission kills the first server; a second one takes its place.
+  // Goal: if a server dies before it answers a submission, the client repeats the call with the
+  // same key. Method: use a first server that dies at the submission, and a second server that
+  // takes its place.
   const ScratchFolder scratch;
   const std::string socket = scratch / "socket";
   const DyingServer first(socket);

@@ -1,5 +1,6 @@
-// Goal: tokens are requested with the given options and shown once. Tokens and the list of known
-// servers are stored in private files. Method: call a real server with a scripted handler.
+// Goal: the token commands request tokens with the given options, and show each token once. Tokens
+// and the list of known servers are stored in private files. Method: call a real server with a
+// scripted handler.
 #include "clients/cli/token_commands.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // Goal: the command tree has everything that the help shows, and nothing hidden. Method: compare a
-// toy program's tree with its definition; test_completion.py in tests/programs runs the scripts.
+// toy program's tree with its definition. test_completion.py in tests/programs runs the completion
+// scripts.
 #include "clients/command_tree/command_tree.h"
 
 #include <gmock/gmock.h>

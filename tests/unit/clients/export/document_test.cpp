@@ -1,5 +1,6 @@
-// Goal: files are sound glTF, match their documents, and have the same bytes each time; hostile
-// names and texts do no harm. Method: read small scenes back with read_glb.h.
+// Goal: exported files are sound glTF and match their documents. A document gives the same bytes
+// each time. Hostile names and texts do no harm. Method: export small scenes, and read the files
+// back with read_glb.h.
 #include "clients/export/document.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // Goal: between keys, players show the archive's motion to 0.1 mm and 0.2 degrees, for every kind
 // of motion. Method: play random motions at random times with both interpolations of players, and
-// compare with the closed forms; coarse keys must fail.
+// compare the poses with the closed forms. Coarse keys must fail.
 #include "clients/export/keys.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
-// Goal: each shape is at its place in the scene, is closed, and has outward normals; goals follow
-// the table's surface. Method: count triangles; compare the stored normals with the triangles'
-// normals, and heights and slopes with common/scene's surface.
+// Goal: each shape is at its place in the scene, is closed, and has outward normals. Goals follow
+// the table's surface. Method: count the triangles of each shape. Compare the stored normals with
+// the triangles' normals, and heights and slopes with the surface in common/scene.
 #include "clients/export/look.h"
 
 #include <gmock/gmock.h>
@@ -134,7 +134,7 @@ TEST(Look, SurfacesHaveTheHeightsAndSlopesOfTheirPoints) {
     const double inside_x_m = at.x() > 0.07 ? -k_step_m : k_step_m;
     const double inside_y_m = at.y() > 0.02 ? -k_step_m : k_step_m;
     const double here_m = height_m(at.x() + inside_x_m, at.y() + inside_y_m);
-    EXPECT_NEAR(at.z(), here_m, 5e-6);  // at a step aside, with slopes up to 2
+    EXPECT_NEAR(at.z(), here_m, 5e-6);  // here_m is one step aside; slopes reach 2
     const double along_x =
         (height_m(at.x() + 2 * inside_x_m, at.y() + inside_y_m) - here_m) / inside_x_m;
     const double along_y =

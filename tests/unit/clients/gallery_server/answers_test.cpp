@@ -1,6 +1,6 @@
-// Goal: answers agree with the archive and are addressed by number and name only; any other request
-// is refused with a message. Method: request each address of an archive of the made-up world, wrong
-// addresses and malformed questions.
+// Goal: answers agree with the archive, and addresses name archives by number and animations by
+// name only. Any other request is refused with a message. Method: request each address of an
+// archive of the made-up world. Request wrong addresses, and send malformed questions.
 #include "clients/gallery_server/answers.h"
 
 #include <gmock/gmock.h>
@@ -65,7 +65,7 @@ class AnswersTest : public archive::testing::Scratch {
 
 TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
   // Goal: answers about table, scene, looks and animations agree with each other. Method: take
-  // names from the table; fetch animations alone and together.
+  // names from the table, and fetch animations one by one and together.
   const web::Answer table_answer = get("/api/archives/0/table");
   const Unpacked table = unpacked(table_answer.content.text());
   const auto entries = table.head["entries"].get<std::size_t>();
@@ -99,7 +99,8 @@ TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
 }
 
 TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
-  // Goal: the server's answers equal the results of the functions in `browse`. Method: call both.
+  // Goal: the server finds the same animations as the functions in `browse`. Groups and likeness
+  // cover all animations.
   const browse::Index& index = snapshot->index();
   const std::string query = "bounces >= 2";
   const Json found = posted("/api/find", {{"query", query}, {"archives", Json::array({at()})}});
@@ -131,7 +132,7 @@ TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
 }
 
 TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
-  // Goal: no address leads outside the archives. Method: request wrong addresses and paths.
+  // Goal: a wrong address is refused with a message, and no address leads outside the archives.
   for (const char* place :
        {"/api", "/api/", "/api/archives", "/api/archives/1/table", "/api/archives/-1/table",
         "/api/archives/0", "/api/archives/0/", "/api/archives/0/table/x", "/api/archives/00x/table",
@@ -151,8 +152,8 @@ TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
 }
 
 TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
-  // Goal: malformed JSON does no harm. Method: use wrong types and numbers, and an out-of-date
-  // generation number.
+  // Goal: malformed questions are refused and do no harm. Method: send invalid JSON, wrong types
+  // and numbers, and an out-of-date generation number.
   const Json good = at();
   const auto status = [&](const char* place, const Json& question) {
     return post(place, question.dump()).status;
@@ -197,7 +198,7 @@ TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
 
 TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
   // Goal: traces show /sample_stats and mark the chain's changes, and histograms cover all draws.
-  // Method: compare with the archive's columns.
+  // Method: compare the columns of the answers with the archive's columns.
   const Json titles = Json::parse(get("/api/archives/0/series").content.text());
   EXPECT_GT(titles.size(), 5U);
   const web::Answer answer = get("/api/archives/0/series/trace.lp", {{"chain", "0"}});
@@ -275,9 +276,10 @@ class Damaged final : public archive::Source {
 };
 
 TEST_F(AnswersTest, AnArchiveThatLacksSomethingIsRefusedInWords) {
-  // Goal: a foreign file never crashes the server, which reads only existing data. Method: remove
-  // or cut columns of draws and of the prior. Some of these archives must be refused. For the
-  // others, the server must answer all offered plots except the damaged column's.
+  // Goal: the server reads only existing data, so a foreign file never crashes it. Method: remove
+  // or shorten one column of draws or of the prior. Some of these archives must be refused. For the
+  // others, the server must answer every offered plot, and must not offer the damaged column's
+  // plot.
   int refused = 0;
   int answered = 0;
   for (const std::string_view group : {archive::k_sample_stats, archive::k_sample_stats_prior}) {

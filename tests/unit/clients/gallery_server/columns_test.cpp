@@ -1,5 +1,5 @@
-// Goal: columns hold their values bit for bit, where the page expects them. Method: unpack the
-// answers; compare an archive of the made-up world with its motions and its index.
+// Goal: packed answers contain each column bit for bit, where the page expects it. Method: unpack
+// the answers, and compare the columns with the motions in an archive of the made-up world.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,8 +26,8 @@ using testing::Unpacked;
 using testing::unpacked;
 
 TEST(PackedAnswer, GivesBackItsColumns) {
-  // Goal: all types, odd lengths, empty columns, NaN and any text read back. Method: use one of
-  // each.
+  // Goal: columns of all types read back, including odd lengths, an empty column and NaN. Invalid
+  // UTF-8 in a text is replaced.
   Packed packed;
   packed.add("d", std::vector<double>{1.5, std::numeric_limits<double>::quiet_NaN(), -0.0});
   packed.add("f", std::vector<float>{0.25F});
@@ -50,8 +50,7 @@ TEST(PackedAnswer, GivesBackItsColumns) {
 }
 
 TEST(Columns, HoldEachSegment) {
-  // Goal: an animation's columns contain its segments. Method: unpack the made-up world's
-  // animations.
+  // Goal: an animation's columns contain all its segments.
   const archive::MemoryArchive memory = made_up(101, 3);
   const auto scene = archive::scene_of(memory);
   ASSERT_TRUE(scene.ok());
@@ -96,7 +95,7 @@ TEST(Columns, HoldEachSegment) {
 }
 
 TEST(Columns, FeaturesAreAllCommonOrAnAnimationsOwn) {
-  // Goal: each feature is shown once. Method: read the made-up world's animations.
+  // Goal: each feature of a scene is either common to all animations or an animation's own.
   const archive::MemoryArchive memory = made_up(101, 3);
   const auto scene = archive::scene_of(memory);
   ASSERT_TRUE(scene.ok());

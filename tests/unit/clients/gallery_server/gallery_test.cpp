@@ -1,5 +1,5 @@
 // Goal: the page always has all available data. Data that was read stays when archives grow,
-// vanish, are damaged or return. Method: change, delete and damage files under a gallery.
+// vanish, are damaged or return. Method: change, delete and damage files that a gallery shows.
 #include "clients/gallery_server/gallery.h"
 
 #include <gmock/gmock.h>
@@ -58,8 +58,8 @@ class GalleryTest : public archive::testing::Scratch {
 };
 
 TEST_F(GalleryTest, AGrowingArchiveIsReadAnew) {
-  // Goal: a replaced archive's new animations appear under a higher generation; old snapshots stay
-  // valid. Method: replace the archive by a longer run.
+  // Goal: if a longer run replaces an archive, its new animations appear under a higher generation.
+  // Old snapshots stay valid.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
   Gallery gallery(options({archive}));
@@ -84,9 +84,9 @@ TEST_F(GalleryTest, AGrowingArchiveIsReadAnew) {
 }
 
 TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
-  // Goal: the first 500 animations appear early, marked as incomplete. All animations appear later
-  // under a higher generation, or at once if an index is stored. Method: record the state at each
-  // change.
+  // Goal: the first 500 animations of a large archive appear early, marked as incomplete. All
+  // animations appear later under a higher generation. A small archive appears at once. Method:
+  // record the state at each change.
   const std::string archive = path("a.h5");
   std::vector<json::Value> said;
   std::atomic<Gallery*> telling = nullptr;
@@ -150,7 +150,7 @@ TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
 
 TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
   // Goal: a deleted or damaged file is reported, its data stays, and the restored file is read
-  // again. Method: remove, damage and restore one file.
+  // again.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
   Gallery gallery(options({archive}));
@@ -170,7 +170,7 @@ TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
 TEST_F(GalleryTest, AFolderShowsWhatLiesInItAndNothingElse) {
   // Goal: a folder's archives are shown, including archives that are added later. A damaged archive
   // affects no other archive, and a link that leads outside the folder is reported and not opened.
-  // Method: show a folder with a sound archive, a damaged one and a link.
+  // Method: show a folder with a sound archive, a damaged archive and a link.
   std::filesystem::create_directories(path("runs"));
   std::filesystem::create_directories(path("elsewhere"));
   files.put(path("runs/b.h5"), made_up(50));

@@ -38,8 +38,7 @@ class NotesTest : public archive::testing::Scratch {
 };
 
 TEST_F(NotesTest, AreThereAgainTheNextTime) {
-  // Goal: a note outlives the gallery, is private, and is deleted when it becomes empty. Method:
-  // try each.
+  // Goal: a note outlives the gallery, is private, and is deleted when it becomes empty.
   {
     Notes notes(path("notes"));
     EXPECT_EQ(changed(notes, run, "c0.250", starred)["changed"], 1);
@@ -68,8 +67,8 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
 }
 
 TEST_F(NotesTest, NothingElseGetsIn) {
-  // Goal: invalid notes are refused and create no file. Method: use wrong types, excessive sizes
-  // and names that lead elsewhere.
+  // Goal: invalid notes are refused and create no file. Method: use wrong types, excessive sizes,
+  // and names that lead to other folders.
   Notes notes(path("notes"));
   const auto refused = [&](const std::string& of, const std::string& name, const Json& note) {
     EXPECT_THROW(changed(notes, of, name, note), base::Error) << of << " " << name << " " << note;
@@ -92,9 +91,9 @@ TEST_F(NotesTest, NothingElseGetsIn) {
 }
 
 TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
-  // Goal: a bulk change is stored whole or not at all. Method: change thousands of notes at once,
-  // then once with an invalid note and once with too many notes. Changing the maximum number of
-  // notes takes seconds, or half a minute with sanitizers.
+  // Goal: a bulk change is stored whole or not at all. Method: change thousands of notes at once.
+  // Then try a change with one invalid note, and a change with too many notes. A change of the
+  // maximum number of notes takes seconds, or half a minute with sanitizers.
   Notes notes(path("notes"));
   Json stars = Json::object();
   for (int i = 0; i < 5000; ++i)
@@ -122,7 +121,7 @@ TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
 }
 
 TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
-  // Goal: changes of one note by two people are both stored. Method: change two fields.
+  // Goal: if two people change different fields of one note, both changes are stored.
   Notes mine(path("notes"));
   Notes yours(path("notes"));
   changed(mine, run, "c0.1", {{"note", "this one"}, {"tags_on", {"film"}}});
@@ -138,9 +137,9 @@ TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
 }
 
 TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
-  // Goal: notes that can't be stored work until the gallery ends, and a message reports this; an
-  // invalid file stays unchanged. Method: put a file in place of the folder; use an invalid file;
-  // use no folder.
+  // Goal: notes that can't be stored work until the gallery ends, and a message reports this. An
+  // invalid file stays unchanged. Method: use three places for notes: a file in place of the
+  // folder, a folder with an invalid file, and no folder.
   std::ofstream(path("taken")) << "a file";
   Notes notes(path("taken/notes"));
   changed(notes, run, "c0.250", starred);
@@ -165,7 +164,7 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
 
 TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
   // Goal: an unreadable file affects only its own run. Method: write nonsense for one run and a
-  // note for another, and read both twice.
+  // note for another run, then read both.
   fs::create_directories(path("notes"));
   std::ofstream(path("notes/3f2a9c01.json")) << "[]";
   Notes notes(path("notes"));
@@ -176,8 +175,8 @@ TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
 }
 
 TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
-  // Goal: notes are shared if the folder "sleight-notes" exists beside the archive, and otherwise
-  // personal. Method: save with and without the folder.
+  // Goal: notes are stored in the folder "sleight-notes" beside the archive if it exists, and
+  // otherwise in a personal folder.
   ::setenv("XDG_DATA_HOME", path("data").c_str(), 1);
   EXPECT_EQ(notes_folder(path("a.h5")), path("data/sleight/notes"));
   fs::create_directories(path("sleight-notes"));

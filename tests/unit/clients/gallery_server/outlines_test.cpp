@@ -1,6 +1,7 @@
 // Goal: an archive that was browsed before is shown at once from its outline, which agrees with the
-// whole archive. Questions about motions wait for the archive. Method: show one file whose second
-// reading is delayed, is damaged, or finds another file.
+// whole archive. Questions about motions wait for the archive. Method: show an archive with a
+// stored outline. Delay the second reading of the file, or damage or replace the file before the
+// second reading.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -189,7 +190,8 @@ TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
 }
 
 TEST_F(OutlinesTest, WhatCannotBeHadIsNotLookedForWithoutPause) {
-  // Goal: a damaged archive keeps no thread busy. Method: compare processor time with elapsed time.
+  // Goal: a damaged archive keeps no thread busy. Method: compare the processor time of this
+  // process with the elapsed time.
   const auto gallery = begun();
   ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
   files_.damage(archive_);

@@ -1,6 +1,6 @@
-// Goal: a saved gallery holds exactly a server's answers and is complete or absent. Method: save
-// the made-up world's archive and compare each file with the answer; put other files in its place;
-// interrupt the work; check the command's output.
+// Goal: a saved gallery contains exactly the server's answers, and is complete or absent. Method:
+// save an archive of the made-up world, and compare each file with the answer. Put other files in
+// the gallery's place, and interrupt saves.
 #include "clients/gallery_server/saved_gallery.h"
 
 #include <fcntl.h>
@@ -39,8 +39,8 @@ namespace fs = std::filesystem;
 using Json = json::Value;
 
 TEST(Base64, IsThatOfTheStandard) {
-  // Goal: base64 is what browsers decode. Method: encode the vectors of RFC 4648, section 10, and
-  // all digits.
+  // Goal: base64 texts follow the standard that browsers decode. Method: encode vectors of RFC
+  // 4648, section 10, and bytes that give the digits + and /.
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");
@@ -120,8 +120,8 @@ class SavedGallery : public archive::testing::Scratch {
 };
 
 TEST_F(SavedGallery, HoldsWhatAServerAnswers) {
-  // Goal: saved files contain the answers. Method: decode each kind; every animation is in some
-  // file.
+  // Goal: saved files contain the server's answers. Method: decode a file of each kind, and compare
+  // its content with the answer.
   const std::uint64_t bytes = save(options("saved"));
   std::uint64_t found = 0;
   for (const auto& item : fs::recursive_directory_iterator(path("saved"))) {
@@ -192,8 +192,8 @@ class Spoilt final : public archive::Source {
 };
 
 TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
-  // Goal: the error names the unreadable archive of several, and nothing is left behind. Method:
-  // make the second of two archives unreadable after it was opened.
+  // Goal: if one of several archives can't be read, the error names it, and the save leaves nothing
+  // behind. Method: make the second of two archives unreadable after it was opened.
   files.put(path("b.h5"), testing::made_up(102, 3));
   bool is_spoilt = false;
   const auto second = std::make_shared<const Snapshot>(
@@ -213,8 +213,9 @@ TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
 }
 
 TEST_F(SavedGallery, TakesNothingElsesPlace) {
-  // Goal: a save replaces only a saved gallery or an empty place. Method: save over a file, over
-  // folders of each kind, over a name with a final slash, and over a link, which stays.
+  // Goal: a save replaces only a saved gallery or an empty place. Method: save over a file, a
+  // folder with another file, an empty folder, and a saved gallery. Save to names with a final
+  // slash, and to a link, which must stay.
   fs::create_directories(path("mine"));
   std::ofstream(path("mine/letter.txt")) << "dear";
   EXPECT_EQ(refusal_of([&] { save(options("mine")); }).first, base::ExitCode::conflict);
@@ -236,9 +237,9 @@ TEST_F(SavedGallery, TakesNothingElsesPlace) {
 }
 
 TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
-  // Goal: a save never deletes files that people put into a saved gallery; the error names these
-  // files. Method: save over a gallery with a file, folders of each kind, or a link in a file's
-  // place.
+  // Goal: a save never deletes files that people put into a saved gallery, and the error names
+  // these files. Method: save over galleries that contain a foreign file, a foreign folder, or a
+  // link in a file's place.
   const std::map<std::string, std::string> others = {{"hi.h5", "hi.h5"},
                                                      {"CNAME", "CNAME"},
                                                      {".git/HEAD", ".git"},
@@ -265,8 +266,8 @@ TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
 }
 
 TEST_F(SavedGallery, IsKnownByWhatItsManifestSays) {
-  // Goal: a file's name alone doesn't identify a folder as a gallery. Method: save over a foreign
-  // data/gallery.js, and over manifests with other content or names.
+  // Goal: the name of a file alone doesn't identify a folder as a saved gallery. Method: save over
+  // a folder with a foreign data/gallery.js and with manifests of other content or names.
   fs::create_directories(path("photos/data"));
   std::ofstream(path("photos/data/gallery.js")) << "mine";
   EXPECT_EQ(refusal_of([&] { save(options("photos")); }).first, base::ExitCode::conflict);
@@ -303,8 +304,9 @@ TEST_F(SavedGallery, LeavesNoFileOfTheOneBefore) {
 }
 
 TEST_F(SavedGallery, KeepsTheFolderItself) {
-  // Goal: a save replaces a mount point, the current folder or a link's target in place. Method:
-  // check that the folder's inode stays the same after saves as "." and through a link.
+  // Goal: a save keeps the folder itself, so a mount point, the current folder or a link's target
+  // can be replaced in place. Method: save as "." and through a link, and check that the folder's
+  // inode stays the same.
   save(options("saved"));
   struct stat before {};
   ASSERT_EQ(::stat(path("saved").c_str(), &before), 0);
@@ -336,9 +338,9 @@ fs::path work_in(const fs::path& folder) {
 }
 
 TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
-  // Goal: an interrupted save leaves nothing but the earlier gallery. Method: save with a progress
-  // callback that throws halfway, and with a callback that removes a file so that a rename fails
-  // halfway. During a third save, the callback puts a file into the gallery.
+  // Goal: an interrupted save leaves nothing but the earlier gallery. Method: save three times with
+  // a progress callback. The first callback throws halfway. The second callback removes a file, so
+  // that a rename fails halfway. The third callback puts a file into the gallery.
   save(options("saved"));
   std::ofstream(path("saved/index.html")) << "the first";
   const auto before = files_in(path("saved"));
@@ -372,7 +374,8 @@ TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
 
 TEST(NamedArchives, AbandonedFoldersAreRemoved) {
   // Goal: a killed gallery's temporary folder is removed, and a running gallery's stays. Method:
-  // make folders with such names, with and without a lock, and other files and folders.
+  // make two folders with names of temporary folders, one of them with a lock. Add other folders, a
+  // file and a link, which must stay.
   std::string form = (fs::temp_directory_path() / "sleight-test-XXXXXX").string();
   const fs::path temporary = ::mkdtemp(form.data());
   for (const char* name : {"sleight-gallery-aaaaaa", "sleight-gallery-bbbbbb", "sleight-gallery-c",
@@ -399,8 +402,8 @@ TEST(NamedArchives, AbandonedFoldersAreRemoved) {
 }
 
 TEST(NothingToShow, IsSaidWhereNothingIsOrMayCome) {
-  // Goal: a message appears only if no archive is shown and none is being read. Method: try each
-  // state.
+  // Goal: the message that there is nothing to show appears only if no archive is shown and none is
+  // being read.
   using Ordered = json::Value;
   const auto is_said = [](const std::string& archives) {
     return !gallery::nothing_to_show(

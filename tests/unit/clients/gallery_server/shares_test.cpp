@@ -1,6 +1,6 @@
 // Goal: shares of satisfying draws by group are right, with errors computed from lineages. Method:
-// work out small cases by hand; count random cases draw by draw; measure the scatter of shares over
-// many sets of random lineages.
+// compare small cases with known results, and random cases with a count draw by draw. Compare the
+// errors with the scatter of shares over many sets of random lineages.
 #include "clients/gallery_server/shares.h"
 
 #include <gmock/gmock.h>
@@ -18,9 +18,8 @@ namespace {
 using Groups = std::vector<std::optional<std::size_t>>;
 
 TEST(Shares, ADrawGoesToWhatWasKeptLastOfItsLineage) {
-  // Goal: each draw counts for its lineage's latest animation kept at or before the draw. Draws of
-  // lineages without kept animations are counted separately. Method: use two lineages by hand, and
-  // one without kept animations.
+  // Goal: each draw counts for its lineage's latest animation kept at or before the draw, or else
+  // for the lineage's first. Draws of lineages without kept animations are counted separately.
   const std::vector<LineageDraw> kept{{.chain = 0, .lineage = 5, .draw = 10},
                                       {.chain = 0, .lineage = 5, .draw = 20},
                                       {.chain = 1, .lineage = 5, .draw = 3}};
@@ -44,8 +43,8 @@ TEST(Shares, ADrawGoesToWhatWasKeptLastOfItsLineage) {
 }
 
 TEST(Shares, NoDrawsAndOneLineage) {
-  // Goal: without draws there are no shares, and with one lineage there is no error. Method: use no
-  // draws, one lineage, and an animation in no group.
+  // Goal: without draws there are no shares, and with one lineage there is no error. An animation
+  // in no group adds to no share.
   EXPECT_TRUE(shares_of({}, Groups{}, 2).empty());
   const std::vector<LineageDraw> kept{{.chain = 0, .lineage = 1, .draw = 1}};
   const std::vector<LineageDraw> twice{kept[0], {.chain = 0, .lineage = 1, .draw = 2}};
@@ -57,7 +56,8 @@ TEST(Shares, NoDrawsAndOneLineage) {
 }
 
 TEST(Shares, AreWhatCountingDrawByDrawSays) {
-  // Goal: fast and slow counting agree. Method: compare 300 random runs (seed 27).
+  // Goal: shares equal a slow count draw by draw. Method: compare both for 300 random runs (seed
+  // 27).
   random::Stream stream({.seed = 27, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   for (int run = 0; run < 300; ++run) {
@@ -96,8 +96,8 @@ TEST(Shares, AreWhatCountingDrawByDrawSays) {
 
 TEST(Shares, ErrorsAreHowSharesScatter) {
   // Goal: the reported error equals the scatter of the share over runs. Method: simulate 2,000 runs
-  // of 60 lineages of 1 to 12 draws, each in the group with probability 0.3 (seed 28). The mean
-  // error must equal the shares' standard deviation to within a tenth.
+  // of 60 lineages of 1 to 12 draws. Each lineage is in the group with probability 0.3 (seed 28).
+  // The mean error must equal the shares' standard deviation to within a tenth.
   random::Stream stream({.seed = 28, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   double sum = 0;

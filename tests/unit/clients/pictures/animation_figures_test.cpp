@@ -1,5 +1,5 @@
-// Goal: pictures show any world's scene and motions with bodies and goals in their places and
-// inside the panel. Method: count and measure the series for few and many bodies.
+// Goal: pictures of any world's animations show bodies and goals at their places and inside the
+// panel. Method: count and measure the drawn shapes for few and many bodies.
 #include "clients/pictures/animation_figures.h"
 
 #include <gmock/gmock.h>
@@ -140,7 +140,8 @@ TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
 }
 
 TEST(AnimationFigures, PatchesAreShadedByTheirHeights) {
-  // Goal: with control points, the table is darker where it is lower. Method: draw a slope.
+  // Goal: a table with control points is drawn darker where it is lower. Method: draw a sloping
+  // table.
   ShownAnimation animation = throw_of();
   for (std::int32_t j = -1; j <= 2; ++j) {
     for (std::int32_t i = -1; i <= 3; ++i)
@@ -157,8 +158,8 @@ TEST(AnimationFigures, PatchesAreShadedByTheirHeights) {
 }
 
 TEST(AnimationFigures, ManyBodiesAreShownAtInstants) {
-  // Goal: many bodies are numbered where they rest; eight frames show more and more of them.
-  // Method: count filled discs per frame for eight balls.
+  // Goal: many bodies are drawn where they rest, and eight frames show more and more of them.
+  // Method: count the filled discs and the captions for eight balls.
   const scene::Scene scene = box_scene(8);
   const plot::Figure above = animation_figure("balls", scene, {drops(8)}, false);
   std::vector<plot::Point> centres;
@@ -182,7 +183,8 @@ TEST(AnimationFigures, ManyBodiesAreShownAtInstants) {
 
 TEST(AnimationFigures, FitTheirPanels) {
   // Goal: nothing is cut off, animations are side by side, and a panel's units are pixels. Method:
-  // measure everything that is drawn for wide, deep and flat scenes, and the frames of the SVG.
+  // draw one to three animations of flat and deep scenes. Check that all shapes are inside the
+  // panel, and that the layout's frame has the panel's size.
   for (const double y_m : {0.0, 0.04, 0.4, 4.0}) {
     for (const std::size_t count : {1U, 2U, 3U}) {
       const plot::Figure figure =
@@ -215,8 +217,8 @@ class MovingReader final : public archive::testing::FakeReader {
 };
 
 TEST(AnimationFigures, AreDrawnFromAnArchiveAlone) {
-  // Goal: an unknown world is drawn from its archive; an animation without motion, and an archive
-  // without a scene, are refused. Method: draw the made-up world of the archive's tests.
+  // Goal: an unknown world is drawn from its archive alone, and an animation without motion is
+  // refused. Method: draw the made-up world of the archive's tests.
   const archive::testing::FakeRunOptions options;
   archive::ArchiveOptions archive_options = archive::testing::options_for(options);
   archive_options.request_text = "[world]\nname = \"fake\"\n[sampler]\nchains = 3\n";

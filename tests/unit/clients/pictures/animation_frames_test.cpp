@@ -1,6 +1,6 @@
-// Goal: a film shows bodies at their motion's positions, whole and at the same scale in all frames;
-// files are complete or absent. Method: measure frames of made-up motions, write into folders, and
-// run scripts in place of ffmpeg. Run ffmpeg too if it is installed.
+// Goal: a film shows bodies where their motion puts them, whole and at the same scale in all
+// frames. Files are complete or absent. Method: measure frames of made-up motions, write frames
+// into folders, and run scripts in place of ffmpeg. Run ffmpeg too if it is installed.
 #include "clients/pictures/animation_frames.h"
 
 #include <gmock/gmock.h>
@@ -138,9 +138,9 @@ class Frames : public archive::testing::Scratch {
 };
 
 TEST_F(Frames, ShowBodiesWhereTheirMotionHasThem) {
-  // Goal: each ball is at its place at any time, and absent before it enters; all frames have the
-  // same size and scale. Method: measure each ball's distance from the bin's middle in units of the
-  // ball's radius.
+  // Goal: each ball is drawn at its place at any time, and not drawn before it enters. All frames
+  // have the same size and scale. Method: measure each ball's distance from the bin's middle in
+  // units of the ball's radius.
   const plot::Figure first = frame_figure(scene, animation, 0);
   const plot::Point bin = bin_in(first);
   for (const double t_s : {0.0, 0.1, 0.2, 0.37, 0.5, 2.0}) {
@@ -192,7 +192,7 @@ TEST_F(Frames, SayWhichAnimationAndWhen) {
 }
 
 TEST_F(Frames, FitTheirSizes) {
-  // Goal: frames are no larger than requested and contain everything. Method: vary size and view.
+  // Goal: frames are no larger than requested, and nothing in them is cut off.
   for (const double width_px : {100.0, 480.0, 1920.0}) {
     for (const double height_px : {100.0, 360.0, 1080.0}) {
       for (const FrameViews views : {FrameViews::both, FrameViews::above, FrameViews::front}) {
@@ -231,8 +231,8 @@ TEST_F(Frames, AreCounted) {
 }
 
 TEST_F(Frames, AreWrittenAsPngFiles) {
-  // Goal: each file shows the picture of its time, the new folder holds nothing else, and progress
-  // is reported. Method: compare each file byte by byte with a separately drawn picture.
+  // Goal: each file shows the frame of its time, the new folder contains nothing else, and progress
+  // is reported. Method: compare each file byte by byte with a frame that is drawn separately.
   const std::string folder = path("frames");
   std::vector<std::pair<std::size_t, std::size_t>> told;
   const std::size_t count = write_png_frames(
@@ -255,7 +255,7 @@ TEST_F(Frames, AreWrittenAsPngFiles) {
 
 TEST_F(Frames, NothingOfOthersIsOverwritten) {
   // Goal: a folder with files stays unchanged, and a failure leaves nothing behind. Method: write
-  // into a folder that has a file; write with a progress callback that throws.
+  // into a folder that has a file, and write with a progress callback that throws.
   const fs::path folder = path("mine");
   fs::create_directory(folder);
   std::ofstream(folder / "frame-0001.png") << "dear";
@@ -275,8 +275,8 @@ TEST_F(Frames, NothingOfOthersIsOverwritten) {
 }
 
 TEST_F(Frames, GoToFfmpegAsPixels) {
-  // Goal: the encoder gets the right arguments and all bytes; the film gets its final name once it
-  // is complete. Method: run a script that records its arguments and counts bytes.
+  // Goal: ffmpeg gets the right arguments and all bytes. The film gets its final name once it is
+  // complete. Method: run a script that records its arguments and counts bytes.
   const std::string output = path("a film.mp4");
   {
     const OtherPath path(
@@ -306,8 +306,9 @@ TEST_F(Frames, GoToFfmpegAsPixels) {
 }
 
 TEST_F(Frames, FfmpegsFailureIsShown) {
-  // Goal: ffmpeg's messages are shown without control characters, and no file is left. Method: run
-  // scripts that fail at once, at the end, by a signal, or silently; run without ffmpeg.
+  // Goal: the messages of ffmpeg are shown without control characters, and no file is left. Method:
+  // run scripts that fail at once, at the end, by a signal, or silently. Run scripts that leave an
+  // incomplete file. Write a film without ffmpeg.
   const std::string output = path("film.mp4");
   const auto refused = [&](const std::string& programs, const std::string& words) {
     const OtherPath other(programs);
@@ -334,8 +335,8 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
 }
 
 TEST_F(Frames, TheRealFfmpegMakesAFilm) {
-  // Goal: ffmpeg accepts the command and produces the same file again. Method: run ffmpeg; an MP4
-  // begins with the box `ftyp` and contains the frames' size and number.
+  // Goal: the real ffmpeg accepts the command, and a second run produces the same file. Method:
+  // check that the MP4 begins with the box `ftyp` and contains the number of frames.
   if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "there is no ffmpeg on PATH: apt-get install ffmpeg";
   const std::string output = path("film.mp4");

@@ -1,5 +1,5 @@
-// Goal: a die is drawn in its pose, with outline, numbering and pips. Method: draw cubes in known
-// poses.
+// Goal: a die is drawn in its pose, with the right outline, numbers and pips. Method: draw dice in
+// known poses.
 #include "clients/pictures/scene_view.h"
 
 #include <gmock/gmock.h>
@@ -55,8 +55,9 @@ double area_of(const auto& corners) {
 }
 
 TEST(SceneView, ADieThatIsNotTurnedShowsItsThree) {
-  // Goal: without rotation the 3 is on top and the 5 in front (1 on +x, 2 on +y). Method: view the
-  // die from both sides; the square's corners must be half a side from the centre.
+  // Goal: a die without rotation has the 3 on top and the 5 in front (1 on +x, 2 on +y). Method:
+  // view the die from above and from the front. The corners of the upper face must be half a side
+  // from its centre.
   const motion::Pose pose{.centre_m = {0.010, 0.020, 0.008}};
   const auto above = seen_faces(pose, 16, Seen::from_above);
   ASSERT_THAT(numbers_of(above), ElementsAre(3));
@@ -116,7 +117,8 @@ TEST(SceneView, OutlineOfATiltedDie) {
 }
 
 TEST(SceneView, PipsLieApartWithinTheirFace) {
-  // Goal: pips are within the face, apart, and symmetric about its middle. Method: draw each face.
+  // Goal: the pips of a face are within the face, apart from each other, and symmetric about the
+  // face's middle.
   for (std::uint32_t face = 1; face <= 6; ++face) {
     const Quat up = face == 1   ? turned({0, 1, 0}, -90)
                     : face == 6 ? turned({0, 1, 0}, 90)

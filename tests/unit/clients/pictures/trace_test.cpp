@@ -1,4 +1,4 @@
-// Goal: long traces are thinned in bounded memory without losing a spike; datasets of a wrong shape
+// Goal: long traces are thinned in bounded memory without losing a spike. Datasets of a wrong shape
 // are refused with an error that names them. Method: read a source that computes its values and
 // records its longest read.
 #include "clients/pictures/trace.h"

@@ -12,7 +12,7 @@ namespace sleight::plot {
 namespace {
 
 TEST(Ticks, AreOneTwoFiveMultiples) {
-  // Goal: ticks have the values and labels that people expect. Method: use known ranges.
+  // Goal: ticks are multiples of 1, 2 or 5 times a power of ten, and have readable labels.
   const Ticks ticks = nice_ticks({0.4, 1.8}, 8);
   EXPECT_EQ(ticks.values, (std::vector<double>{0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8}));
   EXPECT_EQ(ticks.labels.front(), "0.4");
@@ -29,8 +29,8 @@ TEST(Ticks, AreOneTwoFiveMultiples) {
 
 TEST(Ticks, StayInsideDifferAndAreFew) {
   // Goal: for any range, ticks ascend inside the range and have different labels. There are at most
-  // as many ticks as requested, and at least two if five or more are requested. Method: make up
-  // 20,000 ranges over 60 powers of ten, some far from zero.
+  // as many ticks as requested, and at least two if five or more are requested. Method: use 20,000
+  // random ranges over 60 powers of ten, some far from zero.
   MadeUp made_up(3);
   for (int i = 0; i < 20000; ++i) {
     const double span = std::pow(10.0, -30 + 60 * made_up.uniform());
@@ -55,7 +55,7 @@ TEST(Ticks, StayInsideDifferAndAreFew) {
 
 TEST(Ranges, FollowTheFinitePoints) {
   // Goal: gaps and infinities don't affect an axis, shapes get a margin, and a trace fills the
-  // width. Method: lay out one panel with a known extent.
+  // width.
   Panel panel{
       .series = {Line{.points = {{0, 1}, {5, k_nan}, {10, k_infinity}, {8, 3}, {k_nan, 99}}}}};
   PanelRanges ranges = ranges_of(panel);
@@ -71,8 +71,8 @@ TEST(Ranges, FollowTheFinitePoints) {
 }
 
 TEST(Ranges, OfNothingOneAndConstantCanBeDrawn) {
-  // Goal: any points give low < high and distinct ticks. Method: use no points, one point,
-  // constants of all magnitudes, all NaN, and neighbouring doubles.
+  // Goal: any points give an axis with low < high and distinct ticks. Method: use no points,
+  // constants of all magnitudes, neighbouring doubles, and only NaN.
   for (const double value : {0.0, 1.0, -7e8, 1e-300, -1e149, 3e-9}) {
     for (const double other : {value, std::nextafter(value, k_infinity)}) {
       const PanelRanges ranges =
@@ -92,8 +92,8 @@ TEST(Ranges, OfNothingOneAndConstantCanBeDrawn) {
 }
 
 TEST(Ranges, EqualAspectGrowsTheOneWithRoom) {
-  // Goal: with equal aspect, a unit has the same length on both axes, and nothing is cut. Method:
-  // use a wide and a high frame.
+  // Goal: with equal aspect, a unit has the same length on both axes. The axis with more room gets
+  // a larger range, so nothing is cut off.
   const PanelRanges square{{0, 1}, {0, 1}};
   const PanelRanges wide = with_equal_aspect(square, 400, 100);
   EXPECT_EQ(wide.y, (Range{0, 1}));
