@@ -1,5 +1,6 @@
-// Goal: the matchers of messages accept any sentence that has the facts, and no other. Method: try
-// sentences with a fact that is missing, changed, in another order, or part of a longer number.
+// Goal: the matchers accept any sentence that has the given facts in the given order, and no other
+// sentence. Method: use sentences in which a fact is missing, changed, out of order, or part of a
+// longer number.
 #include "tests/support/facts.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// Tests which cases a property test runs, and that a failure's command repeats it. Tests whose
-// names begin with DISABLED_ fail on purpose; the others run them by running this program again.
+// Checks which cases a property test runs, and that the command printed after a failure repeats the
+// failure. Tests whose names begin with DISABLED_ fail on purpose. The other tests run them by
+// starting this program again.
 #include "tests/support/property.h"
 
 #include <fmt/format.h>
@@ -30,11 +31,11 @@ using ::testing::Not;
 /// Prints a case number, which the tests below find in the output.
 void say(std::uint64_t number) {
   fmt::print("<{}>\n", number);
-  std::fflush(stdout);  // A process that a CHECK ends writes no more.
+  std::fflush(stdout);  // If a CHECK ends the process, the buffer is lost.
 }
 
 TEST(Planted, DISABLED_Check) {
-  // Goal: provide a case that ends the process. Method: fail in case 7 of nine.
+  // Goal: provide a test whose case 7 of nine ends the process.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     CHECK(n != 7);
@@ -42,7 +43,7 @@ TEST(Planted, DISABLED_Check) {
 }
 
 TEST(Planted, DISABLED_Exception) {
-  // Goal: provide a case that leaves its loop. Method: fail in case 7 of nine.
+  // Goal: provide a test whose case 7 of nine leaves the loop by an exception.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     if (n == 7) throw std::runtime_error("seven");
@@ -50,7 +51,7 @@ TEST(Planted, DISABLED_Exception) {
 }
 
 TEST(Planted, DISABLED_Expectation) {
-  // Goal: provide a case that fails more than once. Method: fail in case 7 of nine.
+  // Goal: provide a test whose case 7 of nine fails twice.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     EXPECT_NE(n, 7);
@@ -59,7 +60,7 @@ TEST(Planted, DISABLED_Expectation) {
 }
 
 TEST(Planted, DISABLED_ExpectationOfAnotherThread) {
-  // Goal: provide a case that fails in another thread. Method: fail in case 7 of nine.
+  // Goal: provide a test whose case 7 of nine fails in another thread.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     std::thread([n] { EXPECT_NE(n, 7); }).join();
@@ -67,8 +68,8 @@ TEST(Planted, DISABLED_ExpectationOfAnotherThread) {
 }
 
 TEST(Planted, DISABLED_LongRun) {
-  // Goal: provide a failing case that only long runs have. Method: fail in case 7. Long runs have
-  // nine cases, others six.
+  // Goal: provide a test that fails in case 7, which only long runs have. A long run has nine
+  // cases, other runs have six.
   for (const std::uint64_t n : seeds(long_run() ? 9 : 6)) {
     say(n);
     EXPECT_NE(n, 7);
@@ -76,15 +77,15 @@ TEST(Planted, DISABLED_LongRun) {
 }
 
 TEST(Planted, DISABLED_OutsideCases) {
-  // Goal: provide a failure that belongs to no case. Method: fail after a loop.
+  // Goal: provide a test that fails after its loop of cases.
   for (const std::uint64_t n : cases(9))
     say(n);
   ADD_FAILURE();
 }
 
 TEST(Planted, DISABLED_NoFailure) {
-  // Goal: show what runs. Method: print a number for each case, each seed, and expectations about
-  // all cases.
+  // Goal: provide a test that passes and shows what runs. Method: print a number for each case and
+  // each seed, and 1000 if all cases run.
   for (const std::uint64_t n : cases(9))
     say(n);
   for (const std::uint64_t n : seeds(3))
@@ -93,14 +94,14 @@ TEST(Planted, DISABLED_NoFailure) {
 }
 
 TEST(Planted, DISABLED_ManyCases) {
-  // Goal: provide a loop that a build may run in part. Method: use a hundred cases.
+  // Goal: provide a test of a hundred cases, of which some builds run only a part.
   for (const std::uint64_t n : cases(100))
     say(n);
   if (all_cases()) say(1000);
 }
 
 TEST(Planted, DISABLED_InTurn) {
-  // Goal: provide a case that needs an earlier one. Method: fail after case 6.
+  // Goal: provide a test whose case 7 fails only if case 6 ran before.
   std::uint64_t before = 0;
   for (const std::uint64_t n : in_turn(9)) {
     say(n);
@@ -112,8 +113,8 @@ TEST(Planted, DISABLED_InTurn) {
 class PlantedValues : public ::testing::TestWithParam<int> {};
 
 TEST_P(PlantedValues, DISABLED_Expectation) {
-  // Goal: provide a parametrised test, whose name has slashes. Method: fail in case 7 for one of
-  // three values.
+  // Goal: provide a parametrised test, whose name has slashes. For one of three values, case 7
+  // fails.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     EXPECT_FALSE(n == 7 && GetParam() == 3);
@@ -133,7 +134,7 @@ struct Ended {
       found.push_back(std::strtoull(output.c_str() + (at += 2), nullptr, 10));
     return found;
   }
-  /// Returns the command in the first failure's output.
+  /// Returns the command that the first failure printed.
   std::string command() const {
     constexpr std::string_view k_said = "\nto see it again: ";
     const std::size_t at = output.find(k_said);
@@ -183,8 +184,8 @@ std::string from_here(std::string command) {
 }
 
 TEST(Property, AFailurePrintsTheCommandThatRepeatsItsCase) {
-  // Goal: however a case fails, one line repeats that case alone, and the case fails again. Method:
-  // run tests that fail in case 7 with this program, then run the printed command.
+  // Goal: however a case fails, the output has one command that runs only this case, and the case
+  // fails again. Method: run the tests above that fail in case 7, then run the printed commands.
   for (const char* const test :
        {"Planted.DISABLED_Check", "Planted.DISABLED_Exception", "Planted.DISABLED_Expectation",
         "Planted.DISABLED_ExpectationOfAnotherThread",
@@ -204,8 +205,7 @@ TEST(Property, AFailurePrintsTheCommandThatRepeatsItsCase) {
 }
 
 TEST(Property, ACaseOfALongRunIsRepeatedAsALongRuns) {
-  // Goal: the command repeats a case that only long runs have. Method: fail in a case of a long
-  // run.
+  // Goal: the printed command repeats a case that only long runs have.
   const Ended longer = ended_test("SLEIGHT_SOAK=1", "Planted.DISABLED_LongRun");
   EXPECT_THAT(longer.cases(), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
   EXPECT_EQ(longer.command(),
@@ -216,8 +216,8 @@ TEST(Property, ACaseOfALongRunIsRepeatedAsALongRuns) {
 }
 
 TEST(Property, ACaseThatNeedsOthersIsRepeatedAfterThem) {
-  // Goal: a case that depends on earlier cases fails again. Method: run a test whose cases run in
-  // turn.
+  // Goal: if a case depends on earlier cases, the printed command runs these cases too, so the case
+  // fails again.
   const Ended first = ended_test("", "Planted.DISABLED_InTurn");
   EXPECT_THAT(first.cases(), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
   const Ended again = ended(from_here(first.command()));
@@ -227,16 +227,16 @@ TEST(Property, ACaseThatNeedsOthersIsRepeatedAfterThem) {
 }
 
 TEST(Property, AFailureOutsideCasesNamesItsTest) {
-  // Goal: the command for a failure outside cases repeats the whole test. Method: fail after a loop
-  // of cases.
+  // Goal: if a failure belongs to no case, the printed command repeats the whole test.
   const Ended of = ended_test("", "Planted.DISABLED_OutsideCases");
   EXPECT_EQ(of.command(), fmt::format("{} --gtest_filter=Planted.DISABLED_OutsideCases",
                                       path_in_project(whole_path())));
 }
 
 TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
-  // Goal: SLEIGHT_CASE selects one case and skips expectations about all cases. Method: run two
-  // loops. Select a number that occurs in both loops, then a number that occurs in only one.
+  // Goal: SLEIGHT_CASE selects one case and skips expectations about all cases. Method: run a test
+  // with two loops. Select a number that occurs in both loops, then a number that occurs in only
+  // one loop.
   const std::string test = "Planted.DISABLED_NoFailure";
   EXPECT_THAT(ended_test("SLEIGHT_SOAK=1", test).cases(),
               ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 101, 102, 103, 1000));
@@ -246,9 +246,8 @@ TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
 }
 
 TEST(Property, SanitizersRunTheFirstQuarter) {
-  // Goal: with sanitizers, a loop runs a quarter of its cases. SLEIGHT_CASE can still select any
-  // case, and long runs run all cases. Method: use a loop of a hundred cases; builds without
-  // sanitizers run all.
+  // Goal: with sanitizers, a loop runs the first quarter of its cases. SLEIGHT_CASE can still
+  // select any case, and long runs run all cases. Builds without sanitizers run all cases.
   const std::string test = "Planted.DISABLED_ManyCases";
   const std::vector<std::uint64_t> whole = ended_test("SLEIGHT_SOAK=1", test).cases();
   ASSERT_EQ(whole.size(), 101U);
@@ -265,8 +264,9 @@ TEST(Property, SanitizersRunTheFirstQuarter) {
 }
 
 TEST(Property, ACaseThatNoTestHasIsAnError) {
-  // Goal: a wrong number can't pass for a fixed case. Method: set SLEIGHT_CASE to numbers that no
-  // case has, and to texts that are not numbers.
+  // Goal: if SLEIGHT_CASE selects no case, the test fails, so a wrong number can't suggest that a
+  // failure is fixed. Method: set SLEIGHT_CASE to numbers that no case has, and to texts that are
+  // not numbers.
   for (const char* const wrong : {"9", "", "x", "7x", "-1", "18446744073709551616"}) {
     const Ended of =
         ended_test(fmt::format("SLEIGHT_CASE={}", wrong), "Planted.DISABLED_NoFailure");
@@ -277,7 +277,7 @@ TEST(Property, ACaseThatNoTestHasIsAnError) {
 }
 
 TEST(Property, AFailureCanBeAskedFor) {
-  // Goal: any test can show a failure's output. Method: a test that passes.
+  // Goal: SLEIGHT_FAIL_CASE makes a test that passes show the output of a failure.
   const Ended of = ended_test("SLEIGHT_FAIL_CASE=5", "Planted.DISABLED_NoFailure");
   EXPECT_NE(of.status, 0);
   EXPECT_EQ(of.command(), fmt::format("SLEIGHT_CASE=5 {} --gtest_filter=Planted.DISABLED_NoFailure",
@@ -290,8 +290,8 @@ TEST(Property, AFailureCanBeAskedFor) {
 }
 
 TEST(Property, ProgramsAreNamedAsInTheProject) {
-  // Goal: commands are relative to the project's folder. Method: use paths with and without a build
-  // folder.
+  // Goal: a command's path begins at the project's folder. The path of a program outside of the
+  // project stays whole.
   EXPECT_EQ(path_in_project("/a/build/b/build/release/tests/t"), "build/release/tests/t");
   EXPECT_EQ(path_in_project("/opt/t"), "/opt/t");
 }

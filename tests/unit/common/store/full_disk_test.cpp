@@ -1,4 +1,4 @@
-// Goal: a disk that fills up or fails does no lasting harm. Method: let calls fail.
+// Goal: if the disk fills up or fails, a run keeps its committed scans and can be resumed.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,10 +35,11 @@ std::uint64_t stored_scans(const std::string& folder) {
 }
 
 TEST_F(FullDisk, AnyCallMayFail) {
-  // Goal: whichever write or sync fails, the error is clear, committed scans stay whole, and the
-  // run can be resumed. Method: for each k until a session succeeds, fail the k-th and all later
-  // calls, then reopen. A full disk is tested for every k, and a write error for every third k. The
-  // fast tier tests fewer values.
+  // Goal: whichever write or sync fails, the store reports a clear error, committed scans stay
+  // whole, and the run can be resumed. Method: let a session's first k disk calls succeed and all
+  // later calls fail, then reopen the store. Repeat this for larger k until a session succeeds.
+  // Simulate a full disk for every k, and a write error for every third k. The fast tier tests
+  // fewer values of k.
   testing::FaultyDisk disk;
   struct Fault {
     int code;
@@ -86,9 +87,9 @@ TEST_F(FullDisk, AnyCallMayFail) {
 }
 
 TEST_F(FullDisk, MiddleOfALargeGroup) {
-  // Goal: if one write within a group fails, no part of the group is stored, even if the disk works
-  // again at once. Method: store a result larger than SQLite's cache, so that pages are written
-  // during inserts, and fail one call of many.
+  // Goal: if one write of a group of results fails, the store keeps no result of the group, even if
+  // the disk works again at once. Method: store a result that is larger than SQLite's cache, so
+  // that SQLite writes pages before the commit. Let a different disk call fail in each run.
   testing::FaultyDisk disk;
   const std::uint64_t step = property::of_tier(120, 40);
   std::uint64_t failed = 0;
@@ -118,8 +119,9 @@ TEST_F(FullDisk, MiddleOfALargeGroup) {
 }
 
 TEST_F(FullDisk, FailureStopsTheSession) {
-  // Goal: after a failure the session writes nothing, even when space is free again, because its
-  // results would have a gap. Method: fail once, repair, put more.
+  // Goal: after a failed write, the session writes nothing more, even when space is free again,
+  // because later results would leave a gap. Method: let a write fail, repair the disk, then put
+  // more results.
   testing::FaultyDisk disk;
   {
     RunStore store(folder(), example_identity(1));
@@ -137,8 +139,9 @@ TEST_F(FullDisk, FailureStopsTheSession) {
 }
 
 TEST_F(FullDisk, FileSizeLimit) {
-  // Goal: committed scans stay whole if the operating system refuses a write. Method: a child
-  // process with a file-size limit stores until it fails, and reports what committed() returned.
+  // Goal: committed scans stay whole if the operating system refuses a write. Method: let a child
+  // process with a file-size limit store results until a write fails. Compare the stored scans with
+  // the last number that the child's committed() returned.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   const pid_t child = ::fork();

@@ -81,8 +81,8 @@ std::vector<std::uint64_t> numbers_to(std::uint64_t count) {
 }
 
 TEST(GroupCommit, KeepsOrderInFewCommits) {
-  // Goal: results are committed in the order of put(), many at a time. Method: put a thousand
-  // results and flush; there must be far fewer commits than results.
+  // Goal: results are committed in the order of the put() calls, and one commit holds many results.
+  // Method: put a thousand results, flush, and count the commits.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   for (std::uint64_t i = 0; i < 1000; ++i)
@@ -94,7 +94,8 @@ TEST(GroupCommit, KeepsOrderInFewCommits) {
 }
 
 TEST(GroupCommit, CountsOnlyWhatIsCommitted) {
-  // Goal: committed() counts all scans of a commit once it has returned. Method: pause a commit.
+  // Goal: committed() counts a commit's scans only after the commit has returned. Method: call
+  // committed() while a commit is paused, and again after the commit has returned.
   Recorder recorder;
   recorder.hold();
   GroupCommit group_commit(recorder.commit());
@@ -107,8 +108,9 @@ TEST(GroupCommit, CountsOnlyWhatIsCommitted) {
 }
 
 TEST(GroupCommit, CommitsWithoutBeingAsked) {
-  // Goal: a lone small result is committed soon without a flush, a large one at once. Method: put a
-  // small and a large result; a missing commit would exceed the test's time limit.
+  // Goal: without a flush, a single small result is committed soon, and a large result is committed
+  // at once. Method: put a small result and a large result, and wait for each commit. If a commit
+  // never comes, the test exceeds its time limit.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   group_commit.put(small(0));
@@ -118,8 +120,7 @@ TEST(GroupCommit, CommitsWithoutBeingAsked) {
 }
 
 TEST(GroupCommit, FlushOfNothingReturns) {
-  // Goal: flush() returns at once if no result waits. Method: flush once before a put and twice
-  // after the put.
+  // Goal: flush() returns at once if no result waits for a commit.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   group_commit.flush();
@@ -131,7 +132,7 @@ TEST(GroupCommit, FlushOfNothingReturns) {
 
 TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
   // Goal: flush() returns once all earlier results are committed, even if other callers continue to
-  // put results. Method: every commit puts another result, so that the queue is never empty.
+  // put results. Method: let every commit put another result, so that the queue is never empty.
   std::atomic<bool> stop{false};
   GroupCommit* self = nullptr;
   GroupCommit group_commit([&](const GroupCommit::Group& group) {
@@ -147,7 +148,7 @@ TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
 }
 
 TEST(GroupCommit, FailureComesOutAndNothingFollows) {
-  // Goal: after a failed commit nothing more is written, and every caller gets the error. Method:
+  // Goal: after a failed commit, nothing more is written, and every caller gets the error. Method:
   // let the second commit fail; then all puts and flushes must throw.
   Recorder recorder;
   recorder.fail_at(2);
@@ -166,7 +167,8 @@ TEST(GroupCommit, FailureComesOutAndNothingFollows) {
 }
 
 TEST(GroupCommit, FailureComesOutOfPutAlone) {
-  // Goal: a caller that never flushes gets the error too. Method: put until put throws.
+  // Goal: put() throws after a failed commit, so a caller that never calls flush() gets the error
+  // too.
   Recorder recorder;
   recorder.fail_at(1);
   GroupCommit group_commit(recorder.commit());
@@ -182,7 +184,7 @@ TEST(GroupCommit, FailureComesOutOfPutAlone) {
   EXPECT_EQ(group_commit.committed(), 0U);
 }
 
-/// Puts `count` large results from its own thread and counts the accepted ones.
+/// Puts `count` large results from its own thread and counts the accepted results.
 class Putter {
  public:
   Putter(GroupCommit& group_commit, std::uint64_t count)
@@ -193,7 +195,7 @@ class Putter {
           }
         })) {}
 
-  /// Waits until no result is accepted for a while. Returns the number of accepted results.
+  /// Waits until put() accepts no more results. Returns the number of accepted results.
   std::uint64_t taken_when_stuck() const {
     std::uint64_t before = 0;
     do {
@@ -207,13 +209,14 @@ class Putter {
 
  private:
   std::atomic<std::uint64_t> taken_{0};
-  std::future<void> outcome_;  // last, because the thread uses the count
+  std::future<void> outcome_;  // declared last, because its thread uses the count
 };
 
 TEST(GroupCommit, StalledDiskHoldsPutsUp) {
-  // Goal: at most k_queue_bytes_max waits in memory behind the group being written, and nothing is
-  // lost. Method: use results that are each an eighth of the limit. While a commit is paused, put()
-  // accepts eight more results, then blocks until the commit continues.
+  // Goal: while a group is being written, at most k_queue_bytes_max bytes of results wait in
+  // memory, and no result is lost. Method: put results that are each an eighth of the limit while a
+  // commit is paused. Check that put() accepts at least eight results and blocks until the commit
+  // continues.
   Recorder recorder;
   recorder.hold();
   GroupCommit group_commit(recorder.commit());
@@ -230,8 +233,8 @@ TEST(GroupCommit, StalledDiskHoldsPutsUp) {
 }
 
 TEST(GroupCommit, FailureFreesWhoIsHeldUp) {
-  // Goal: a waiting put() throws when the disk fails. Method: fill the queue, then let the commit
-  // fail.
+  // Goal: if put() waits for space in the queue and the commit fails, put() throws. Method: fill
+  // the queue during a paused commit, then let the commit fail.
   Recorder recorder;
   recorder.hold();
   recorder.fail_at(1);
@@ -244,8 +247,8 @@ TEST(GroupCommit, FailureFreesWhoIsHeldUp) {
 }
 
 TEST(GroupCommit, DestructorCommits) {
-  // Goal: the destructor commits everything, or nothing after a failure. Method: destroy without a
-  // flush; destroy right after a failure.
+  // Goal: the destructor commits all waiting results, but commits nothing after a failed commit.
+  // Method: destroy one object without a flush, and another object whose first commit fails.
   Recorder recorder;
   {
     GroupCommit group_commit(recorder.commit());

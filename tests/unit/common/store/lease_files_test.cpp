@@ -25,8 +25,9 @@ class LeaseFilesOf : public archive::testing::Scratch {
 };
 
 TEST_F(LeaseFilesOf, OneOfManyMakesAFile) {
-  // Goal: only one process creates a generation's file, which has that process's whole text; no
-  // other file is left. Method: 8 threads try to create each of 20 files at once.
+  // Goal: if several holders try to create the lease file of one generation, only one holder
+  // succeeds. The file has this holder's whole text, and no other file is left. Method: let 8
+  // threads try to create each of 20 files at once.
   constexpr int k_threads = 8;
   for (std::uint64_t generation = 1; generation <= 20; ++generation) {
     std::atomic<int> made = 0;
@@ -55,8 +56,9 @@ TEST_F(LeaseFilesOf, OneOfManyMakesAFile) {
 }
 
 TEST_F(LeaseFilesOf, WritesItsOwnFileAlone) {
-  // Goal: a holder whose file was replaced does not change the new file. Method: remove the file,
-  // let another holder create it, then write.
+  // Goal: if a holder's lease file was replaced, a write by this holder doesn't change the new
+  // file. Method: remove a holder's file, let another holder create the file again, then write as
+  // the first holder.
   PosixLeaseFiles files(folder(), this_process());
   const auto first = files.make(3, text_of("first"));
   ASSERT_TRUE(first);
@@ -72,7 +74,8 @@ TEST_F(LeaseFilesOf, WritesItsOwnFileAlone) {
 }
 
 TEST_F(LeaseFilesOf, ListsNumbersAlone) {
-  // Goal: list() omits files that are not leases. Method: use similar names.
+  // Goal: list() returns the generations of the lease files and omits all other files. Method:
+  // create files whose names resemble the name of a lease file.
   for (const char* name : {"lease.12", "lease.3", "lease.new.12", "lease.", "lease.0", "lease.-1",
                            "lease.4x", "lease", "lock", "lease.99999999999999999999"})
     put_bytes(path(name), "");
@@ -80,9 +83,10 @@ TEST_F(LeaseFilesOf, ListsNumbersAlone) {
 }
 
 TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
-  // Goal: a process is reported as running until it is killed, whether its parent or another
-  // process checks. A process number alone doesn't identify a process, and the state of other
-  // machines' processes is unknown. Method: kill a child.
+  // Goal: a process counts as running until it is killed, even while it is stopped. A killed
+  // process counts as gone, even before its parent has waited for it. A process number alone
+  // doesn't identify a process, and the state of processes on other machines is unknown. Method:
+  // stop and kill a child process.
   PosixLeaseFiles files(folder(), this_process());
   EXPECT_TRUE(files.is_here(this_process()));
   EXPECT_FALSE(files.is_gone(this_process()));
@@ -126,7 +130,7 @@ TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
 }
 
 TEST(LeaseToken, IsNeverTheSame) {
-  // Goal: each holder's text is unique. Method: make a thousand texts.
+  // Goal: each lease token is unique. Method: compare a thousand tokens.
   std::set<std::string> tokens;
   for (int i = 0; i < 1000; ++i)
     tokens.insert(make_token());

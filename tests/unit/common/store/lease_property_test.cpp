@@ -1,4 +1,5 @@
-// Goal: two holders may never act at once. Method: simulate machines (lease_world.h).
+// Goal: two holders of a lease may never act at the same time. Method: simulate machines that
+// compete for the lease (lease_world.h).
 #include <gtest/gtest.h>
 
 #include "tests/support/property.h"
@@ -13,9 +14,9 @@ using testing::simulate_leases;
 
 TEST(LeaseProperty, NeverTwoThatMayAct) {
   // Goal: at most one holder believes that it may act, even if processes pause or die and disk
-  // calls fail or take effect late. The lock passes from holder to holder. Method: simulate 4
-  // processes on 3 machines for a quarter of an hour, with many seeds; check before and after every
-  // step.
+  // calls fail or take effect late. In spite of these faults, the lease passes from holder to
+  // holder. Method: simulate 4 processes on 3 machines for a quarter of an hour, with many seeds.
+  // Before and after every step, count the holders that may act.
   const std::uint64_t stories = property::long_run() ? 20'000 : property::of_tier(20, 100);
   LeaseStory all;
   for (const std::uint64_t seed : property::seeds(stories)) {
@@ -36,7 +37,8 @@ TEST(LeaseProperty, NeverTwoThatMayAct) {
 class LeaseMistake : public ::testing::TestWithParam<Mistake> {};
 
 TEST_P(LeaseMistake, IsCaught) {
-  // Goal: the property can fail. Method: plant one mistake; some seed must find two holders.
+  // Goal: the simulation detects a faulty lease protocol. Method: plant one mistake in the
+  // protocol; with some seed, two holders must act at the same time.
   constexpr std::uint64_t k_seeds_max = 300;
   for (std::uint64_t seed = 1; seed <= k_seeds_max; ++seed) {
     if (simulate_leases(seed, GetParam()).violation) return;

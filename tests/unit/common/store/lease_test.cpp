@@ -68,7 +68,7 @@ bool is_taken(const Lease::Outcome& outcome) {
   return std::holds_alternative<Lease::Taken>(outcome);
 }
 
-/// Returns the remaining time of observation, or nothing if the outcome is not Unsure.
+/// Returns how long the lease must still be observed, or nothing if the outcome is not Unsure.
 std::optional<double> left_s(const Lease::Outcome& outcome) {
   const auto* unsure = std::get_if<Lease::Unsure>(&outcome);
   return unsure == nullptr ? std::nullopt : std::optional(unsure->left_s);
@@ -80,8 +80,9 @@ std::string holder(const Lease::Outcome& outcome) {
 }
 
 TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
-  // Goal: an observer waits one lease by its own clock from its first look; a renewal during this
-  // time shows that the holder lives. Method: use two leases on one clock.
+  // Goal: an observer takes a lease after it has seen no renewal for one lease duration, measured
+  // with its own clock. A renewal during this time shows that the holder lives. Method: let several
+  // holders share one manual clock.
   Folder folder;
   base::ManualClock clock;
   Lease first(folder, clock, of("a", 1));
@@ -106,9 +107,9 @@ TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
 }
 
 TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
-  // Goal: the holder may act for three quarters of a lease after the start of its last successful
-  // renewal. A failing disk doesn't prolong this time, and a short failure has no effect. Method:
-  // move a clock, and let a disk fail for a while.
+  // Goal: the holder may act for three quarters of the lease duration after the start of its last
+  // successful renewal. A disk failure doesn't prolong this time, and a short failure has no
+  // effect. Method: advance a manual clock, and let the disk fail for a while.
   Folder folder;
   base::ManualClock clock;
   Lease lease(folder, clock, of("a", 1));
@@ -129,8 +130,8 @@ TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
 }
 
 TEST(Lease, IsTakenAtOnceFromWhoeverIsGone) {
-  // Goal: a lease is free at once if its holder released it or died on this machine; a holder that
-  // runs on this machine keeps it without renewing. Method: try one case after the other.
+  // Goal: a lease is free at once if its holder released it or died on this machine. A holder that
+  // runs on this machine keeps the lease without renewals.
   Folder folder;
   base::ManualClock clock;
   {
@@ -155,8 +156,8 @@ TEST(Lease, IsTakenAtOnceFromWhoeverIsGone) {
 }
 
 TEST(Lease, CopiesAreOwedUntilTheyAreMade) {
-  // Goal: a holder that took over from another machine and ended before copying the files leaves
-  // the copying to its successor. Method: use three holders.
+  // Goal: if a holder took the lease over from another machine and ended before it copied the
+  // files, the next holder must copy the files.
   Folder folder;
   base::ManualClock clock;
   Lease dead(folder, clock, of("a", 1));
@@ -181,8 +182,9 @@ TEST(Lease, CopiesAreOwedUntilTheyAreMade) {
 }
 
 TEST(Lease, TextComesBack) {
-  // Goal: a lease's text reads back, has a fixed size, and can't control a terminal. Method: write
-  // a full lease, and a host name with strange bytes.
+  // Goal: a lease's text has a fixed size and is read back with all fields. Control characters in a
+  // host name are replaced, so that the text can't control a terminal. Method: write a lease whose
+  // fields are all set and whose host name has control characters.
   LeaseText lease = of("node\x1b[2J\n7", 123);
   lease.holder.started = 456;
   lease.epoch = 9;
@@ -206,8 +208,9 @@ TEST(Lease, TextComesBack) {
 }
 
 TEST(Lease, AStrangeFileIsAHolderThatSaysNothing) {
-  // Goal: whatever an invalid lease file contains, it is observed like a dead holder's file, for at
-  // most one lease. Method: read short, foreign and hostile texts.
+  // Goal: whatever an invalid lease file contains, it delays a takeover by one lease duration, as
+  // the file of a dead holder does. Method: use texts that are empty, too short, too long or have
+  // an invalid duration.
   const std::string sound = of("a", 1).to_text();
   std::string endless = sound;
   endless.replace(endless.find("lease_s 60"), 10, "lease_s 1e9");

@@ -1,5 +1,5 @@
-// Goal: run stores work on a disk that machines share, without shared memory and flock. Method:
-// simulate several "nodes" on one machine.
+// Goal: run stores work on a network disk, where processes can use neither shared memory nor flock.
+// Method: simulate several nodes on one machine.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -134,8 +134,9 @@ class NetworkStore : public testing::RunFolder {
 };
 
 TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
-  // Goal: while a process commits results, its readers see earlier committed results, without
-  // shared memory. The next session resumes the run. Method: a thread reads everything repeatedly.
+  // Goal: while a process commits results, its other threads can read all results that were
+  // committed before, without shared memory. The next session resumes the run. Method: let one
+  // thread read a hundred scans again and again while another thread commits more scans.
   {
     RunLock lock(folder());
     RunStore store(folder(), example_identity(1), &lock);
@@ -174,9 +175,9 @@ TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
 }
 
 TEST_F(NetworkStore, NeedsItsOwnMode) {
-  // Goal: SQLite's usual write-ahead log fails on the tests' disk, and the network-disk mode works.
-  // Method: open a database with the variable SLEIGHT_NETWORK_DISK off, and another with the
-  // variable on.
+  // Goal: on the simulated network disk, SQLite's write-ahead log works only in the network-disk
+  // mode. Method: open one database with SLEIGHT_NETWORK_DISK=0 and another database with
+  // SLEIGHT_NETWORK_DISK=1.
   const auto mode = [&](const char* said, const std::string& name) {
     ::setenv(base::k_network_disk_variable, said, 1);
     Database database(path(name), Access::read_write);
@@ -190,9 +191,9 @@ TEST_F(NetworkStore, NeedsItsOwnMode) {
 }
 
 TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
-  // Goal: while a process writes a run, only this process can read the run. Other processes get the
-  // reason and the path of the latest archive, and can read the run when the writer has ended.
-  // Method: give this process another node name.
+  // Goal: while a process writes a run, only this process can read the run. Other readers get an
+  // error with the reason and the path of the latest archive. They can read the run when the writer
+  // has ended. Method: while a store is open, call each function that reads a run by its path.
   std::filesystem::create_directory(path("a.h5.run"));
   const std::string run = path("a.h5.run");
   {
@@ -218,9 +219,9 @@ TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
 }
 
 TEST_F(NetworkStore, OfTwoNodesOneWrites) {
-  // Goal: if a run is started on two nodes, one process writes, and the other reports the writer's
-  // node, process, start time and session. Method: use leases of 5 s, so that the second start sees
-  // a renewal.
+  // Goal: if a run is started on two nodes, one process writes. The other process gets an error
+  // that names the writer's node, process and start time. Method: use leases of 5 s, so that the
+  // second process sees a renewal.
   RunLock lock(folder(), {.lease_s = 5, .self = on_node("first")});
   RunStore store(folder(), example_identity(1), &lock);
   lock.keep();
@@ -235,8 +236,9 @@ TEST_F(NetworkStore, OfTwoNodesOneWrites) {
 }
 
 TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
-  // Goal: a run can be resumed right after kill -9 on the same machine. Method: check that the
-  // successor's owes_copies() is false. After waiting for the lease, owes_copies() would be true.
+  // Goal: if a writer is killed, another process on the same machine can resume the run at once.
+  // Method: kill a child that holds the lock, then take the lock and call owes_copies(). After a
+  // wait for the end of the lease, owes_copies() would be true.
   const Moment taken;
   Child holder([&] {
     RunLock lock(folder());
@@ -252,10 +254,10 @@ TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
 }
 
 TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
-  // Goal: a successor has the committed results in its own files, but only after the dead holder's
-  // lease ends. If the successor is killed before it has copied the files, the next process copies
-  // them. Method: kill a child on another "node" with kill -9; a second child takes over and dies
-  // at once.
+  // Goal: if a holder on another node dies, its successor waits until the lease has ended, then
+  // copies the committed results to its own files. If the successor is killed before it has copied
+  // the files, the next process copies them. Method: kill a child that acts as another node. Let a
+  // second child take over, and kill this child at once.
   const Moment committed;
   Child holder([&] {
     RunLock lock(folder(), {.lease_s = 2, .self = on_node("first")});
@@ -287,7 +289,8 @@ TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
   testing::expect_stored_of(store, 0, 20);
 }
 
-/// Commits small groups forever with frequent checkpoints, reports them, and pauses at a write.
+/// Commits one scan at a time and reports committed() after each, with frequent checkpoints of
+/// SQLite's log. The process stops itself at a write.
 void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& disk,
                            std::uint64_t stop_after, const Moment& committed) {
   RunLock lock(folder, {.lease_s = 2.5, .self = on_node("sleeper")});
@@ -303,11 +306,11 @@ void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& dis
 }
 
 TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
-  // Goal: a writer that pauses longer than its lease, even within a commit, and wakes while its
-  // successor writes, changes none of the successor's data. The writer ends with a conflict, and
-  // the successor has everything that the writer reported. Method: child processes stop at 12
-  // different writes. A successor takes over from each child, which is woken while the successor
-  // commits.
+  // Goal: if a writer pauses for longer than its lease and wakes while its successor writes, it
+  // changes none of the successor's data. This holds even if the writer pauses within a commit. The
+  // writer ends with a conflict, and the successor has everything that the writer reported. Method:
+  // stop child processes at 12 different writes. Let a successor take over from each child, and
+  // wake the child while the successor commits.
   constexpr std::uint64_t k_sleepers = 12;
   struct Sleeper {
     std::string folder{};
@@ -351,7 +354,7 @@ TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
   }
   for (std::thread& heir : heirs)
     heir.join();
-  // The next session finds the last committed data.
+  // A third session can open each store.
   for (const Sleeper& one : sleepers) {
     RunLock lock(one.folder, {.self = on_node("heir")});
     RunStore store(one.folder, example_identity(1), &lock);
@@ -360,9 +363,9 @@ TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
 }
 
 TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
-  // Goal: processes that disagree whether a disk is local use the same kind of lock. Method: a
-  // process that treats the disk as local finds a held lease; when the lease is free, flock works
-  // again.
+  // Goal: if a process treats a shared disk as local, the process still respects the lease of
+  // another process. Method: hold a lease while a process that treats the disk as local tries to
+  // take the lock. After the lease is released, the local lock works again.
   {
     const RunLock lock(folder());
     ::setenv(base::k_network_disk_variable, "0", 1);
@@ -376,7 +379,7 @@ TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
 TEST_F(NetworkStore, TurnsComeInOrder) {
   // Goal: a commit waits for at most one turn of each other thread, even if a reader takes turn
   // after turn. Method: count a greedy thread's turns while another thread waits. The greedy thread
-  // gets at most two turns, the first of which may have begun before.
+  // gets at most two turns, the first of which may have begun before the wait.
   SharedDatabase shared(path("a.sqlite"), Access::read_write);
   std::atomic<bool> stop = false;
   std::atomic<std::uint64_t> turns = 0;

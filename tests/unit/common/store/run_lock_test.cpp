@@ -63,9 +63,9 @@ class Holder {
 class RunLockOf : public testing::RunFolder {};
 
 TEST_F(RunLockOf, OneProcessAtATime) {
-  // Goal: a second process is refused with an error that has the first one's process number; a
-  // killed process holds no lock. Method: a child takes the lock and is killed with SIGKILL, ten
-  // times.
+  // Goal: if one process holds a run's lock, a second process gets an error with the first
+  // process's number. A killed process holds no lock. Method: let a child take the lock and kill
+  // the child, ten times.
   for (int i = 0; i < 10; ++i) {
     Holder holder(folder());
     const auto conflict = conflict_of(folder());
@@ -78,8 +78,8 @@ TEST_F(RunLockOf, OneProcessAtATime) {
 }
 
 TEST_F(RunLockOf, OneObjectAtATime) {
-  // Goal: two runs in one process can't share a folder either. Method: take the lock twice, then
-  // again after its release. The refused attempt must not release the lock.
+  // Goal: two runs in one process can't share a folder, and a refused attempt doesn't release the
+  // lock. Method: try twice to take a lock that is held, then take the lock after its release.
   {
     const RunLock first(folder());
     EXPECT_TRUE(conflict_of(folder()).has_value());
@@ -89,8 +89,8 @@ TEST_F(RunLockOf, OneObjectAtATime) {
 }
 
 TEST_F(RunLockOf, MakesTheFolder) {
-  // Goal: a first session needs no preparation, and reports why it can't start. Method: use a new
-  // folder, a folder whose parent is missing, and a file.
+  // Goal: taking the lock creates the run's folder, or throws an error with the path. Method: use a
+  // new folder, a folder whose parent is missing, and a file.
   EXPECT_EQ(conflict_of(path("new")), std::nullopt);
   EXPECT_EQ(bytes_of(path("new/lock")), fmt::format("{}\n", ::getpid()));
   put_bytes(path("file"), "x");
@@ -106,8 +106,7 @@ TEST_F(RunLockOf, MakesTheFolder) {
 }
 
 TEST_F(RunLockOf, StrangeContentIsNoObstacle) {
-  // Goal: old content of the lock file doesn't matter. Method: write garbage longer than a process
-  // number, then take the lock; only the number remains.
+  // Goal: taking the lock replaces any old content of the lock file.
   put_bytes(path("run/lock"), std::string(1000, 'z'));
   const RunLock lock(folder());
   EXPECT_EQ(bytes_of(path("run/lock")), fmt::format("{}\n", ::getpid()));

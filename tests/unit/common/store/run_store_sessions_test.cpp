@@ -1,5 +1,5 @@
-// Goal: a store accepts only its own run and only the newest session. Method: open stores with
-// other identities, and open two stores at once.
+// Goal: a store accepts results only of its own run and only from the run's newest session. Method:
+// open stores with other identities, and open two stores of one run at once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,9 +39,9 @@ class RunStoreSessions : public testing::RunFolder {
 };
 
 TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
-  // Goal: no store mixes two requests, versions or formats (invariant 3), and the refusal names a
-  // remedy. Method: open the store with each of the three changed. Afterwards the run itself finds
-  // its store unchanged.
+  // Goal: no store mixes two requests, versions or formats (invariant 3), and the error names a
+  // remedy. Method: change the request, the version and the format in turn, and open the store each
+  // time. Afterwards, the original run must find its scans unchanged.
   {
     RunStore store(folder(), example_identity(1));
     store.put(result_of(0, 0, 4));
@@ -70,8 +70,9 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
 }
 
 TEST_F(RunStoreSessions, MayStopElsewhere) {
-  // Goal: the request may change in keys outside its identity, such as [stop]. Method: reopen with
-  // another request text; the store has the newest text.
+  // Goal: between sessions, a request may change in keys that are not part of its identity, such as
+  // [stop]. Method: open the store again with another request text, which the store must then
+  // contain.
   { RunStore(folder(), example_identity(1)); }
   RunIdentity longer = example_identity(1);
   longer.request_text += "# more\n";
@@ -84,7 +85,8 @@ TEST_F(RunStoreSessions, MayStopElsewhere) {
 
 TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
   // Goal: a session that was presumed dead stores nothing once its successor has begun. Method:
-  // open a second store; the first one's next commit and later puts fail with a conflict.
+  // open a second store of the same run. The first store's next commit and later puts must fail
+  // with a conflict.
   RunStore first(folder(), example_identity(2));
   first.put(result_of(0, 0, 5));
   first.flush();
@@ -106,8 +108,7 @@ TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
 }
 
 TEST_F(RunStoreSessions, RefusedOneFencesNobody) {
-  // Goal: an attempt with another request doesn't stop a running session. Method: open the store
-  // with another request while a session runs, then let the session commit.
+  // Goal: a session that is refused because of another request doesn't stop the running session.
   RunStore running(folder(), example_identity(1));
   RunIdentity other = example_identity(1);
   other.identity_text = "another";
@@ -118,8 +119,9 @@ TEST_F(RunStoreSessions, RefusedOneFencesNobody) {
 }
 
 TEST_F(RunStoreSessions, SeeNoHalfOfAUnit) {
-  // Goal: a unit becomes visible in one step. Method: a reader polls while units of 40 scans are
-  // committed; its scan counts must be multiples of 40 and equal the progress.
+  // Goal: a reader sees either all scans of a unit or none. Method: poll the store while units of
+  // 40 scans are committed. The number of scans must be a multiple of 40 and equal the stored
+  // progress.
   RunStore store(folder(), example_identity(1));
   Database reader(RunStore::database_path(folder()), Access::read_only);
   Statement count = reader.prepare(
@@ -135,8 +137,8 @@ TEST_F(RunStoreSessions, SeeNoHalfOfAUnit) {
 }
 
 TEST_F(RunStoreSessions, NeedAFolderAndADatabase) {
-  // Goal: a folder without a run store is refused and not written to. Method: use a missing folder,
-  // and a text file in place of the store.
+  // Goal: opening a store fails if the folder is missing or the store's file is not a database, and
+  // leaves the file unchanged.
   const std::string missing = failure_of(base::ExitCode::environment,
                                          [&] { RunStore(path("missing"), example_identity(1)); });
   EXPECT_THAT(missing, HasSubstr(path("missing")));

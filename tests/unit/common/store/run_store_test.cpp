@@ -30,7 +30,7 @@ class RunStoreOf : public testing::RunFolder {
 };
 
 TEST_F(RunStoreOf, NewRunIsEmpty) {
-  // Goal: a new run is empty. Method: open, query, open again.
+  // Goal: a new run has no scans and no progress, even after it is opened again.
   open();
   EXPECT_EQ(store_->epoch(), 1U);
   EXPECT_TRUE(store_->progress().empty());
@@ -43,8 +43,9 @@ TEST_F(RunStoreOf, NewRunIsEmpty) {
 }
 
 TEST_F(RunStoreOf, GivesBackWhatWasPut) {
-  // Goal: results can be read after a flush, also by other readers and after reopening. Method:
-  // store two chains in units of several sizes, together longer than a replay's batch.
+  // Goal: after a flush, results can be read, even by other readers and after the store is
+  // reopened. Method: store two chains in units of several sizes. One chain has more scans than one
+  // batch of a replay.
   open();
   std::uint64_t next = 0;
   for (const std::uint32_t scans : {1U, 2U, 100U, 4096U, 7U, 1000U}) {
@@ -63,8 +64,8 @@ TEST_F(RunStoreOf, GivesBackWhatWasPut) {
 }
 
 TEST_F(RunStoreOf, ProgressIsInOrder) {
-  // Goal: replicas are sorted by chain, then replica. Method: put results out of order, with ids
-  // far apart.
+  // Goal: progress() sorts replicas by chain number, then by replica number. Method: put results
+  // out of order, with numbers that are far apart.
   open();
   for (const auto& [chain, replica] :
        {std::pair{70'000U, 1U}, {3U, 0U}, {0xffffffffU, 0U}, {3U, 0xffffffffU}, {70'000U, 0U}}) {
@@ -84,8 +85,10 @@ TEST_F(RunStoreOf, ProgressIsInOrder) {
 }
 
 TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
-  // Goal: invariants 2 and 4 hold for any history. Method: put random units that continue, repeat
-  // or overlap, with flushes and new sessions between; change parts that are already stored.
+  // Goal: in any order of results, a scan's first result stays, and no replica has a gap
+  // (invariants 2 and 4). Method: put random units that continue, repeat or overlap stored units,
+  // with changed values in the scans that are already stored. Flush and open new sessions at
+  // random.
   constexpr std::uint64_t k_seed = 4711;
   SCOPED_TRACE(fmt::format("seed {}", k_seed));
   random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 0);
@@ -114,7 +117,7 @@ TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
 }
 
 TEST_F(RunStoreOf, TakesFromManyThreads) {
-  // Goal: put, flush and committed may be called from any thread. Method: use four threads.
+  // Goal: put(), flush() and committed() may be called from any thread.
   open(4);
   std::vector<std::thread> threads;
   for (std::uint32_t chain = 0; chain < 4; ++chain) {
@@ -137,8 +140,7 @@ TEST_F(RunStoreOf, TakesFromManyThreads) {
 using RunStoreOfDeathTest = RunStoreOf;
 
 TEST_F(RunStoreOfDeathTest, GapIsABug) {
-  // Goal: a replica never has a gap (invariant 4). Method: give an empty replica scans that begin
-  // at number 3.
+  // Goal: a result that would leave a gap in a replica's scans fails a CHECK (invariant 4).
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(
       {

@@ -1,4 +1,4 @@
-// Goal: a supervisor reads a run's sessions from its store. Method: end sessions in every way.
+// Goal: a supervisor can read from a run's store how each session ended.
 #include "common/store/sessions.h"
 
 #include <gmock/gmock.h>
@@ -31,9 +31,9 @@ class Sessions : public testing::RunFolder {
 };
 
 TEST_F(Sessions, TellHowEachEnded) {
-  // Goal: a supervisor lists finished sessions with their record, and dead or running sessions
-  // without one. The list also states whether each session committed anything. Method: let sessions
-  // die before and after they commit, fail, finish, and run.
+  // Goal: sessions_of() returns finished and failed sessions with their end, and dead and running
+  // sessions without an end. It also returns the number of scans before each session. Method: let
+  // two sessions die, one before and one after a commit. Let other sessions fail, finish and run.
   { RunStore died(folder(), example_identity(1)); }
   {
     RunStore died(folder(), example_identity(1));
@@ -70,8 +70,8 @@ TEST_F(Sessions, TellHowEachEnded) {
 }
 
 TEST_F(Sessions, OneThatWasTakenForDeadSaysNothing) {
-  // Goal: a session whose successor has begun stores no record, and the successor's record stays.
-  // Method: open two stores and close the older one.
+  // Goal: a session whose successor has begun stores no end, and the successor's end stays. Method:
+  // open two stores of one run, and close the older store first.
   RunStore older(folder(), example_identity(1));
   RunStore newer(folder(), example_identity(1));
   try {
@@ -89,7 +89,8 @@ TEST_F(Sessions, OneThatWasTakenForDeadSaysNothing) {
 }
 
 TEST_F(Sessions, WhatWasChangedIsRefused) {
-  // Goal: a supervisor never acts on a damaged row. Method: change each column in turn.
+  // Goal: a supervisor never acts on a damaged row, because sessions_of() throws. Method: change
+  // each column in turn.
   {
     RunStore store(folder(), example_identity(1));
     store.close({.end = events::End::finished, .scans = 10});

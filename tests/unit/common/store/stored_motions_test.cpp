@@ -1,5 +1,4 @@
-// Goal: a motion stored beside a run's store is read back bit for bit, or not at all. Method:
-// damage the stored motions.
+// Goal: a motion stored beside a run's store is read back bit for bit, or not at all.
 #include "common/store/stored_motions.h"
 
 #include <gtest/gtest.h>
@@ -92,15 +91,16 @@ class StoredMotionsTest : public testing::RunFolder {
 
 TEST_F(StoredMotionsTest, ComeBackBitForBit) {
   // Goal: another process reads stored motions unchanged, including NaN payloads, signed zeros and
-  // failed motions. Method: two objects write and read fifty motions.
+  // failed motions. Method: write fifty motions with one object, and read them with another object.
   EXPECT_EQ(remembered("a"), 0);
   keep_fifty("a");
   EXPECT_EQ(remembered("a"), 50);
 }
 
 TEST_F(StoredMotionsTest, BelongToOneOwner) {
-  // Goal: motions of another version or request are never returned, and new motions replace them.
-  // Method: use another owner's text, and store the same states.
+  // Goal: motions of another version or request are never returned, and the new owner's motions
+  // replace them. Method: open the file with another owner's text, and store motions of the same
+  // states.
   keep_fifty("a");
   EXPECT_EQ(remembered("b"), 0);
   EXPECT_EQ(remembered("a"), 50);
@@ -110,8 +110,9 @@ TEST_F(StoredMotionsTest, BelongToOneOwner) {
 }
 
 TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
-  // Goal: a damaged row is never returned, and an invalid or deleted file is created again. Method:
-  // change each column in one row; replace the file by garbage; remove it.
+  // Goal: a damaged row is never returned, and a damaged or deleted file is created again. Method:
+  // change one column in each of several rows. Then replace the file by garbage, and delete the
+  // file.
   keep_fifty("a");
   int left = 50;
   // Each change affects the motion of one state, whose first byte (of four) is given. The motions
@@ -136,8 +137,9 @@ TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
 }
 
 TEST_F(StoredMotionsTest, AFileDamagedWithinIsMadeAnew) {
-  // Goal: damage found while reading or writing rows is repaired once, without an error for the
-  // archive. Method: overwrite all pages but the first; old motions are lost, new ones are stored.
+  // Goal: if a file proves damaged while rows are read or written, the file is created again
+  // without an error. Method: overwrite all pages but the first. The old motions are lost, and new
+  // motions must be stored.
   keep_fifty("a");
   execute("PRAGMA wal_checkpoint(TRUNCATE)");
   std::string bytes = bytes_of(StoredMotions::path(folder()));
@@ -153,8 +155,8 @@ TEST_F(StoredMotionsTest, AFileDamagedWithinIsMadeAnew) {
 }
 
 TEST_F(StoredMotionsTest, GrowsToItsBound) {
-  // Goal: a file exceeds its limit at most by the pending motions, and its stored motions stay.
-  // Method: use a limit of 1 MB and motions of 100 kB.
+  // Goal: a file exceeds its size limit by no more than the motions that wait to be written, and
+  // its stored motions stay. Method: use a limit of 1 MB and motions of 100 kB.
   StoredMotions motions(folder(), "a", 1 << 20);
   const archive::Motion large{.segments = std::vector<motion::Segment>(521)};
   for (int number = 0; number < 400; ++number)
@@ -167,14 +169,15 @@ TEST_F(StoredMotionsTest, GrowsToItsBound) {
 }
 
 TEST_F(StoredMotionsTest, WithoutAFileNothingIsRemembered) {
-  // Goal: nothing fails if the file can't be created. Method: use a missing folder.
+  // Goal: if the file can't be created, calls succeed and no motion is found.
   StoredMotions motions(folder() + "/nowhere", "a");
   motions.keep(state_of(1), motion_of(1));
   EXPECT_FALSE(motions.find(state_of(1)).has_value());
 }
 
 TEST_F(StoredMotionsTest, TwoMayHaveOneFile) {
-  // Goal: a checkpoint and `archive derive` share stored motions. Method: use two objects.
+  // Goal: a checkpoint and `archive derive` can share one file of motions at the same time. Method:
+  // let two objects write to one file.
   StoredMotions one(folder(), "a");
   {
     StoredMotions other(folder(), "a");

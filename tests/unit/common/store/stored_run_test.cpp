@@ -33,8 +33,9 @@ class StoredRunOf : public testing::RunFolder {
 };
 
 TEST_F(StoredRunOf, KeepsEveryBit) {
-  // Goal: an archive gets a worker's exact bits. Method: store one record of extremes: NaNs with
-  // payloads as outcomes, densities of minus infinity, empty lists, the largest lineage.
+  // Goal: a scan's record is read from the store with the exact bits that the worker returned.
+  // Method: store a record with extreme values: NaNs with payloads as outcomes, a density of minus
+  // infinity, empty lists, and the largest lineage.
   plan::ScanRecord record;
   record.log_prior = std::numeric_limits<double>::denorm_min();
   record.log_constraint = -std::numeric_limits<double>::infinity();
@@ -46,8 +47,8 @@ TEST_F(StoredRunOf, KeepsEveryBit) {
 }
 
 TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
-  // Goal: the two densities keep their bits in their own columns. Method: store doubles that a
-  // database might convert: whole numbers, signed zeros, the largest double.
+  // Goal: the two densities, which have their own columns, keep their bits. Method: store doubles
+  // that a database might convert: whole numbers, signed zeros, the largest double.
   const std::vector<double> values{-0.0,
                                    0.0,
                                    1.0,
@@ -74,8 +75,9 @@ TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
 }
 
 TEST_F(StoredRunOf, CutsWhereItIsTold) {
-  // Goal: scans after the cut don't appear. Method: read only some scans, or none, while a writer
-  // runs.
+  // Goal: a reader that is limited to a number of scans gets exactly these scans of each chain.
+  // Method: limit a reader to 7 scans, and another reader to none, while the store is open for
+  // writing.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 9));
   store.put(result_of(1, 0, 7));
@@ -97,9 +99,9 @@ TEST_F(StoredRunOf, CutsWhereItIsTold) {
 }
 
 TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
-  // Goal: failures are counted for scans before the cut in all replicas, and for no others. Method:
-  // for each cut, with and without failures, compare with the sum over the example records. Then
-  // damage a stored count.
+  // Goal: failures() counts the failures of all replicas in the scans before the cut, and no
+  // others. Method: for each cut, compare the counts with the sum over the example records. Then
+  // damage a stored count, which must throw an error.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 40));
   store.put(result_of(1, 0, 40));
@@ -122,9 +124,9 @@ TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
 }
 
 TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
-  // Goal: with several replicas, an archive holds the replica at inverse temperature 1 of each
-  // scan, in order, and each replica's newest state. Method: store two replicas that swap after
-  // each scan; the second exists only from scan 2 on.
+  // Goal: if a chain has several replicas, a reader gets the record of the replica at inverse
+  // temperature 1 for each scan. Method: store two replicas that swap inverse temperatures after
+  // each scan. The second replica exists only from scan 2 on.
   RunStore store(folder(), example_identity(1));
   plan::UnitResult first = result_of(0, 0, 5);
   plan::UnitResult second = testing::forged(result_of(0, 2, 3));
@@ -156,9 +158,9 @@ TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
 }
 
 TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
-  // Goal: a replay visits dependent replicas together, so that a plan buffers little; each
-  // replica's scans come once and in order. Method: store three replicas with more scans than some
-  // batches; measure how far apart they are.
+  // Goal: a replay advances dependent replicas together, so that a plan buffers few scans. Each
+  // replica's scans come once and in order. Method: store three replicas with more scans than one
+  // batch, and measure by how many scans the replay is ahead in one replica.
   constexpr std::uint64_t k_scans = 10'000;
   constexpr std::uint64_t k_apart_max = 4096;
   RunStore store(folder(), example_identity(1));
@@ -188,13 +190,14 @@ TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
 }
 
 TEST_F(StoredRunOf, MissingStoreIsAnError) {
-  // Goal: reading creates no file. Method: use a folder without a store.
+  // Goal: reading from a folder without a store throws an error and creates no file.
   EXPECT_THROW(StoredRun(folder(), {.chains = 1, .scans = 1}), base::Error);
   EXPECT_TRUE(std::filesystem::is_empty(folder()));
 }
 
 TEST_F(StoredRunOf, MissingScansAreDamage) {
-  // Goal: an archive is never silently cut short. Method: request more scans than are stored.
+  // Goal: reading more scans than are stored throws an error, so that no archive is silently cut
+  // short.
   RunStore store(folder(), example_identity(1));
   store.put(result_of(0, 0, 3));
   store.flush();
@@ -203,7 +206,8 @@ TEST_F(StoredRunOf, MissingScansAreDamage) {
 
 TEST_F(StoredRunOf, ChangedRowsAreDamage) {
   // Goal: a damaged row never becomes another animation and never affects a resumed run. Method:
-  // change each column of one stored scan in turn; reading and replaying must name chain and scan.
+  // change each column of one stored scan in turn. Reading and replaying must throw an error that
+  // names the chain and the scan.
   for (const char* change : {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied",
                              "lineage=-1", "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)",
                              "failures=x'01'", "overlapping_starts=1", "method_values=NULL",
@@ -236,8 +240,8 @@ TEST_F(StoredRunOf, ChangedRowsAreDamage) {
 }
 
 TEST_F(StoredRunOf, ChangedProgressIsDamage) {
-  // Goal: a chain never resumes from a wrong state. Method: change the state, next scan, chain and
-  // epoch, and remove a scan.
+  // Goal: a chain never resumes from a wrong state. Method: change the stored state, next scan,
+  // chain or epoch, or delete a scan. Resuming the run must throw an error.
   for (const char* change :
        {"UPDATE replica SET state=zeroblob(8)", "UPDATE replica SET next_scan=2",
         "UPDATE replica SET chain=7", "DELETE FROM scan WHERE scan=1",

@@ -1,5 +1,5 @@
-// Goal: a run's events are numbered and committed with its results, and read back from log and
-// store. Method: run sessions, logs and followers.
+// Goal: a run's events are numbered and committed together with its results. Readers get the events
+// from the event log and the store.
 #include "common/store/told_events.h"
 
 #include <fmt/format.h>
@@ -64,7 +64,7 @@ class ToldEventsTest : public testing::RunFolder {
     }
     return {};
   }
-  /// Writes a log of numbered rounds in the form that a session writes.
+  /// Writes a log of numbered rounds, in the form that a session's log has.
   void log(std::uint64_t first, std::uint64_t last) const {
     events::EventLog log(folder());
     for (std::uint64_t number = first; number <= last; ++number) {
@@ -81,10 +81,10 @@ class ToldEventsTest : public testing::RunFolder {
 };
 
 TEST_F(ToldEventsTest, NumbersGoOnOverSessionsAndEnds) {
-  // Goal: events are numbered from 1 without a gap, in the order of put(). A session's end has a
-  // number, a dead session has no end, and the frontier is the last committed number. Method: run
-  // three sessions, of which the second dies; compare the events that each reports with the events
-  // that are read back.
+  // Goal: events are numbered from 1 without a gap, in the order of put(), and so is a session's
+  // end. A session that dies stores no end, and told() returns the counts of the last committed
+  // events. Method: run three sessions, of which the second dies. Compare the events that each
+  // session reports with the events that are read back.
   std::vector<std::uint64_t> heard;
   const auto hear = [&](std::span<const events::RunEvent> told) {
     for (const events::RunEvent& event : told)
@@ -120,9 +120,9 @@ TEST_F(ToldEventsTest, NumbersGoOnOverSessionsAndEnds) {
 }
 
 TEST_F(ToldEventsTest, AreCommittedBehindTheirResultsAndFenced) {
-  // Goal: an event is reported only after its results are committed, and never by a session
-  // presumed dead. Method: at each report, read the results; then open a newer session, after which
-  // the older session's events and end are refused.
+  // Goal: an event is reported only after its results are committed, and never by a session that is
+  // presumed dead. Method: at each report, read the results from the store. Then open a newer
+  // session; the store must refuse the older session's events and end.
   RunStore store(folder(), example_identity(1));
   std::uint64_t heard = 0;
   store.on_told([&](std::span<const events::RunEvent> told) {
@@ -146,8 +146,7 @@ TEST_F(ToldEventsTest, AreCommittedBehindTheirResultsAndFenced) {
 }
 
 TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
-  // Goal: an event is committed soon even if no more results arrive. Method: put one event without
-  // a flush.
+  // Goal: without a flush, an event is committed soon, even if no results follow.
   RunStore store(folder(), example_identity(1));
   std::atomic<bool> has_heard = false;
   store.on_told([&](std::span<const events::RunEvent>) { has_heard = true; });
@@ -158,10 +157,10 @@ TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
 }
 
 TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
-  // Goal: a reader gets each number once and in order, whatever part of the events the log holds.
-  // Method: store twenty events. Use logs with all, the last, the first, the middle or no events,
-  // and logs with a damaged line. Read from several first numbers, with small and large limits per
-  // answer.
+  // Goal: a reader gets each event once and in order, even if the log lacks some events. Method:
+  // store twenty events. Write logs with all events, only the last, only the first, only the
+  // middle, or none, and a log with a damaged line. Read from several start numbers, with small and
+  // large limits per call.
   store_rounds(20);
   const auto read_all = [&](std::uint64_t first, std::size_t at_once) {
     ToldEvents told(folder(), first);
@@ -190,16 +189,18 @@ TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
   text[text.size() / 2] = '\n';
   put_bytes(path, text);
   EXPECT_EQ(read_all(1, 100), from_to(1, 20));
-  // Without the store, a follower reports a gap instead of stopping silently.
+  // If an event is neither in the log nor in the store, a reader reports the gap instead of
+  // stopping silently.
   std::filesystem::remove(path);
   log(22, 22);
   EXPECT_THAT(failure(), HasSubstr("event 21 is missing"));
 }
 
 TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
-  // Goal: a follower misses and repeats nothing while the log rotates, is deleted or starts again.
-  // The follower returns nothing if there are no new events. Method: step slow and quick followers
-  // by hand with a small log; the store has everything.
+  // Goal: a follower gets each event exactly once while the log rotates, is deleted or is created
+  // again. If there are no new events, the follower gets nothing. Method: store all events, and
+  // write them to a small log that is deleted several times. One follower reads after each event,
+  // and another after every ninth event.
   store_rounds(2000);
   ToldEvents quick(folder());
   ToldEvents slow(folder());
@@ -232,8 +233,8 @@ TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
 }
 
 TEST_F(ToldEventsTest, TellsTheNewestOfWhatHasNoNumber) {
-  // Goal: a reader gets only the newest unseen progress, phase and archive, after the numbered
-  // events. Method: check by hand.
+  // Goal: a reader gets numbered events first, then the newest unread event of each kind that has
+  // no number, such as progress.
   store_rounds(1);
   events::EventLog log(folder());
   log.append({.what = events::Phase{.words = "a"}});
@@ -254,8 +255,8 @@ TEST_F(ToldEventsTest, TellsTheNewestOfWhatHasNoNumber) {
 }
 
 TEST_F(ToldEventsTest, ReadsBesideAWriter) {
-  // Goal: while a session commits and logs all the time, a follower gets every number once, in
-  // order, and only after its commit. Method: run a follower in its own thread.
+  // Goal: while a session commits and logs events, a follower in another thread gets each event
+  // once and in order.
   constexpr std::uint64_t k_events = 3000;
   std::atomic<bool> is_over = false;
   std::vector<std::uint64_t> has;
@@ -293,7 +294,7 @@ TEST_F(ToldEventsTest, ReadsBesideAWriter) {
 }
 
 TEST_F(ToldEventsTest, WhatWasChangedIsRefused) {
-  // Goal: no reader or session continues from a damaged row. Method: change each column in turn.
+  // Goal: readers and sessions refuse a damaged row. Method: change each column in turn.
   EXPECT_EQ(failure(), "");  // no run yet
   store_rounds(3);
   EXPECT_EQ(failure(), "");

@@ -1,4 +1,5 @@
-// Goal: messages follow docs/BACKENDS.md: missing keys have defaults, and errors name the key.
+// Goal: messages between the daemon and a backend follow docs/BACKENDS.md. Missing keys have
+// default values, and errors name the wrong key.
 #include "service/backend/messages.h"
 
 #include <gmock/gmock.h>

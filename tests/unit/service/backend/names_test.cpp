@@ -1,4 +1,5 @@
-// Goal: attempt names read back as written, and invalid names and orders are rejected.
+// Goal: attempt names are read back as they were written, and invalid names and orders are
+// rejected.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -29,7 +30,7 @@ TEST(AttemptNames, AreNothingElse) {
 }
 
 TEST(AttemptNames, OrdersAreChecked) {
-  // Method: check a valid order, then orders with one error each.
+  // Method: check a valid order, then orders that have one error each.
   const Order right{.name = k_name, .folder = "/jobs/it's 17", .command = {"/bin/true", "a\nb"}};
   EXPECT_NO_THROW(check_order(right));
   const auto is_wrong = [&right](auto&& change) {

@@ -1,6 +1,6 @@
-// Goal: the Slurm backend runs the right commands and interprets their output, including lost or
-// unusual output. Method: scripts replace sbatch, squeue and scancel, log their arguments and print
-// prepared files. test_slurm_backend.py uses a real Slurm.
+// Goal: the Slurm backend runs the right commands and interprets their output, even if the output
+// is lost or unusual. Method: use scripts in place of sbatch, squeue and scancel, which log their
+// arguments and print prepared files. test_slurm_backend.py uses a real Slurm.
 #include "service/backend/slurm_backend.h"
 
 #include <fmt/format.h>
@@ -78,8 +78,8 @@ class SlurmBackendTest : public ::testing::Test {
 };
 
 TEST_F(SlurmBackendTest, SubmitsAnAttemptOnce) {
-  // Method: compare the whole command. Launch the same attempt again, with this backend and with
-  // another one.
+  // Method: compare the whole sbatch command. Launch the same attempt again with the same backend
+  // object and with a new one; sbatch must run only once.
   auto slurm = backend({{"partition", "long"}});
   Order wanted = order();
   wanted.memory_bytes = 3'000'000'001;
@@ -144,8 +144,9 @@ TEST_F(SlurmBackendTest, AsksSqueueOnceForAllAndNotSoonAgain) {
 }
 
 TEST_F(SlurmBackendTest, ALostAnswerIsFoundAgainByItsComment) {
-  // Method: sbatch submits the job, but its output is lost in one of several ways. The next launch
-  // searches the queue before it submits, even right after it last listed the queue.
+  // Goal: if sbatch's answer is lost, the next launch finds the submitted job in the queue instead
+  // of submitting it again. Method: let sbatch submit the job, then be killed, report a timeout, or
+  // print nothing.
   for (const char* loss : {"kill -9 $$",
                            "echo 'sbatch: error: Batch job submission failed: Socket timed out on "
                            "send/recv operation' >&2; exit 1",
@@ -189,7 +190,8 @@ TEST_F(SlurmBackendTest, ARefusalIsNoSilence) {
 }
 
 TEST_F(SlurmBackendTest, AControllerThatIsAwayIsAskedOnce) {
-  // Method: the queue is unreachable. No job is submitted, and twenty queries call squeue once.
+  // Goal: while squeue can't reach the controller, no job is submitted, and twenty calls run squeue
+  // only once.
   program("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2; exit 1");
   auto slurm = backend();
   for (std::uint64_t job = 1; job <= 10; ++job) {

@@ -1,5 +1,5 @@
-// Goal: jobs' options for Slurm become arguments of sbatch. Options that would break the service
-// are refused however they are spelt.
+// Goal: a job's Slurm options become arguments of sbatch. Options that would break the service are
+// refused, even if their names are abbreviated.
 #include "service/backend/slurm_options.h"
 
 #include <gmock/gmock.h>

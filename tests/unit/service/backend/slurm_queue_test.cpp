@@ -1,4 +1,5 @@
-// Goal: squeue's rows become attempts, and foreign or damaged rows are ignored.
+// Goal: each row that squeue prints for an attempt is read as the attempt's state. Rows of other
+// jobs and damaged rows are ignored.
 #include "service/backend/slurm_queue.h"
 
 #include <gmock/gmock.h>
@@ -27,8 +28,8 @@ TEST(SlurmQueue, HasTheAttemptsOfComments) {
 }
 
 TEST(SlurmQueue, PassesOddRowsOver) {
-  // Method: read rows with foreign comments, incomplete rows, job arrays, a comment with a bar, and
-  // a last row without a newline.
+  // Method: read rows of foreign jobs, incomplete rows, a job array, a comment with a vertical bar,
+  // and a last row without a newline.
   const SlurmQueue queue = slurm_queue_of(
       "\n|||\nslurm_load_jobs error\n"
       "1|RUNNING|None|my own|words\n"

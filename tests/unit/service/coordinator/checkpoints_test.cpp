@@ -1,4 +1,4 @@
-// Run checkpoints are made at the right times, and nothing waits for them.
+// A run makes checkpoints at the right times, and its workers don't wait for them.
 #include "service/coordinator/checkpoints.h"
 
 #include <gtest/gtest.h>
@@ -40,8 +40,9 @@ class CheckpointsTest : public ::testing::Test {
 };
 
 TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
-  // Goal: the first solution triggers a checkpoint, and each minute the newest cut does. Method:
-  // make one offer per second for five minutes, with a solution after ten seconds.
+  // Goal: a run makes a checkpoint at its first solution, and then a checkpoint of its newest cut
+  // every minute. Method: make one offer per second for five minutes, with a solution from the
+  // tenth second on.
   std::vector<std::uint64_t> cuts;
   Checkpoints checkpoints(
       [&](const request::Cut& reached, const std::atomic<bool>&) {
@@ -60,7 +61,8 @@ TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
 }
 
 TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
-  // Goal: no checkpoint is made without results, in the first half second, or if turned off.
+  // Goal: no checkpoint is made without results, in the first half second, after stop(), or if
+  // checkpoints are turned off.
   std::atomic<int> made = 0;
   const auto derive = [&](const request::Cut&, const std::atomic<bool>&) {
     ++made;
@@ -81,8 +83,8 @@ TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
 }
 
 TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
-  // Goal: an archive is derived as soon as a search has all its finds, even if the run ends
-  // meanwhile. Method: make an offer at time 0, and call stop() during the derivation.
+  // Goal: an archive is derived as soon as a search has all its finds, even if the run ends during
+  // the derivation. Method: make an offer at time 0, and call stop() during the derivation.
   std::atomic<int> begun = 0;
   std::atomic<bool> stops = false;
   Checkpoints checkpoints(
@@ -108,8 +110,8 @@ TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
 
 TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
   // Goal: during a derivation, offers return at once and don't start a second derivation, and
-  // stop() cancels the first. Method: make offers during a derivation that runs until it is
-  // cancelled.
+  // stop() cancels the running derivation. Method: make offers during a derivation that runs until
+  // it is cancelled.
   std::atomic<int> begun = 0;
   std::atomic<bool> was_told = false;
   Checkpoints checkpoints(
@@ -136,10 +138,10 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
 }
 
 TEST_F(CheckpointsTest, CostlyOnesAreRare) {
-  // Goal: deriving takes at most a hundredth of the workers' time, excluding new motions. Method:
-  // each checkpoint computes for 0.2 s, of which motions take 0 or 0.15 s. A checkpoint is due each
-  // second. But with two workers, the next one starts only after 50 times the time that the last
-  // one took without motions: at least 10 s or 2.5 s.
+  // Goal: deriving archives takes at most 1% of the workers' time, not counting the simulation of
+  // new motions. Method: let each checkpoint compute for 0.2 s, of which motions take 0 s or 0.15
+  // s. With two workers, the next checkpoint must wait for 50 times the remaining time, which is at
+  // least 10 s or 2.5 s.
   for (const double motions_s : {0.0, 0.15}) {
     std::atomic<double> cost_s = 0;
     Checkpoints checkpoints(
@@ -169,9 +171,10 @@ TEST_F(CheckpointsTest, CostlyOnesAreRare) {
 }
 
 TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
-  // Goal: checkpoints continue after any failure and after a cut without draws. The first archive
-  // is tried each second until it succeeds, and the second a minute later. Method: let two tries
-  // fail in different ways, let the third have no draws, then succeed.
+  // Goal: checkpoints continue after any failure and after a checkpoint without draws. A run tries
+  // each second to make its first archive, and makes its second archive a minute after the first.
+  // Method: let two tries fail in different ways, let the third have no draws, and let the later
+  // tries succeed.
   std::atomic<int> tries = 0;
   Checkpoints checkpoints(
       [&](const request::Cut&, const std::atomic<bool>&) {
@@ -200,8 +203,7 @@ TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
 }
 
 TEST_F(CheckpointsTest, WhatGoesOnHasAnArchive) {
-  // Goal: a resumed run that has an archive doesn't make a checkpoint at once. Method: resume with
-  // and without an archive.
+  // Goal: a resumed run makes a checkpoint at once only if it has no archive.
   for (const bool has_archive : {true, false}) {
     std::atomic<int> made = 0;
     Checkpoints checkpoints(

@@ -64,9 +64,10 @@ class DeriveArchive : public testing::BallRuns {
 };
 
 TEST_F(DeriveArchive, IsTheRunsOwn) {
-  // Goal: an archive derived from a run's folder alone equals the run's own archive byte for byte,
-  // for each kind of method, for finished and stopped runs, and for fewer scans than the store has.
-  // Method: use runs of the ball and of a word of two bins, some stopped and with two threads.
+  // Goal: an archive derived from a run's folder alone equals the run's own archive byte for byte.
+  // This holds for each kind of method, for finished and stopped runs, and for fewer scans than the
+  // store has. Method: run each request with two threads, once to its end and once with an early
+  // stop.
   const auto word = [](const std::string& sampler, const std::string& stop) {
     return "[world]\nname = \"spelling\"\nbitmap = \"#.#\"\n[sampler]\nseed = 5\n" + sampler +
            "[stop]\n" + stop;
@@ -103,9 +104,9 @@ TEST_F(DeriveArchive, IsTheRunsOwn) {
 }
 
 TEST_F(DeriveArchive, HangsOnItsCutAlone) {
-  // Goal: scans after a cut, including a ladder's later levels, don't change the cut's archive.
-  // Method: request fewer scans of a long run, and compare with a run of just these scans. The
-  // ladders choose their levels, and the long run has more levels.
+  // Goal: the archive of a run's first scans doesn't depend on later scans, even if ladders get
+  // more levels later. Method: request 40 scans of a run of 2000 scans, and compare the archive
+  // with the archive of a new run of 40 scans.
   const auto text = [](int scans) {
     return request_text("scans = " + std::to_string(scans), "", "parallel_tempering");
   };
@@ -122,9 +123,9 @@ TEST_F(DeriveArchive, HangsOnItsCutAlone) {
 }
 
 TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
-  // Goal: checkpoints, the final archive and the archives of a resumed run simulate each kept
-  // animation once in total. Method: count the simulated motions of a run with checkpoints as often
-  // as possible, and of a session that resumes it.
+  // Goal: a run simulates the motion of each kept animation only once for all checkpoints and
+  // archives, even if the run is resumed. Method: count the simulated motions of a run with very
+  // frequent checkpoints, and of a session that resumes the run.
   const run::Catalogue catalogue;
   const auto read = [&](const std::string& stop) {
     return request::read_request(
@@ -170,7 +171,7 @@ TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
 }
 
 TEST_F(DeriveArchive, CanBeStopped) {
-  // Goal: a stopped derivation leaves the old archive and no new file. Method: stop at once.
+  // Goal: if a derivation is stopped, the old archive stays and no new file is left.
   const std::string text = request_text("scans = 200");
   (void)session(text, {.output = path("run.h5")});
   const auto stop = [] { return true; };
@@ -182,8 +183,9 @@ TEST_F(DeriveArchive, CanBeStopped) {
 
 TEST_F(DeriveArchive, ARunThatIsToldToStopWhileItWritesKeepsTheOldOne) {
   // Goal: if a session is stopped while it writes its archive, the old archive stays, the store is
-  // complete, and the session ends as interrupted. The same request then produces its archive.
-  // Method: stop in the phase before the writing, in a first session and in a resumed one.
+  // complete, and the session ends as interrupted. The next session of the same request writes the
+  // archive. Method: request a stop when the run reports that it begins to write the archive. Use a
+  // new run and a run that has an archive.
   const std::string text = request_text("scans = 200");
   const std::string longer = request_text("scans = 300");
   for (const bool has_archive : {false, true}) {

@@ -38,9 +38,10 @@ class DriveProperty : public store::testing::RunFolder {};
 
 TEST_F(DriveProperty, AnyCrewAndAnyStopsGiveOneResult) {
   // Goal: results don't depend on when and where units complete, on their costs, on lost states, or
-  // on where sessions stop or fail. Method: drive runs in sessions that end at random, with random
-  // numbers of workers and threads, random orders, costs and lost states. The final scan and every
-  // stored bit equal the reference. Control: the crews held states and lost some of them.
+  // on where sessions stop or fail. Method: run sessions that stop or fail at random. Choose the
+  // numbers of workers and threads, the orders and costs of units, and the lost states at random.
+  // Compare the final scan and every stored bit with the example records. Control: the crews held
+  // states and lost some of them.
   const std::uint64_t end = scans_at_stop();
   EXPECT_GT(end, 2 * k_round_scans);
   std::uint64_t states_held = 0;

@@ -55,7 +55,7 @@ class Drive : public store::testing::RunFolder {
 
 TEST_F(Drive, RunsAPlanToItsEnd) {
   // Goal: every scan of the plan is computed once, stored and counted. Method: run 500 scans of
-  // three chains, and compare the counts with the records.
+  // three chains, and compare the reported counts with counts over the example records.
   const DriveOutcome outcome = session(scans(500), {.seconds_per_scan = 0.001});
   EXPECT_EQ(outcome.end, DriveEnd::finished);
   EXPECT_EQ(outcome.reached.scans, 500U);
@@ -90,8 +90,9 @@ TEST_F(Drive, RunsAPlanToItsEnd) {
 }
 
 TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
-  // Goal: a stop request ends assignments; running blocks finish and are stored; the next session
-  // resumes. Method: stop at the tenth call; compare submitted and stored units.
+  // Goal: after a stop request, the session assigns no more blocks, and finishes and stores the
+  // running blocks. The next session resumes the run. Method: request a stop after ten checks, and
+  // compare the number of stored scans with the number of submitted scans.
   int questions = 0;
   const DriveOutcome outcome = session(scans(500), {.seconds_per_scan = 0.001},
                                        {.stop_requested = [&] { return ++questions > 10; }});
@@ -114,16 +115,15 @@ TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
 }
 
 TEST_F(Drive, AFinishedRunIsFinishedWhateverIsAsked) {
-  // Goal: a stop request after the last unit has no effect. Method: request a stop at each call of
-  // a session whose run is complete.
+  // Goal: a stop request has no effect if the run is complete.
   (void)session(scans(5), {});
   EXPECT_EQ(session(scans(5), {}, {.stop_requested = [] { return true; }}).end, DriveEnd::finished);
 }
 
 TEST_F(Drive, TimeLimitEndsInOrder) {
-  // Goal: a session exceeds the time limit at most by the time of its running units, and cuts all
-  // chains at the same scan. Method: each scan takes 10 ms, and the limit is 2 s.
-  clock_.advance(1000);  // clocks have any origin
+  // Goal: a session exceeds its time limit by no more than the time of its running units, and cuts
+  // all chains at the same scan. Method: let each scan take 10 ms, and set a limit of 2 s.
+  clock_.advance(1000);  // a clock may start at any time
   const DriveOutcome outcome =
       session(scans(100'000), {.seconds_per_scan = 0.010}, {.time_limit_s = 2});
   EXPECT_EQ(outcome.end, DriveEnd::time_limit);
@@ -134,9 +134,9 @@ TEST_F(Drive, TimeLimitEndsInOrder) {
 }
 
 TEST_F(Drive, UnitsFollowWhatScansCost) {
-  // Goal: measured costs determine the sizes of units (see block_size_test). Units grow to the
-  // target duration and stay there; units of cheap scans grow to the maximum block size. Method:
-  // run scans of 0.5 ms, and scans that cost almost nothing.
+  // Goal: measured costs determine the sizes of units (see block_size_test). Units grow until they
+  // take the target duration, and units of cheap scans grow to the maximum block size. Method: run
+  // scans of 0.5 ms, and scans that cost almost nothing.
   const core::BlockSizeOptions size{};
   (void)session(scans(5000), {.seconds_per_scan = 0.0005});
   EXPECT_EQ(crew_->submitted().front().scans, 1U);
@@ -152,8 +152,9 @@ TEST_F(Drive, UnitsFollowWhatScansCost) {
 }
 
 TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
-  // Goal: scans_done never exceeds the committed scans and never decreases; the last report equals
-  // the outcome's progress. Method: at each report a concurrent reader counts the stored scans.
+  // Goal: the reported scans_done never exceeds the committed scans and never decreases; the last
+  // report equals the outcome's progress. Method: at each report, count the stored scans with a
+  // second reader.
   std::vector<events::Progress> reports;
   const auto report = [&](const events::Progress& progress) {
     EXPECT_LE(progress.scans_done, committed_scans());
@@ -172,8 +173,8 @@ TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
 
 TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
   // Goal: a stop request ends the session soon, even if blocks are still running, and keeps all
-  // results so far. The next session computes the rest. Method: the crew hangs after 3 s, and a
-  // stop is requested after 5 s. Without the grace limit the test would never end.
+  // results so far. The next session computes the rest. Method: let the crew hang after 3 s, and
+  // request a stop after 5 s. Without the grace limit the test would never end.
   const double begin_s = clock_.now_s();
   const DriveOutcome cut =
       session(scans(2000), {.seconds_per_scan = 0.001, .hangs_from_s = begin_s + 3},
@@ -190,8 +191,9 @@ TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
 }
 
 TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
-  // Goal: `standing` receives growing cuts, and has_solution from the first solution on. A flush
-  // commits the scans of the cut. Method: read the store at each call.
+  // Goal: the callback `standing` gets cuts that never shrink, and has_solution stays true after
+  // the first solution. A flush commits the scans of the cut. Method: at each call, flush and read
+  // the store.
   std::vector<std::uint64_t> cuts;
   bool had_solution = false;
   const auto standing = [&](const Standing& now) {
@@ -213,8 +215,8 @@ TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
 }
 
 TEST_F(Drive, WorkersFailureComesOut) {
-  // Goal: a worker's exception ends the session and reaches the caller, earlier results are stored,
-  // and the next session resumes. Method: let the 40th unit fail.
+  // Goal: a worker's exception ends the session and reaches the caller. Earlier results are stored,
+  // and the next session resumes the run. Method: let the 40th unit throw an exception.
   int units = 0;
   std::uint64_t scans_before = 0;
   FakeCrewOptions failing{.seconds_per_scan = 0.001};
@@ -232,7 +234,8 @@ TEST_F(Drive, WorkersFailureComesOut) {
 }
 
 TEST_F(Drive, SupersededSessionEnds) {
-  // Goal: a session ends with a conflict if another takes over its run. Method: reopen the store.
+  // Goal: a session ends with a conflict if another session takes over its run. Method: open the
+  // run's store a second time during the session.
   FakeCrewOptions options{.seconds_per_scan = 0.001};
   std::optional<store::RunStore> successor;
   int units = 0;
@@ -248,9 +251,9 @@ TEST_F(Drive, SupersededSessionEnds) {
 }
 
 TEST_F(Drive, SaysWhatHandlingTook) {
-  // Goal: an outcome's Handling covers its session: the scheduler's counts, the crew's messages,
-  // and the last reported caches of all workers. Method: compare with the crew's counts for three
-  // workers, whose cache numbers grow with each delivery.
+  // Goal: an outcome's `handling` has the scheduler's counts, the crew's messages, and the sum of
+  // all workers' last reported cache numbers. Method: compare `handling` with the counts of a crew
+  // of three workers, whose cache numbers grow with each delivery.
   const DriveOutcome outcome =
       session(scans(400), {.workers = 3, .threads = 2, .seconds_per_scan = 0.001});
   EXPECT_EQ(outcome.progress.workers, 6U);
@@ -262,7 +265,8 @@ TEST_F(Drive, SaysWhatHandlingTook) {
   EXPECT_EQ(counts.states_missing, 0U);
   EXPECT_EQ(counts.states_held, crew_->states_held());
   EXPECT_EQ(counts.states_sent, crew_->states_given());
-  EXPECT_EQ(counts.states_held + counts.states_sent, counts.blocks - k_chains);  // others start
+  EXPECT_EQ(counts.states_held + counts.states_sent,
+            counts.blocks - k_chains);  // each chain's first block has no state
   EXPECT_EQ(outcome.handling.traffic.messages, crew_->submitted().size());
   EXPECT_EQ(outcome.handling.traffic.bytes, 100 * crew_->submitted().size());
 
@@ -281,7 +285,6 @@ TEST_F(Drive, SaysWhatHandlingTook) {
 
 TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
   // Goal: if the clock starts at a large time, no worker counts as silent and no lease ends.
-  // Method: start the clock at a million seconds.
   clock_.advance(1e6);
   const DriveOutcome outcome =
       session(scans(1000), {.workers = 2, .threads = 2, .seconds_per_scan = 1}, {});
@@ -291,8 +294,9 @@ TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
 }
 
 TEST_F(Drive, ReportsRoundTripsOfItsPlan) {
-  // Goal: progress includes the round trips of all sessions, if the plan counts round trips.
-  // Method: run two sessions of a plan that reports its consumed scans as round trips.
+  // Goal: a session's progress includes the round trips of all sessions, if the plan counts round
+  // trips. Method: run two sessions. The second session's plan reports its consumed scans as round
+  // trips.
   class Travelling final : public plan::Plan {
    public:
     explicit Travelling(const sampling::IndependentChainsOptions& options) : chains_(options) {}

@@ -39,7 +39,7 @@ class Dice {
 /// A run's results. Each result depends only on its chain and scan.
 struct World {
   std::uint64_t seed = 1;
-  std::uint64_t failing = 12;  ///< one in this many scans fails, some twice
+  std::uint64_t failing = 12;  ///< one scan in this many fails, some scans twice
 
   plan::ScanRecord record(std::uint32_t chain, std::uint64_t scan) const {
     random::Stream stream(
@@ -74,7 +74,7 @@ std::unique_ptr<plan::Plan> plan_of(const Asked& asked) {
           .stop = {.scans = asked.scans, .rounds = {}, .independent_solutions = {}}}));
 }
 
-/// Numbers events in their order of arrival. The checks below must catch this mistake.
+/// Numbers events in their order of arrival, which the checks below must detect as a mistake.
 class CompletionOrder {
  public:
   explicit CompletionOrder(const store::ToldFrontier& told) : told_(told) {}
@@ -96,8 +96,8 @@ class CompletionOrder {
   std::vector<events::RunEvent> found_;
 };
 
-/// A run in sessions, with any number of workers whose results arrive in any order. If a session
-/// dies, the results and events from before its death remain.
+/// A run of several sessions with any number of workers, whose results arrive in any order. If a
+/// session dies, the results and events from before its death remain.
 class PlayedRun {
  public:
   explicit PlayedRun(const World& world) : world_(world) {}
@@ -132,7 +132,7 @@ class PlayedRun {
       std::ranges::copy(records, std::back_inserter(stored_[unit.replica]));
       if (dice.once_in(1 + workers)) tell(sequence, *plan);
     }
-    // A dying session may have stored results without events.
+    // A session that dies may have stored results without their events.
     if (results_max == UINT64_MAX) tell(sequence, *plan);
   }
 
@@ -157,7 +157,7 @@ class PlayedRun {
   store::ToldFrontier told_;
 };
 
-/// Returns a run by one worker, which reports results one by one.
+/// Returns a run of one session and one worker, which reports results one by one.
 PlayedRun quiet_run(const World& world, const Asked& asked) {
   Dice dice(0);
   PlayedRun run(world);
@@ -166,9 +166,10 @@ PlayedRun quiet_run(const World& world, const Asked& asked) {
 }
 
 TEST(EventSequence, IsTheSameHoweverResultsCome) {
-  // Goal: events and their order don't depend on the number of workers, the order of results, dying
-  // sessions or the number of calls (invariant 1). Method: make random runs, each a search followed
-  // by chains. Some run in sessions that die anywhere. Compare with an undisturbed run.
+  // Goal: a run's events and their order don't depend on the number of workers, the order of
+  // results or the number of calls (invariant 1). Sessions that die don't change the events.
+  // Method: make random runs of a search followed by chains, in sessions that die at random.
+  // Compare each run's events with the events of an undisturbed run.
   std::uint64_t failures = 0;
   for (const std::uint64_t index : property::cases(150)) {
     Dice dice(index);
@@ -192,7 +193,7 @@ TEST(EventSequence, IsTheSameHoweverResultsCome) {
 }
 
 TEST(EventSequence, NumberedInCompletionOrderItWouldBeCaught) {
-  // Goal: the check above catches events numbered by arrival. Method: use CompletionOrder.
+  // Goal: the test above would fail if events were numbered in their order of arrival.
   std::uint64_t caught = 0;
   for (std::uint64_t index = 0; index < 40; ++index) {
     Dice dice(index);
@@ -207,9 +208,9 @@ TEST(EventSequence, NumberedInCompletionOrderItWouldBeCaught) {
 }
 
 TEST(EventSequence, OfALongerStopGoesOn) {
-  // Goal: a run extended to more scans reports the same events as one long run (invariant 2).
-  // Requesting fewer scans in between reports nothing new. Requesting more finds only adds events
-  // of these finds. Method: extend random runs step by step.
+  // Goal: a run that is extended to more scans reports the same events as one long run (invariant
+  // 2). A request of fewer scans in between adds no event. A request of more finds adds only the
+  // events of these finds. Method: extend random runs step by step.
   for (const std::uint64_t index : property::cases(60)) {
     Dice dice(index);
     const World world{.seed = index};
@@ -235,8 +236,8 @@ TEST(EventSequence, OfALongerStopGoesOn) {
 
 TEST(EventSequence, TellsInTheOrderOfItsHeader) {
   // Goal: events have the order that event_sequence.h defines, and the right places, numbers and
-  // files. Method: consume hand-written results of two chains, the second chain first. A scan's
-  // events are its failures, then its solution, then its round.
+  // files. Method: consume constructed results of two chains, those of the second chain first. The
+  // failures of both chains must come first, then the solutions, then the round.
   sampling::IndependentChains plan(
       {.seed = 1,
        .chains = 2,
@@ -290,8 +291,8 @@ TEST(EventSequence, TellsInTheOrderOfItsHeader) {
 }
 
 TEST(EventSequence, TellsSoManyFailuresAndNoMore) {
-  // Goal: if a simulator always fails, only the first failures in logical order are reported, for
-  // any order of results. The limit applies to all sessions together. Method: fail at each scan.
+  // Goal: if every simulation fails, a run reports the same first failures for any order of
+  // results. The limit on their number applies to all sessions together.
   const World world{.seed = 5, .failing = 1};
   const Asked asked{.scans = 500, .finds = 0};
   const PlayedRun quiet = quiet_run(world, asked);

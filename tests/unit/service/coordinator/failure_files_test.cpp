@@ -35,7 +35,8 @@ class FailureFilesOf : public archive::testing::Scratch {
 };
 
 TEST_F(FailureFilesOf, KeepAFewThatCanBeReadBack) {
-  // Goal: only the first failures are written to readable files. Method: report twenty failures.
+  // Goal: a run's first ten failures are written to files, which can be read back. Later failures
+  // are not written.
   FailureFiles keeper = new_files();
   EXPECT_EQ(count(), 0U);
   std::set<std::string> paths;
@@ -53,8 +54,8 @@ TEST_F(FailureFilesOf, KeepAFewThatCanBeReadBack) {
 }
 
 TEST_F(FailureFilesOf, AreWrittenOnceOverSessions) {
-  // Goal: if a lost result is computed again, its files exist already. A later session adds files
-  // up to the limit of ten. Method: report failures of one scan to two objects.
+  // Goal: if a lost result is computed again, its failures are not written a second time. A later
+  // session adds files up to the limit of ten. Method: report the same failures to two objects.
   {
     FailureFiles first = new_files();
     for (const std::byte state : {std::byte{1}, std::byte{2}, std::byte{3}})

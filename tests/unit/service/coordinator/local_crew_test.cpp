@@ -24,7 +24,7 @@ class FakeWorker final : public plan::BlockWorker {
   using Act = std::function<void(const plan::Unit&)>;
   explicit FakeWorker(Act act = {}) : act_(std::move(act)) {}
 
-  /// Returns each member's state, or no results if a state is missing.
+  /// Returns each member's given state as its result, or no results if a state is missing.
   std::vector<plan::UnitResult> run(const plan::Block& block,
                                     std::span<const plan::GivenState> states) const override {
     ++started_;
@@ -71,7 +71,7 @@ std::vector<schema::Delivery> collect(LocalCrew& crew, std::size_t count) {
   return all;
 }
 
-/// Returns the assignments that the crew reports as not done.
+/// Returns the assignments that the crew reports as unfinished.
 std::vector<std::uint64_t> before(LocalCrew& crew) {
   crew.send(k_local_worker, schema::Ping{.epoch = 9});
   const std::vector<core::Input> inputs = crew.receive(10);
@@ -82,7 +82,7 @@ std::vector<std::uint64_t> before(LocalCrew& crew) {
   return answered.pong.assignments;
 }
 
-/// A gate that blocks workers.
+/// A gate that blocks workers until it is opened.
 class Gate {
  public:
   void pass() {
@@ -139,9 +139,9 @@ TEST(LocalCrew, ComputesEveryAssignmentOnce) {
 }
 
 TEST(LocalCrew, BlocksComeBackWhole) {
-  // Goal: a block's members and states reach the worker unchanged, and a delivery reaches the
-  // driver, even without results. Method: send a block of three members, first complete, then
-  // without one of the states.
+  // Goal: a block's members and states reach the worker unchanged, and the delivery reaches the
+  // driver, even if it has no results. Method: send a block of three members twice: with all
+  // states, then with one state missing.
   const FakeWorker worker;
   LocalCrew crew(worker, 1);
   schema::Assignment block = assignment(1);
@@ -163,8 +163,8 @@ TEST(LocalCrew, BlocksComeBackWhole) {
 }
 
 TEST(LocalCrew, AnswersPingsWithWhatIsBeforeIt) {
-  // Goal: a pong lists exactly the running and waiting assignments, without delay. Method: block
-  // two threads with six assignments, then release them.
+  // Goal: a pong lists exactly the running and waiting assignments, without delay. Method: send six
+  // assignments to two blocked threads, then release the threads.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 2);
@@ -180,7 +180,7 @@ TEST(LocalCrew, AnswersPingsWithWhatIsBeforeIt) {
 }
 
 TEST(LocalCrew, TakesTheOldestFirst) {
-  // Goal: assignments begin in the order of sending. Method: check one thread's deliveries.
+  // Goal: a thread runs assignments in the order in which they were sent.
   const FakeWorker worker;
   LocalCrew crew(worker, 1);
   for (const std::uint64_t number : {7U, 3U, 9U, 1U})
@@ -192,8 +192,8 @@ TEST(LocalCrew, TakesTheOldestFirst) {
 }
 
 TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
-  // Goal: the number of assignments that run at once equals the number of threads. Method: run
-  // units that wait for each other; fewer threads would wait forever.
+  // Goal: as many assignments run at once as there are threads. Method: run units that wait for
+  // each other; with fewer threads they would wait forever.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 4);
@@ -205,8 +205,8 @@ TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
 }
 
 TEST(LocalCrew, ReceiveEndsWithoutResults) {
-  // Goal: receive() returns nothing after a timeout, and no delivery is lost. Method: block the
-  // worker, then release it.
+  // Goal: receive() returns nothing after its timeout, and a later delivery is not lost. Method:
+  // block the worker, then release it.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 1);
@@ -218,8 +218,8 @@ TEST(LocalCrew, ReceiveEndsWithoutResults) {
 }
 
 TEST(LocalCrew, WorkersExceptionComesOutOfReceive) {
-  // Goal: an exception in a thread reaches the driver with its type at every later receive(), and
-  // doesn't end the process. Method: the third of five units throws.
+  // Goal: if a unit throws an exception, every later receive() throws an exception of the same
+  // type, and the process doesn't end. Method: let the third of five units throw.
   const FakeWorker worker([](const plan::Unit& failing) {
     if (failing.replica.chain.value == 2) {
       throw base::Error(base::ExitCode::environment, "no memory");
@@ -262,7 +262,7 @@ TEST(LocalCrew, DestructorDropsWhatWaits) {
   EXPECT_LE(worker.started(), 2);
 }
 
-/// A worker that runs single units.
+/// A worker whose units each take 2.5 s of a manual clock.
 class TimedWorker final : public plan::UnitWorker {
  public:
   explicit TimedWorker(base::ManualClock& clock) : clock_(clock) {}
@@ -276,7 +276,7 @@ class TimedWorker final : public plan::UnitWorker {
 };
 
 TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
-  // Goal: the driver gets a unit's duration as cost_s. Method: the worker advances a manual clock.
+  // Goal: a result's cost_s is the duration of its unit, measured with the runner's clock.
   base::ManualClock clock;
   const TimedWorker worker(clock);
   const sampling::BlockRunner runner(worker, clock);
@@ -286,7 +286,7 @@ TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
 }
 
 TEST(LocalCrewDeathTest, ForeignWorkerIsABug) {
-  // Goal: sending to another worker fails a CHECK. Method: send to worker 1.
+  // Goal: sending to a worker other than the local one fails a CHECK.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const FakeWorker worker;
   LocalCrew crew(worker, 1);

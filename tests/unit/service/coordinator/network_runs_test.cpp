@@ -38,9 +38,9 @@ class NetworkRuns : public testing::BallRuns {
 };
 
 TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
-  // Goal: a run on a network disk, stopped anywhere and resumed, has the same archive as a run on a
-  // local disk. The run's checkpoints use the writer's connection to read. Method: compare plain
-  // chains and ladders in sessions of two threads with the same runs on a local disk.
+  // Goal: a run on a network disk that is stopped and resumed has the same archive as a run on a
+  // local disk. Method: run plain chains and ladders with checkpoints in two sessions of two
+  // threads. Compare the digests with runs on a local disk.
   const std::vector<std::string> texts{
       request_text("scans = 300", k_slow),
       request_text("rounds = 3", std::string(k_slow) + "replicas = 4\n", "parallel_tempering")};
@@ -67,8 +67,8 @@ TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
 }
 
 TEST_F(NetworkRuns, MakeCheckpointsOverTheWritersConnection) {
-  // Goal: run checkpoints appear while the run commits; other readers get an error that names the
-  // latest archive. Method: stop an endless run once an archive exists.
+  // Goal: on a network disk, a run makes checkpoints while it commits results. Other readers get an
+  // error that names the latest archive. Method: stop an endless run when an archive exists.
   const store::testing::UnsharedDisk disk;
   const std::string output = path("a.h5");
   std::string refusal;
@@ -89,7 +89,7 @@ TEST_F(NetworkRuns, MakeCheckpointsOverTheWritersConnection) {
 
 TEST_F(NetworkRuns, ARunIsTakenOverFromADeadNode) {
   // Goal: after a run's node dies, another node can resume the run and gets the digest of an
-  // undisturbed run. Method: kill a child process after its first commit, and rewrite its lease as
+  // undisturbed run. Method: kill a child process after its first commits, and rewrite its lease as
   // another node's lease of one second.
   const std::string text = request_text("scans = 200", k_slow);
   const std::string expected = session(text, {.output = path("quiet.h5")}).digest;

@@ -94,7 +94,8 @@ TEST_F(RunEventsOf, OneRunHaveTheirContents) {
 TEST_F(RunEventsOf, SessionsGoOnWithTheSameNumbers) {
   // Goal: a run that is stopped, resumed, shortened and extended reports the same events in the
   // same order as one uninterrupted run. Each session adds an event for its end, and reported
-  // events keep their numbers. Method: compare sessions of several threads with one session.
+  // events keep their numbers. Method: compare the events of several sessions with the events of
+  // one session.
   const std::string shorter = request_text("scans = 200", k_slow, "parallel_tempering");
   const std::string longer = request_text("scans = 320", k_slow, "parallel_tempering");
   (void)session(longer, {.output = path("at_once.h5")});
@@ -126,9 +127,9 @@ TEST_F(RunEventsOf, SessionsGoOnWithTheSameNumbers) {
 }
 
 TEST_F(RunEventsOf, ALogThatIsLostChangesNothing) {
-  // Goal: a deleted or blocked log loses no numbered event and doesn't end the run. Method: delete
-  // one run's log, and create folders in the place of another run's log. The stores of both runs
-  // have the same events, and a later session starts a new log.
+  // Goal: if the event log is deleted or can't be written, no numbered event is lost and the run
+  // doesn't end. Method: delete one run's log, and create a folder in the place of another run's
+  // log. Both runs' stores must have the same events, and a later session must start a new log.
   const std::string request = request_text("scans = 150");
   (void)session(request, {.output = path("ball.h5")});
   const auto events = lines_of(told("ball.h5"));
@@ -150,7 +151,8 @@ TEST_F(RunEventsOf, ALogThatIsLostChangesNothing) {
 
 TEST_F(RunEventsOf, ListenersHearAllInTheirThread) {
   // Goal: the listener is called with each numbered event once and in order, and with progress,
-  // phases and archives, in the thread that runs the request. Method: compare with the store.
+  // phases and archives, in the thread that runs the request. Method: compare the numbered events
+  // with the events in the store.
   const auto here = std::this_thread::get_id();
   std::vector<events::RunEvent> heard;
   const auto hear = [&](const events::RunEvent& event) {
@@ -178,7 +180,7 @@ TEST_F(RunEventsOf, ListenersHearAllInTheirThread) {
 
 TEST_F(RunEventsOf, StartingOverForgetsThem) {
   // Goal: --fresh restarts numbering at 1 and reports no event of the deleted run. Method: run two
-  // sessions, then start a shorter request with --fresh in the same place.
+  // sessions, then run a shorter request with --fresh and the same output.
   (void)session(request_text("scans = 150"), {.output = path("ball.h5")});
   (void)session(request_text("scans = 200"), {.output = path("ball.h5")});
   (void)session(request_text("scans = 100"), {.output = path("other.h5")});

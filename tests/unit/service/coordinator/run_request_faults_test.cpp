@@ -1,6 +1,6 @@
 // Goal: if any file call of a session fails, the error names the file and the reason. The old
 // archive stays or is replaced by a complete one, and the next session has the digest of an
-// undisturbed run. Method: run sessions on a file system that fails at each call in turn.
+// undisturbed run. Method: run sessions on a file system in which each call fails in turn.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -48,9 +48,10 @@ class RunRequestFaults : public testing::BallRuns {
 };
 
 TEST_F(RunRequestFaults, AnyCallMayFail) {
-  // The disk becomes full and stays full at each call in turn, and fails once at every third call.
-  // The fast tier tries only every 25th and every 40th call. With sanitizers, where a session takes
-  // ten times as long, the test tries every 15th and every 22nd call.
+  // In a first series of sessions, the disk becomes full at the k-th call and stays full, for each
+  // k. In a second series, only the k-th call fails, for every third k. The fast tier tries only
+  // every 25th and every 40th k. With sanitizers, a session takes ten times as long, and the test
+  // tries every 15th and every 22nd k.
 #ifdef SLEIGHT_SANITIZED
   const std::uint64_t for_good_every = 15, once_every = 22;
 #else
@@ -88,7 +89,7 @@ TEST_F(RunRequestFaults, AnyCallMayFail) {
 }
 
 TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
-  // Goal: an unwritable output is refused at once, without leaving files.
+  // Goal: if the output can't be written, the session fails at once and leaves no files.
   EXPECT_THAT(failure_of({.call = FileCall::create, .reason = std::errc::permission_denied},
                          request_text("scans = 30")),
               tests::LinesHaveFacts(output() + ": |Permission denied"));
@@ -96,8 +97,9 @@ TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
 }
 
 TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
-  // Goal: if the archive can't be written, the results stay stored, and the next session computes
-  // nothing. Method: let each kind of call that writes the archive fail, one kind per session.
+  // Goal: if the archive can't be written, the results stay stored, and the next session writes the
+  // archive without computing anything. Method: let each kind of call that writes the archive fail,
+  // one kind per session.
   const std::string request = request_text("scans = 30");
   const std::string expected = session(request, {.output = path("s.h5")}).digest;
   for (const Fault& fault :
@@ -127,8 +129,9 @@ TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
 }
 
 TEST_F(RunRequestFaults, LeftoversThatStayStopNobody) {
-  // Goal: a run deletes a killed process's unfinished archives, and continues if the deletion
-  // fails. Method: leave two such files; fail a removal, then the listing of the folder.
+  // Goal: a run deletes the unfinished archives that a killed process left, and continues if the
+  // deletion fails. Method: leave two unfinished archives. Let a removal fail in one session, and
+  // the listing of the folder in the next session.
   const std::string request = request_text("scans = 30");
   const auto put_leftovers = [&] {
     put_bytes(path("ball.h5.tmp.11"), "half");

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t k_seed = 141421;
 #ifdef SLEIGHT_SANITIZED
 const std::uint64_t k_runs = 2;
-constexpr std::uint64_t k_questions = 48;  ///< maximum per session
+constexpr std::uint64_t k_questions = 48;  ///< maximum stop checks of a session
 #else
 const std::uint64_t k_runs = property::of_tier(2, 20);
 constexpr std::uint64_t k_questions = 12;
@@ -26,10 +26,10 @@ constexpr std::uint64_t k_questions = 12;
 class RunRequestProperty : public testing::BallRuns {};
 
 TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
-  // Goal: the archive's bytes depend only on the request (C1), not on threads or on where sessions
-  // stop. Method: compare k_runs runs of random sessions (1, 2 or 5 threads, stopped at random)
-  // with an uninterrupted run. The requests stop after scans, rounds or independent solutions, and
-  // include ladders, whose blocks contain several replicas. The seed is printed.
+  // Goal: an archive's bytes depend only on the request (C1), not on threads or on the moments when
+  // sessions stop. Method: run each request in sessions of 1, 2 or 5 threads that stop at random,
+  // and compare the archive with an uninterrupted run's archive. The requests end after scans,
+  // rounds or independent solutions, and include ladders, whose blocks contain several replicas.
   std::uint64_t sessions = 0;
   struct Case {
     std::string stop;

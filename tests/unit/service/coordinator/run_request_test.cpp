@@ -39,8 +39,8 @@ class RunRequest : public testing::BallRuns {
 };
 
 TEST_F(RunRequest, FromRequestToArchive) {
-  // Goal: one session makes a correct and complete archive. Method: run, verify, and compare the
-  // digest with the file's digest. Only the archive and the run's folder remain.
+  // Goal: one session writes a valid archive and returns its digest. Only the archive and the run's
+  // folder remain.
   const RunSummary summary = session(request_text("scans = 200"), {.output = output()}, 2);
   EXPECT_EQ(summary.end, DriveEnd::finished);
   EXPECT_EQ(summary.scans, 200U);
@@ -54,8 +54,8 @@ TEST_F(RunRequest, FromRequestToArchive) {
 }
 
 TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
-  // Goal: repeating a finished run gives the same bytes. Method: run twice; the second session
-  // computes nothing and restores a deleted archive.
+  // Goal: if a finished run's request runs again, the session computes nothing and restores a
+  // deleted archive with the same bytes.
   const RunSummary first = session(request_text("scans = 150"), {.output = output()});
   const std::string bytes = bytes_of(output());
   std::filesystem::remove(output());
@@ -67,8 +67,8 @@ TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
 }
 
 TEST_F(RunRequest, GoesOnWhereItStopped) {
-  // Goal: resumed runs and runs extended by a longer request equal an uninterrupted run bit for
-  // bit. Method: stop early, finish, then request more scans.
+  // Goal: a run that is resumed, or extended by a longer request, has the same archive as an
+  // uninterrupted run. Method: stop a run early, finish it, then request more scans of it.
   const std::string shorter = request_text("scans = 300", k_slow);
   const std::string longer = request_text("scans = 500", k_slow);
   const RunSummary stopped = session(shorter, {.output = output(), .stop_requested = stop_at(6)});
@@ -85,8 +85,9 @@ TEST_F(RunRequest, GoesOnWhereItStopped) {
 
 TEST_F(RunRequest, LeavesHowEachSessionEnded) {
   // Goal: each session's end is stored and reported once, with the archive's digest, even if the
-  // session is refused after it opened the store. Method: stop one session, let another reach its
-  // time limit, put a foreign file in the place of a third session's archive, and finish a fourth.
+  // session fails after it opened the store. Method: stop one session, and let another session
+  // reach its time limit. Put a foreign file in the place of a third session's archive, and finish
+  // a fourth session.
   const std::string request = request_text("scans = 300", k_slow);
   std::vector<events::RunEnd> heard;
   RunOptions options{.output = output(),
@@ -129,9 +130,10 @@ TEST_F(RunRequest, LeavesHowEachSessionEnded) {
 }
 
 TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {
-  // Goal: a run stopped after n scans equals a run that requests n scans (C1), even if the store
-  // has more. Method: start a new run with a stopped run's number of scans, and request fewer scans
-  // of a finished run.
+  // Goal: a run that is stopped after n scans has the archive of a run that requests n scans (C1).
+  // This holds even if the store has more scans. Method: compare a stopped run with a new run of
+  // the request in its archive. Then request fewer scans of a finished run, and compare with a new
+  // run of these scans.
   const RunSummary stopped = session(request_text("independent_solutions = 3\nscans = 100000"),
                                      {.output = output(), .stop_requested = stop_at(3)}, 2);
   ASSERT_GT(stopped.scans, 0U);
@@ -148,7 +150,7 @@ TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {
 }
 
 TEST_F(RunRequest, StoppedBeforeAnythingWritesNoArchive) {
-  // Goal: a run without results writes no archive. Method: stop at once, then resume.
+  // Goal: a run that is stopped before it has results writes no archive, and can be resumed.
   const RunSummary summary =
       session(request_text("scans = 50"), {.output = output(), .stop_requested = stop_at(1)});
   EXPECT_EQ(summary.scans, 0U);
@@ -158,8 +160,9 @@ TEST_F(RunRequest, StoppedBeforeAnythingWritesNoArchive) {
 }
 
 TEST_F(RunRequest, AnotherRequestIsRefused) {
-  // Goal: a request never overwrites another request's output. Method: change an option of the
-  // sampler or the constraint; the archive and the run stay unchanged.
+  // Goal: a request never overwrites another request's output. Method: run requests with one
+  // changed option of the sampler or the constraint. They must be refused, and the archive and the
+  // run must stay unchanged.
   const RunSummary first = session(request_text("scans = 60"), {.output = output()});
   const std::string bytes = bytes_of(output());
   for (const std::string& other :
@@ -174,7 +177,7 @@ TEST_F(RunRequest, AnotherRequestIsRefused) {
 
 TEST_F(RunRequest, FreshStartsOver) {
   // Goal: --fresh deletes an earlier run of any request, and is harmless for a new output. Method:
-  // use --fresh with no run, with another request's run, and with the same request's run.
+  // use --fresh where there is no run, another request's run, or the same request's run.
   const std::string other = request_text("scans = 40", "change_probability = 0.25\n");
   EXPECT_EQ(session(other, {.output = output(), .fresh = true}).epoch, 1U);
   const RunSummary fresh = session(request_text("scans = 60"), {.output = output(), .fresh = true});
@@ -187,8 +190,9 @@ TEST_F(RunRequest, FreshStartsOver) {
 }
 
 TEST_F(RunRequest, FreshGivesUpAStoreOfAKilledProcess) {
-  // Goal: no page of a deleted store reappears, even if the process ends between two removals.
-  // Method: put another run's write-ahead log and its index where the database is missing.
+  // Goal: if a process ends while it deletes a store, the next run doesn't use the files that are
+  // left. Method: put another run's write-ahead log and the log's index into a run folder without a
+  // database.
   (void)session(request_text("scans = 200"), {.output = path("other.h5")});
   std::filesystem::create_directory(path("ball.h5.run"));
   const std::string target = store::RunStore::database_path(path("ball.h5.run"));
@@ -209,8 +213,8 @@ TEST_F(RunRequest, FreshGivesUpAStoreOfAKilledProcess) {
 }
 
 TEST_F(RunRequest, ForeignFileIsNotTouched) {
-  // Goal: a foreign file in the output's place stays, even with --fresh, and nothing is created
-  // beside it. Method: use a text file as the output; then add an empty folder in the run's place.
+  // Goal: if a foreign file has the output's path, the file stays, even with --fresh, and no file
+  // is created beside it. Method: use a text file as the output. Then add an empty run folder.
   put_bytes(output(), "my thesis");
   for (const bool fresh : {false, true}) {
     EXPECT_THAT(conflict_of(request_text("scans = 5"), fresh),
@@ -223,8 +227,8 @@ TEST_F(RunRequest, ForeignFileIsNotTouched) {
 }
 
 TEST_F(RunRequest, RunningRunIsNotDisturbed) {
-  // Goal: only one process writes a run; others are refused, even with --fresh. Method: hold the
-  // lock.
+  // Goal: while a process holds a run's lock, other sessions are refused, even with --fresh, and
+  // change no file.
   (void)session(request_text("scans = 30"), {.output = output()});
   const std::string bytes = bytes_of(output());
   const store::RunLock lock(run_folder(output()));
@@ -238,7 +242,8 @@ TEST_F(RunRequest, RunningRunIsNotDisturbed) {
 TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
   // Goal: each archive of an unfinished run is complete and equals the archive of a run with its
   // number of scans. Method: make checkpoints as often as possible, and compare copies of two
-  // checkpoints with such runs. With sanitizers, where checkpoints are rare, compare one copy.
+  // checkpoints with the archives of such runs. With sanitizers, checkpoints are rare, so compare
+  // only one copy.
 #ifdef SLEIGHT_SANITIZED
   constexpr std::size_t k_copies = 1;
 #else
@@ -276,7 +281,8 @@ TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
 }
 
 TEST_F(RunRequest, IdentityIsWhatDecidesTheStoredResults) {
-  // Goal: requests share a run exactly if their stored results agree. Method: change single keys.
+  // Goal: two requests have the same identity exactly if their stored results agree. Method: change
+  // one key of a request at a time.
   const auto identity = [](const std::string& text) {
     const run::Catalogue catalogue;
     return run_identity(request::read_request(text, "r", catalogue.bindings()).value());

@@ -1,5 +1,5 @@
-// Goal: searches, alone or before chains, keep their finds, and their archives don't depend on
-// threads or stops. Method: compare whole runs for a word with two bins.
+// Goal: a run keeps the finds of a search, which runs alone or before chains. The archive doesn't
+// depend on threads or stops. Method: compare whole runs for a word with two bins.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -71,8 +71,9 @@ TEST_F(SearchRuns, FindTheSameWithAnyNumberOfThreads) {
 }
 
 TEST_F(SearchRuns, GoOnAndAreCutShort) {
-  // Requesting more finds extends a run, requesting fewer cuts its archive, and a stop keeps the
-  // finds. Each archive equals the archive of an uninterrupted run with the same number of finds.
+  // A request of more finds extends a run, a request of fewer finds shortens its archive, and a
+  // stopped run keeps its finds. Each archive equals the archive of an uninterrupted run with the
+  // same number of finds.
   const std::string straight = session(search(12), {.output = path("s.h5")}).digest;
   const std::string shorter = session(search(3), {.output = path("t.h5")}).digest;
   EXPECT_EQ(session(search(3), {.output = path("a.h5")}).digest, shorter);
@@ -93,8 +94,8 @@ TEST_F(SearchRuns, GoOnAndAreCutShort) {
 
 TEST_F(SearchRuns, TakesAreTheSame) {
   // Goal: takes are stored like finds and marked as relaxed. The archive doesn't depend on threads
-  // or stops, can be cut to fewer takes, and is reproduced by the request stored in it. If a run
-  // is stopped before its first take, its archive contains the finds, not relaxed.
+  // or stops, can be cut to fewer takes, and is reproduced by the request stored in it. If a run is
+  // stopped before its first take, its archive contains the finds without relaxation.
   const auto takes = [](int count) {
     return words("method = \"search\"\nrelax_scans = 6\niterations_per_scan = 4\n",
                  "takes = " + std::to_string(count) + "\n");
@@ -146,14 +147,15 @@ TEST_F(SearchRuns, TakesAreTheSame) {
 }
 
 TEST_F(SearchRuns, StandBeforeChains) {
-  // Finds are stored in addition to the draws and don't change them.
+  // An archive contains a search's finds in addition to the chains' draws. The finds don't change
+  // the draws.
   const RunSummary both =
       session(islands("scans = 12\nfound = 4\n"), {.output = path("both.h5")}, 2);
   EXPECT_EQ(both.found, 4U);
   EXPECT_EQ(both.scans, 12U);
   const archive::Summary summary = checked(path("both.h5"));
   EXPECT_EQ(summary.finds.animations, 4U);
-  EXPECT_EQ(summary.scans, 8U);  // a round of 4 is burn-in
+  EXPECT_EQ(summary.scans, 8U);  // one round of 4 scans is burn-in
   EXPECT_EQ(summary.warning, "");
   EXPECT_THAT(summary.request_text, HasSubstr("[stop]\nscans = 12\nfound = 4\n"));
   const RunSummary again = session(summary.request_text, {.output = path("again.h5")});
@@ -172,7 +174,7 @@ TEST_F(SearchRuns, StandBeforeChains) {
 
 TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
   // Goal: the islands that determine the odds don't depend on threads or stops, and the archive's
-  // request reproduces them. Method: request odds that converge soon.
+  // request reproduces them.
   const std::string request = words("", "odds = 1.0\n");
   const RunSummary straight = session(request, {.output = path("s.h5")});
   ASSERT_EQ(straight.end, DriveEnd::finished);
@@ -182,7 +184,7 @@ TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
   for (; last.end != DriveEnd::finished && sessions < 1000; ++sessions)
     last = session(request, {.output = path("p.h5"),
                              .stop_requested = stop_before_writing(20 * k_rarer, last)});
-  EXPECT_GT(sessions, 1);  // it was stopped
+  EXPECT_GT(sessions, 1);  // the run was stopped
   EXPECT_EQ(last.digest, straight.digest);
   const std::string again = checked(path("s.h5")).request_text;
   EXPECT_EQ(session(again, {.output = path("again.h5")}).digest, straight.digest);
@@ -194,7 +196,7 @@ TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
 }
 
 TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
-  // Goal: a stop during the burn-in keeps the finds. Method: stop an endless burn-in.
+  // Goal: if a run is stopped during the chains' burn-in, its archive contains the search's finds.
   const std::string endless = words(
       "method = \"sequential\"\nchains = 2\nparticles = 8\nround_scans = 1000\n"
       "iterations_per_scan = 100\n",
@@ -215,10 +217,10 @@ TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
 }
 
 TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
-  // Goal: chains that start from a search also give the same bits for any number of threads and for
-  // any stops. The chains' draws are the rounds that passed, and each counted scan is a kept
-  // animation. Method: compare a run with threads, a run in sessions, and a run of the request
-  // stored in the archive.
+  // Goal: chains that start from a search give the same archive for any number of threads and any
+  // stops. The archive's draws begin with the judged scans, and each chain's counted scan is its
+  // first kept animation. Method: compare a run with threads, a run in sessions, and a run of the
+  // request stored in the archive.
   const auto judged = [](const std::string& stop) {
     return words(
         "method = \"metropolis_hastings\"\nstart = \"search\"\nchains = 4\nround_scans = 8\n"

@@ -1,4 +1,4 @@
-// Goal: slow writing is reported with a rate and the remaining time. Method: a manual clock.
+// Goal: while an archive is written slowly, messages report the rate and the remaining time.
 #include "service/coordinator/writing_words.h"
 
 #include <gmock/gmock.h>

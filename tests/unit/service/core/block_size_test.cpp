@@ -15,8 +15,8 @@ namespace sleight::core::block_size_test {
 constexpr std::uint64_t k_seed = 662607;
 constexpr std::uint64_t k_any = 1'000'000;  ///< larger than any block
 
-/// Options with round numbers. Blocks take 20 ms, and handling (1 ms per thread) may take half of
-/// the time.
+/// Options with round numbers. A block should take 20 ms, and handling (1 ms per thread) may take
+/// half of the time.
 constexpr BlockSizeOptions k_round{.target_s = 0.020,
                                    .handling_s = 0.001,
                                    .handling_share = 0.5,
@@ -34,7 +34,7 @@ void settle(BlockSize& size, double scan_s, std::uint64_t threads = 1) {
 }
 
 TEST(BlockSize, BeginsWithOneScan) {
-  // Goal: before any measurement a block is one scan, whatever the number of waiting threads.
+  // Goal: before any measurement, a block is one scan for any number of threads.
   const BlockSize size(k_round);
   EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).unit_scans_max, 1U);
   EXPECT_EQ(size.limits({.all = 5000, .at_work = 5000}, k_any).block_scans_max, 1U);
@@ -42,8 +42,8 @@ TEST(BlockSize, BeginsWithOneScan) {
 }
 
 TEST(BlockSize, BlocksTakeAboutTheirTarget) {
-  // Goal: blocks grow to target_s, at most eightfold per step, and do grow eightfold. Method:
-  // measure scans of 1 ms, block by block.
+  // Goal: blocks grow until they take target_s, and a block is at most eight times as large as the
+  // block before. Method: measure blocks of scans that take 1 ms each.
   BlockSize size(k_round);
   std::uint32_t before = 1;
   bool grew_eightfold = false;
@@ -60,7 +60,7 @@ TEST(BlockSize, BlocksTakeAboutTheirTarget) {
 }
 
 TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
-  // Goal: blocks grow to scans_max and no further. Method: measure scans of a nanosecond or of 0 s.
+  // Goal: blocks of very cheap scans grow to scans_max and no further.
   for (const double scan_s : {1e-9, 0.0}) {
     BlockSize size(k_round);
     settle(size, scan_s);
@@ -80,9 +80,9 @@ TEST(BlockSize, DearScansComeOneByOne) {
 }
 
 TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
-  // Goal: a replica's scans_max limits its unit, but not below the shortest block that the
-  // coordinator can handle, and never limits a block of several units. Method: limit blocks of 20
-  // scans, of which 4 take least_s.
+  // Goal: a replica's maximum number of scans limits its unit, but never a block of several units.
+  // A unit may exceed this maximum if a shorter block would overload the coordinator. Method: limit
+  // units in blocks of 20 scans. Four scans take least_s, the shortest duration of a block.
   BlockSize size(k_round);
   settle(size, 0.001);
   for (const auto& [may, expected] : {std::pair{0U, 4U}, {1U, 4U}, {7U, 7U}, {500U, 20U}}) {
@@ -94,9 +94,9 @@ TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
 }
 
 TEST(BlockSize, StartsCountUntilMoreIsKnown) {
-  // Goal: starts, which make no proposals, count as scans until scans are measured, and never
-  // afterwards. Method: measure a block of only starts, then one start among ten scans, which
-  // affects the growth but not the cost, then starts that seem expensive.
+  // Goal: a chain's start makes no proposal, so its duration counts as the cost of a scan only
+  // until real scans are measured. Method: measure a block of eight starts, then a block of one
+  // start and nine scans, then eight starts that take a minute.
   BlockSize size(k_round);
   size.measured(8, 0, 0.016);
   EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 10U);
@@ -110,8 +110,8 @@ TEST(BlockSize, StartsCountUntilMoreIsKnown) {
 }
 
 TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
-  // Goal: between target_s and target_s_max, blocks are so long that handling one block per thread
-  // takes handling_share of the time. Method: handling takes 1 ms, and its share is one half.
+  // Goal: with many threads, blocks take so long that handling one block per thread takes
+  // handling_share of the time. A block takes between target_s and target_s_max.
   const std::vector<std::pair<std::uint64_t, double>> expected{
       {0, 0.020}, {1, 0.020}, {10, 0.020}, {11, 0.022}, {100, 0.2}, {500, 1}, {100'000, 1}};
   for (const auto& [threads, block_s] : expected) {
@@ -125,8 +125,9 @@ TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
 }
 
 TEST(BlockSize, HungerMakesBlocksShorter) {
-  // Goal: while threads find no work, blocks shrink to least_s or to the shortest that the
-  // coordinator can handle; afterwards they grow again. Method: starve and feed 1 and 8 threads.
+  // Goal: while threads find no work, blocks shrink to least_s, or to the shortest duration that
+  // the coordinator can handle. Afterwards they grow again. Method: call starved() many times, then
+  // fed() many times, with 1 and with 8 threads.
   for (const auto& [threads, shortest_s] : {std::pair{1U, 0.004}, {8U, 0.016}}) {
     BlockSize size(k_round);
     settle(size, 0.0001, threads);
@@ -152,7 +153,7 @@ TEST(BlockSize, HungerMakesBlocksShorter) {
 }
 
 TEST(BlockSize, AWellFedRunHasNoCredit) {
-  // Goal: the first starvation shrinks blocks, even if threads found work many times before.
+  // Goal: the first call of starved() makes blocks shorter, even after many calls of fed().
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)
@@ -163,8 +164,9 @@ TEST(BlockSize, AWellFedRunHasNoCredit) {
 }
 
 TEST(BlockSize, LongHungerIsForgottenSoon) {
-  // Goal: even after long starvation, blocks return to their target as fast as from their minimum
-  // length. Method: starve 10,000 times, then feed 170 times, because 1.01^170 > 0.020 / 0.004.
+  // Goal: even after many calls of starved(), blocks return to their target as fast as from their
+  // minimum length. Method: call starved() 10,000 times, then fed() 170 times, because 1.01^170 >
+  // 0.020 / 0.004.
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)
@@ -177,8 +179,8 @@ TEST(BlockSize, LongHungerIsForgottenSoon) {
 
 TEST(BlockSize, StrangeCostsDoNoHarm) {
   // Goal: whatever costs are reported, block sizes stay within their bounds, and wrong costs are
-  // forgotten. Method: report random costs from a printed seed, some of them invalid; then report
-  // correct costs. An invalid cost changes nothing.
+  // forgotten. Method: report random costs, some of which are invalid and must change nothing. Then
+  // report correct costs.
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<double> costs{std::numeric_limits<double>::quiet_NaN(),
                                   -1,

@@ -1,4 +1,4 @@
-// Tests of the scheduler with randomly failing workers and messages.
+// Tests of the scheduler with workers and messages that fail at random.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -62,10 +62,10 @@ Case random_case(Dice& dice) {
 /// Counts what happened in a test, to check that every case occurred.
 struct Happened {
   Counts counts;
-  std::uint64_t lost = 0;  ///< messages
+  std::uint64_t lost = 0;  ///< lost messages
   std::uint64_t doubled = 0;
   std::uint64_t joined_anew = 0;
-  std::uint64_t came_back = 0;  ///< joined with the same incarnation
+  std::uint64_t came_back = 0;  ///< joins with the same incarnation
   std::uint64_t left = 0;
   std::uint64_t asked = 0;
   std::uint64_t several = 0;  ///< blocks of more than one member
@@ -141,8 +141,8 @@ class Scene {
     std::uint32_t threads = 1;
     std::unique_ptr<sampling::RecordingWorker> memory;
     std::vector<schema::Assignment> before_it;
-    std::set<sampling::Place> made;  ///< states made, by the scan that follows
-    // The scheduler's expected view of the worker.
+    std::set<sampling::Place> made;  ///< replica and next scan of each state that it made
+    // What the scheduler should know about the worker.
     bool joined = false;
     bool silent = false;
     std::set<std::uint64_t> given;
@@ -273,7 +273,7 @@ class Scene {
     step(Tick{now_s_});
   }
 
-  /// Runs any assignment of the worker.
+  /// Runs a random assignment of the worker.
   bool run_one(std::uint64_t id) {
     Worker& worker = workers_[id];
     if (!worker.is_there || worker.before_it.empty()) return false;
@@ -315,7 +315,7 @@ class Scene {
     }
   }
 
-  /// Delivers any message in transit.
+  /// Delivers a random message in transit.
   void arrive() {
     if (under_way_.empty()) return;
     const std::size_t which = dice_.below(under_way_.size());
@@ -371,9 +371,10 @@ void add(Happened& happened, const Counts& counts) {
 
 TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
   // Goal: even if messages are lost, repeated, late or corrupt, each scan is kept once and in
-  // order, and no worker gets more assignments than its limit. When faults end, the run finishes
-  // with a serial run's results. Method: run chains and ladders on workers that join and leave at
-  // random. The test tracks the scheduler's expected view of each worker, and counts what happened.
+  // order. No worker gets more assignments than its limit. When the faults end, the run finishes
+  // with the results of a serial run. Method: run chains and ladders on workers that join and leave
+  // at random. Compare the scheduler's counts with the test's own list of each worker's
+  // assignments. Check that faults of each kind occurred.
   Happened happened;
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_seed, index);
@@ -405,7 +406,8 @@ TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
 
 TEST(SchedulerProperty, EndsAfterAStop) {
   // Goal: after a stop at any moment nothing more is assigned, and the run ends once workers have
-  // delivered or their leases have ended. Method: run the same cases, and stop in the middle.
+  // delivered or their leases have ended. Method: run random cases with faults, and stop after a
+  // random number of steps.
   Happened happened;
   std::uint64_t kept_after = 0;
   for (const std::uint64_t index : property::cases(k_cases)) {

@@ -11,7 +11,7 @@
 namespace sleight::core {
 namespace {
 
-/// Returns options with leases of 30 s and with a question to silent workers every 5 s.
+/// Returns options with leases of 30 s. The scheduler asks a silent worker every 5 s.
 SchedulerOptions blocks_ahead(std::uint32_t count) {
   SchedulerOptions options;
   options.blocks_ahead = count;
@@ -20,8 +20,9 @@ SchedulerOptions blocks_ahead(std::uint32_t count) {
 
 TEST(Scheduler, GivesToTheLeastLoaded) {
   // Goal: until every thread has a block, the next block goes to the worker with the fewest
-  // assignments per thread, or with the lowest id among equals. A worker that delivers gets up to
-  // two blocks per thread. Method: ten blocks become free at once, then three workers deliver.
+  // assignments per thread. Among equals, the worker with the lowest id gets the block. A worker
+  // that delivers gets up to two blocks per thread. Method: make ten blocks available at once, then
+  // let three workers deliver.
   expect_goes("a b<a c<a d<a e<a f<a g<a h<a i<a j<a k<a", blocks_ahead(1), R"(join 3
   assign 3 #0 a@0+1 starts
 join 1 threads=2
@@ -47,7 +48,7 @@ done 1 #1
 
 TEST(Scheduler, SendsNothingAheadOfLongScans) {
   // Goal: a worker has one block per thread while scans take longer than ahead_s_max, and otherwise
-  // two. Method: let costs rise and fall.
+  // two. Method: let the cost of scans rise and fall.
   SchedulerOptions options = blocks_ahead(1);
   options.ahead_s_max = 0.1;
   expect_goes("a2 b2 c2 d2 e2 f9 g9 h9 i9 j9 k9", options, R"(join 1 threads=2
@@ -81,8 +82,8 @@ done 1 #7 cost=0
 }
 
 TEST(Scheduler, SendsAStateOnceToWhoMadeIt) {
-  // Goal: the worker that made a state gets only the state's version. Another worker, or a worker
-  // that reports the state's loss, gets the state as bytes. Method: move one replica between two
+  // Goal: the scheduler sends a state as bytes to each worker except the one that made the state.
+  // If that worker has lost the state, it gets the bytes too. Method: move one replica between two
   // workers.
   expect_goes("a3 a2 a a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+3 starts
@@ -107,7 +108,8 @@ done 2 #5
 }
 
 TEST(Scheduler, GoesOnFromStoredStates) {
-  // Goal: replicas resumed from a run store start with state bytes. Method: resume two of three.
+  // Goal: the first assignment of a resumed replica contains the bytes of the replica's stored
+  // state. Method: resume two of three replicas.
   expect_goes("a b c a", blocks_ahead(0), R"(resume a 5
 resume c 2
 join 1 threads=3
@@ -121,8 +123,9 @@ done 1 #0
 }
 
 TEST(Scheduler, GivesPartsOfLaddersToWhoHoldsMost) {
-  // Goal: each member's state is sent separately, the worker that holds most of a block's states
-  // gets it, and members advance separately. Method: two workers hold parts of a ladder of three.
+  // Goal: a block of several members contains the bytes of each state that its worker doesn't hold,
+  // and each member advances. Method: let two workers make the states of a ladder of three members,
+  // then run the ladder on one of these workers.
   expect_goes("a b c [abc] [abc]", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 join 2 threads=2
@@ -145,8 +148,8 @@ done 1 #4 scans=1
 }
 
 TEST(Scheduler, PrefersBlocksWhoseStatesAreHeld) {
-  // Goal: a worker gets the waiting block whose states it holds, even if it isn't the first.
-  // Method: the first worker holds the state of the second waiting block.
+  // Goal: a worker gets the waiting block whose states it holds, even if another block is older.
+  // Method: let the first worker hold the state of the second waiting block.
   expect_goes("a b c b<c a<c", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 join 2
@@ -166,8 +169,8 @@ done 3 #2
 
 TEST(Scheduler, PassesABlockOverABoundedNumberOfTimes) {
   // Goal: a block whose states no worker holds is passed over at most k_passed_over_max times, even
-  // if a returned block precedes it in the queue. Method: one worker always has a next block of its
-  // own replica, and two others are busy forever.
+  // if a returned block precedes it in the queue. Method: keep two workers busy forever. The third
+  // worker always has a next block of its own replica.
   std::string plan = "a x y z";
   std::string script = R"(join 1
   assign 1 #0 a@0+1 starts
@@ -198,7 +201,7 @@ done 1 #{}
 
 TEST(Scheduler, TakesTheFirstResultOfABlock) {
   // Goal: when a lease ends, another worker also gets the block. The first result counts, and later
-  // results of the block have no effect. Method: deliver in both orders.
+  // results of the block have no effect. Method: deliver the two workers' results in both orders.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -231,7 +234,7 @@ done 2 #1
 done 1 #0
   (refused)
 )");
-  // The result arrives after its lease, but no other worker has the block.
+  // The result arrives after its lease has ended, but no other worker has the block.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -246,7 +249,7 @@ done 1 #0
 TEST(Scheduler, RefusesWhatDoesNotFit) {
   // Goal: a delivery of another epoch has no effect. A delivery with a wrong replica, scan, number
   // of members or number of scans is refused, and its block is assigned exactly once more. Method:
-  // use a worker with room for two copies.
+  // use a worker with room for two assignments, so that a second copy would be seen.
   expect_goes("a2", blocks_ahead(1), R"(join 1
   assign 1 #0 a@0+2 starts
 done 1 #0 epoch=2
@@ -273,7 +276,7 @@ done 1 #6
   keep a@0+2
   (ended)
 )");
-  // A ladder's part limits the scans of each member, and the scans of all members together.
+  // A block of a ladder limits the scans of each member, and the scans of all members together.
   expect_goes("[ab] [ab] [ab]", blocks_ahead(1), R"(join 1
   assign 1 #0 [a@0 starts, b@0 starts]
 done 1 #0 scans=4
@@ -300,7 +303,8 @@ done 1 #1 scans=2
 }
 
 TEST(Scheduler, LeasesRunFromTheClocksBeginning) {
-  // Goal: leases granted before the first tick don't end at it. Method: tick far from 0.
+  // Goal: a lease that is granted before the first tick begins at the first tick. Method: use first
+  // ticks with times far from 0.
   expect_goes("a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 tick 17000
@@ -320,9 +324,10 @@ tick -370
 }
 
 TEST(Scheduler, AsksTheSilentUntilTheyAnswer) {
-  // Goal: a worker whose lease ended gets nothing and is asked repeatedly. Assignments missing in
-  // its answer are assigned again; listed ones keep their leases and aren't assigned to others.
-  // Method: give both kinds of answers, and an answer of another epoch, which is ignored.
+  // Goal: a worker whose lease has ended gets nothing and is asked repeatedly for its assignments.
+  // Assignments that its answer lacks are assigned again. Assignments that the answer lists keep
+  // their leases and aren't given to other workers. Method: send an answer of another epoch, which
+  // is ignored, then an answer that lists one of two assignments.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -346,8 +351,9 @@ tick 100
 }
 
 TEST(Scheduler, TakesAnAnswerForWhatWasBeforeTheQuestion) {
-  // Goal: an assignment made after a question isn't counted as lost, although the answer doesn't
-  // list it. Method: a result arrives between question and answer and causes a new assignment.
+  // Goal: an assignment that was made after a question doesn't count as lost, although the answer
+  // doesn't list it. Method: let a result arrive between the question and the answer and cause a
+  // new assignment.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -364,9 +370,10 @@ done 1 #1
 }
 
 TEST(Scheduler, AsksAgainForWhatItHeardNothingOf) {
-  // Goal: a worker that sends anything but the list of its assignments is asked again; otherwise
-  // lost assignments would occupy its room forever. Method: assignments and the question are lost;
-  // then the worker rejoins with the same incarnation, or delivers a result.
+  // Goal: if a silent worker sends a message that is not the list of its assignments, the worker is
+  // asked again. Otherwise, lost assignments would occupy the worker's room forever. Method: lose
+  // the assignments and the question. Then let the worker rejoin with the same incarnation, or
+  // deliver a result.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -398,9 +405,9 @@ pong 1 #2
 }
 
 TEST(Scheduler, KeepsLeasesOfCopiesApart) {
-  // Goal: a block that two workers have isn't assigned to a third; when one of the two leaves, the
-  // other's lease still holds. Method: the first worker answers, and the second worker leaves with
-  // its copy.
+  // Goal: if two workers have the same block and one of them leaves, no third worker gets the block
+  // while the other worker's lease runs. Method: let the first worker answer that it has the block,
+  // then let the second worker leave.
   expect_goes("a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -427,7 +434,7 @@ done 3 #2
 
 TEST(Scheduler, GivesOnAllOfASilentWorkerInOrder) {
   // Goal: if a worker with several blocks leaves or its leases end, other workers get all its
-  // blocks, the oldest first. A silent worker is asked only once. Method: use three blocks.
+  // blocks, the oldest first. A silent worker is asked only once.
   expect_goes("a b c", blocks_ahead(0), R"(tick 0
 join 1 threads=3
   assign 1 #0 a@0+1 starts
@@ -448,8 +455,8 @@ leave 2
 }
 
 TEST(Scheduler, ForgetsAnEarlierIncarnation) {
-  // Goal: if a worker joins with a new incarnation, its blocks wait again, its states are sent as
-  // bytes, and older results are refused. A worker with the same incarnation loses nothing.
+  // Goal: if a worker joins with a new incarnation, its blocks are assigned again, its states are
+  // sent as bytes, and older results are refused. A worker with the same incarnation loses nothing.
   expect_goes("a b a b", blocks_ahead(1), R"(join 1 incarnation=7
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts
@@ -471,9 +478,9 @@ done 1 #3
 }
 
 TEST(Scheduler, StopsWhenAllCameBack) {
-  // Goal: after a stop nothing is assigned, and timely results are kept. The scheduler ends once
-  // all blocks have returned or their leases have ended. Method: stop before results arrive, before
-  // a lease ends, before useless deliveries, and when no block is outstanding.
+  // Goal: after a stop, the scheduler assigns nothing and keeps results that arrive in time. It
+  // ends once all blocks have returned or their leases have ended. Method: stop before results
+  // arrive, before a lease ends, before invalid deliveries, and when no block is assigned.
   expect_goes("a b c a", blocks_ahead(0), R"(join 1 threads=2
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts
@@ -512,8 +519,8 @@ leave 1
 }
 
 TEST(Scheduler, ListensToNobodyItDoesNotKnow) {
-  // Goal: answers and departures of unknown workers have no effect. The results of such a worker
-  // count, but a worker that joins later gets states as bytes.
+  // Goal: answers and departures of unknown workers have no effect. A result of an unknown worker
+  // counts, but when this worker joins later, it gets states as bytes.
   expect_goes("a a", blocks_ahead(0), R"(leave 4
 pong 4 #0
 join 1
@@ -532,7 +539,8 @@ join 4
 }
 
 TEST(Scheduler, CountsWhatHappened) {
-  // Goal: counts cover kept results, copies, refusals and sent states. Method: cause each.
+  // Goal: counts() counts kept results, copies of blocks, refused deliveries, and states that were
+  // sent, held or missing.
   Script script("a2 a3 a", blocks_ahead(0));
   script.play(R"(join 1
 done 1 #0

@@ -1,6 +1,6 @@
-// Goal: an attempt is reported as begun once its keeper has a record. If its keeper exits earlier,
-// the failure is reported at once. Method: run real keepers, some of which kill themselves at a
-// given moment, under a real loop. A script replaces `sleight`.
+// Goal: an attempt is reported as begun once its keeper has written a record. If the keeper exits
+// earlier, the failure is reported at once. Method: run real keepers in an event loop, and let some
+// keepers kill themselves at a given moment. A script replaces `sleight`.
 #include "service/daemon/local_attempts.h"
 
 #include <gmock/gmock.h>
@@ -24,8 +24,8 @@ namespace sleight::daemon::attempts_test {
 using ::testing::HasSubstr;
 
 constexpr jobs::JobId k_job{1};
-/// Timeout of a failing test. If no report arrived, the jobs' machine would look at the attempt
-/// after 5 s.
+/// Timeout of a failing test. If no report arrived, the jobs' state machine would look at the
+/// attempt after 5 s.
 constexpr double k_patience_s = 20;
 
 class AttemptsTest : public keeper::testing::JobTest {
@@ -71,7 +71,7 @@ class AttemptsTest : public keeper::testing::JobTest {
   base::PosixFileSystem files_;
   JobFolders folders_;
   Feeds feeds_;
-  keeper::Look seen_{};  ///< result of a look at that time
+  keeper::Look seen_{};  ///< result of a look when the first input arrived
 };
 
 TEST_F(AttemptsTest, HaveBegunOnceThereIsARecord) {

@@ -1,4 +1,5 @@
-// Goal: the audit log is complete and its size bounded, even under attack. Method: read lines back.
+// Goal: the audit log records all calls, and its size stays within a limit, even if attackers send
+// many calls.
 #include "service/daemon/audit_log.h"
 
 #include <gmock/gmock.h>
@@ -61,7 +62,7 @@ TEST_F(AuditLogTest, ALineSaysWhoDidWhat) {
   EXPECT_EQ(read[1]["outcome"], "not_allowed: No.");
 }
 
-// Wrong tokens cause at most one line per second, and the lines count them all.
+// Logins with wrong tokens cause at most one line per second, and the lines count all these logins.
 TEST_F(AuditLogTest, StrangersCantFillTheLog) {
   for (int i = 0; i < 1000; ++i) {
     audit_.note_stranger("203.0.113.9:1");
@@ -85,7 +86,8 @@ TEST_F(AuditLogTest, TheLogIsBounded) {
   EXPECT_FALSE(lines("audit.old.log").empty());
 }
 
-// A user's repeated calls are only counted, so other users' lines stay in the log.
+// If a user repeats a call many times, the log only counts the calls, so other users' lines stay in
+// the log.
 TEST_F(AuditLogTest, NobodyPushesOutWhatHappenedBefore) {
   AuditLog audit(folder_, clock_);
   audit.note({.user = 4002, .pid = 1}, {.call = "create_token", .outcome = "done"});
@@ -113,7 +115,7 @@ TEST_F(AuditLogTest, NobodyPushesOutWhatHappenedBefore) {
   EXPECT_EQ(lines().back()["of"], "16");
 }
 
-// Users choose names, so a name must not break a line or a reader.
+// Users choose names, so a name with control characters must not break a line of the log.
 TEST_F(AuditLogTest, OddTextsStayInTheirLine) {
   audit_.note({.user = 1, .pid = 1},
               {.call = "submit", .of = "a\n{\"call\":\"stop\"}\x1b[2J\xff\xc3", .outcome = "done"});
@@ -121,7 +123,8 @@ TEST_F(AuditLogTest, OddTextsStayInTheirLine) {
   EXPECT_EQ(lines()[0]["call"], "submit");
 }
 
-// If something else is in the log's place, no call fails, and the problem is reported once.
+// If a folder, a pipe or a link is in the log's place, no call fails, and the problem is reported
+// once.
 TEST_F(AuditLogTest, AFolderAPipeOrALinkInItsPlace) {
   const auto place = folder_ / "audit.log";
   for (const int kind : {0, 1, 2}) {

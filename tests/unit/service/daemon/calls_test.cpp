@@ -1,6 +1,7 @@
-// Goal: callers see and do only what their rights allow, and a submission is accepted once,
-// completely or not at all. Method: call the handler with a real loop, store and machine. The
-// programs don't exist, so jobs stay queued. The callers' user ids need not exist on this machine.
+// Goal: callers see and do only what their rights allow. A submission is accepted only once, and
+// either as a whole or not at all. Method: send calls to the handler, with a real event loop, store
+// and state machine. The keeper and `sleight` don't exist, so jobs stay queued. The callers' user
+// ids need not exist on this machine.
 #include "service/daemon/calls.h"
 
 #include <gmock/gmock.h>
@@ -67,7 +68,7 @@ class CallsTest : public ::testing::Test {
       answered = std::move(answer);
       loop_->stop();
     }));
-    while (!answered)  // an immediate answer stops the next run
+    while (!answered)  // an answer that comes at once stops the next run
       loop_->run();
     return *std::move(answered);
   }
@@ -89,7 +90,7 @@ class CallsTest : public ::testing::Test {
                [&](rpc::Reply<rpc::JobPage> reply) { calls_->list(caller, ask, std::move(reply)); })
         .value();
   }
-  /// `scans` is for extend.
+  /// `scans` is the new number of scans if the kind is `extend`.
   base::Result<std::vector<rpc::Touched>, rpc::Refusal> change(const rpc::Caller& caller,
                                                                rpc::JobId job, rpc::ChangeKind kind,
                                                                double scans = 0) {
@@ -116,7 +117,8 @@ TEST_F(CallsTest, ASubmissionIsTakenOnce) {
   ASSERT_TRUE(again.ok());
   EXPECT_EQ(again.value().jobs, first.value().jobs);
   EXPECT_TRUE(again.value().was_known);
-  // Users' keys are independent; a user's key with other content is refused.
+  // Two users may use the same key. If a user sends a known key with other content, the submission
+  // is refused.
   EXPECT_NE(submit(k_bob, submission("key", 1)).value().jobs, first.value().jobs);
   const auto other =
       submit(k_ada, submission("key", 1, "[world]\nname = 'toy'\n[stop]\nscans = 11\n"));
@@ -157,7 +159,7 @@ TEST_F(CallsTest, BadRequestsNameTheirPlaces) {
   EXPECT_EQ(list(k_ada).total, 0U);
 }
 
-// For a user, other users' jobs seem not to exist.
+// To a user, other users' jobs seem not to exist.
 TEST_F(CallsTest, UsersSeeTheirOwn) {
   const rpc::JobId job = submit(k_ada, submission("key", 1)).value().jobs.front();
   EXPECT_EQ(list(k_bob).total, 0U);
@@ -236,7 +238,7 @@ TEST_F(CallsTest, ATokensLimits) {
   EXPECT_TRUE(submit(k_ada, submission("f", 1)).ok());
 }
 
-// A token's limits apply to resuming ended jobs as they do to submitting jobs.
+// A token's limit on its jobs applies to resuming ended jobs, as it does to submitting jobs.
 TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   const rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_jobs_max = 1};
   const auto own = submit(k_ada, submission("own", 1));
@@ -299,7 +301,7 @@ TEST_F(CallsTest, ATokensCores) {
   EXPECT_EQ(list(caller).jobs.at(0).cores_wanted, 2U);
 }
 
-// A token of the daemon's own user without `operate` has an ordinary user's rights.
+// A token of the daemon's own user that lacks the scope `operate` has an ordinary user's rights.
 TEST_F(CallsTest, AnOperatorsTokenSeesLessWithoutOperate) {
   ASSERT_TRUE(submit(k_ada, submission("a", 1)).ok());
   rpc::Caller own{.user = ::geteuid(), .token_id = "0123456789"};
@@ -324,8 +326,9 @@ TEST_F(CallsTest, OptionsComeBackWithTheJob) {
   EXPECT_EQ(stored->options.at("partition"), "long");
 }
 
-// Goal: a user's waiting fetches are bounded, even if clients leave, and don't block other users'
-// fetches. Method: keep the maker busy, and make more fetches than allowed.
+// Goal: only a limited number of a user's fetches may wait, and they don't block other users'
+// fetches. Method: keep the thread that makes archives busy, and start more fetches than the limit
+// allows.
 TEST_F(CallsTest, AUsersFetchesThatWaitAreBounded) {
   const auto of_ada = submit(k_ada, submission("key", 1)).value().jobs.front();
   const auto of_bob = submit(k_bob, submission("key", 1)).value().jobs.front();
@@ -354,7 +357,7 @@ TEST_F(CallsTest, AUsersFetchesThatWaitAreBounded) {
       loop_->run();
     }
   };
-  // Finished fetches make room.
+  // Finished fetches make room for new ones.
   go_on.set_value();
   await(k_fetches_of_user_max + 2);
   fetch(k_ada, of_ada);

@@ -1,4 +1,4 @@
-// Goal: watchers are notified once of new events. Method: append to a log between reads.
+// Goal: watchers get one notification of new events, even if another reader reads the events first.
 #include "service/daemon/feeds.h"
 
 #include <gtest/gtest.h>

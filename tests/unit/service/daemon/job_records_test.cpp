@@ -1,5 +1,6 @@
-// Goal: the job store's records contain the whole job. Method: read back jobs with values of all
-// kinds, and count the fields to reveal forgotten ones. Invalid texts are refused.
+// Goal: a job's record in the job store has all fields of the job, and invalid records are refused.
+// Method: read back a job whose fields are all set, and count the fields, so that a forgotten field
+// is noticed.
 #include "service/daemon/job_records.h"
 #include "common/json/value.h"
 

@@ -1,6 +1,6 @@
-// Goal: a save is stored completely or not at all; a store that was changed from outside is refused
-// and left as it is. Method: compare random saves with a simple model of the tables, and change
-// rows, formats and files directly.
+// Goal: a save is stored completely or not at all. A store that was changed from outside is refused
+// and left as it is. Method: compare the stored jobs with a simple model of the tables after random
+// saves. Change rows and formats with SQL.
 #include "service/daemon/job_store.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// Goal: each save's `then` is called after the save is durable, in the order of put(). Method: put
-// many saves from one thread; each `then` checks that the store has its job.
+// Goal: each save's callback `then` is called after the save is durable, in the order of the put()
+// calls. Method: put many saves from one thread. Each callback checks that the store has the save's
+// job.
 #include "service/daemon/save_queue.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ TEST(SaveQueue, ThenComesAfterTheDisk) {
       save.jobs.jobs.push_back(testing::full_job(id));
       save.requests.push_back({.job = jobs::JobId{id}, .text = "text"});
       save.jobs.next_id = id + 1;
-      // Every tenth entry has nothing to save but keeps its place.
+      // Every tenth entry has nothing to save but keeps its place in the queue.
       const bool is_empty = id % 10 == 0;
       queue.put(is_empty ? std::nullopt : std::optional(save), [&, id, is_empty] {
         heard.push_back(id);

@@ -1,6 +1,6 @@
 // Goal: a batch system's answers and a job's folder determine the inputs of the jobs' state
-// machine. An attempt never ends because the system doesn't answer. Method: use a fake backend and
-// keepers' records.
+// machine. An attempt never ends because the system doesn't answer. Method: use a backend that
+// returns the test's answers, and write the keeper's records from the test.
 #include "service/daemon/system_attempts.h"
 
 #include <fmt/format.h>
@@ -154,7 +154,7 @@ class SystemAttemptsTest : public ::testing::Test {
     const std::uint64_t before = backend_->lists();
     until([&] { return backend_->lists() >= before + k_lists; });
   }
-  /// Waits for a sight of this kind and returns the newest.
+  /// Waits for a sight of this kind and returns the newest one.
   template <class Kind>
   Kind sight() {
     until([&] { return newest<Kind>() != nullptr; });
@@ -298,14 +298,15 @@ TEST_F(SystemAttemptsTest, ThatLeaveNoEndHaveDied) {
   EXPECT_EQ(died.outside, jobs::Outside::taken);
 }
 
-/// Sets a time limit for files on a shared disk. This limit exceeds the delays of a busy machine.
+/// Waits so long for late files on a shared disk that the delays of a busy machine don't matter.
 class SystemAttemptsOnASlowDisk : public SystemAttemptsTest {
  protected:
   SystemAttemptsOnASlowDisk() : SystemAttemptsTest(k_patience_s) {}
 };
 
 TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
-  // Goal: files may appear late on a shared disk. Method: write the end within the allowed time.
+  // Goal: an attempt whose end is recorded late on a shared disk doesn't count as died. Method: let
+  // the backend report that the job is gone, then write the end within the allowed time.
   launch_and_begin();
   is_gone("COMPLETED", Cause::itself);
   await_lists();
@@ -315,7 +316,8 @@ TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
 }
 
 TEST_F(SystemAttemptsTest, WhoseRunMayLiveOnALostNodeAreWaitedFor) {
-  // Method: another machine holds a lease of 1.5 s and renews it while alive.
+  // Goal: while another machine renews the run's lease, an attempt on a failed node doesn't count
+  // as died. Method: renew a lease of 1.5 s for two seconds, then stop.
   launch_and_begin();
   const std::string run = folders_.run(k_job);
   files_.make_folder(run);
@@ -343,8 +345,8 @@ TEST_F(SystemAttemptsTest, ThatNeverHadARecordSayWhatTheSystemSays) {
 }
 
 TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
-  // Method: call look(), as a new daemon does, for a record with an end, a record without an end,
-  // and no record.
+  // Method: call look(), as a new daemon does. The folder has a record with an end, then a record
+  // without an end, then no record.
   look();
   begins();
   ends(events::End::stop_requested);

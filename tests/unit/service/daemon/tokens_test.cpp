@@ -1,6 +1,6 @@
 // Goal: a token authorizes its user until it is revoked or expires, even if the daemon restarts.
-// Reading the token file reveals no token. Method: use a manual clock; another object on the same
-// file acts as the restarted daemon.
+// The token file doesn't contain the tokens' secrets. Method: move a simulated clock. A new object
+// that reads the same file acts as the restarted daemon.
 #include "service/daemon/tokens.h"
 
 #include <gmock/gmock.h>
@@ -101,7 +101,7 @@ TEST_F(TokensTest, AClockThatIsSetBackRevivesNone) {
   ASSERT_TRUE(tokens_->create(4001, ask(unused)).ok());
   now_s_ += 101;
   EXPECT_FALSE(is_let_in(used));
-  tokens_->save_uses();  // checks all tokens, as each minute
+  tokens_->save_uses();  // checks all tokens, as the daemon does each minute
   now_s_ -= 100'000;
   EXPECT_FALSE(is_let_in(used));
   EXPECT_FALSE(is_let_in(unused));
@@ -136,7 +136,7 @@ TEST_F(TokensTest, IsRevokedAlsoWhereThatCantBeWritten) {
   EXPECT_THROW(static_cast<void>(tokens_->revoke(4001, made.value().id)), base::Error);
   EXPECT_FALSE(is_let_in(text));
   std::filesystem::remove(path() + ".new");
-  // Repeating the revocation stores it.
+  // A repeated revocation is stored.
   EXPECT_TRUE(tokens_->revoke(4001, made.value().id).ok());
   begin();
   EXPECT_FALSE(is_let_in(text));
@@ -152,7 +152,7 @@ TEST_F(TokensTest, OthersTokensAreLikeNone) {
   EXPECT_EQ(tokens_->of(std::nullopt).size(), 1U);
 }
 
-// Unknown, wrong, revoked and expired tokens are refused with the same words.
+// Unknown, wrong, revoked and malformed tokens are refused with the same words.
 TEST_F(TokensTest, TellsNobodyWhatIsWrong) {
   const std::string revoked = draw();
   const auto made = tokens_->create(4001, ask(revoked));

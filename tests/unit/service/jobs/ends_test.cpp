@@ -1,4 +1,4 @@
-// Goal: each end has the outcome and back-off that ends.h defines. Method: compare tables.
+// Goal: each end of an attempt leads to the state, reason and back-off that ends.h defines.
 #include "service/jobs/ends.h"
 
 #include <gmock/gmock.h>
@@ -132,7 +132,8 @@ TEST(Ends, AnExtendedJobGoesOn) {
   EXPECT_EQ(judged(job, {.kind = EndKind::finished}).reason, Reason::extended);
 }
 
-/// Returns the delays after each of `deaths` deaths with `commits` scans between them.
+/// Lets an attempt die `deaths` times, with `commits` scans committed before each death. Returns
+/// the delay after each death.
 std::vector<double> waits_of_deaths(Job& job, int deaths, std::uint64_t commits) {
   std::vector<double> waits;
   for (int i = 0; i < deaths; ++i) {

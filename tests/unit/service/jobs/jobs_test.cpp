@@ -1,5 +1,5 @@
-// Goal: each input of the jobs' machine has the right effects. Method: write inputs for a computer
-// with four cores.
+// Goal: each input of the jobs' state machine has the right effects. Method: send inputs to the
+// state machine of a computer with four cores.
 #include "service/jobs/jobs.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ namespace {
 constexpr UserId k_ann{1};
 constexpr UserId k_bob{2};
 
-/// A machine with its store and its clock.
+/// The jobs' state machine with a simulated store and clock.
 class Bench {
  public:
   explicit Bench(const Options& options = {}) : options_(options) { begin(); }
@@ -151,7 +151,7 @@ TEST(Jobs, ThatNeverBeganAreLaunchedAgainAsTheSameAttempt) {
 TEST(Jobs, OfTwoLaunchesOneMayFailAndTheOtherBegin) {
   Bench bench;
   const JobId id = bench.job();
-  bench.wait(5);  // without a report, the machine looks
+  bench.wait(5);  // without a report, the machine looks at the attempt
   ASSERT_EQ(all_of<Launch>(bench.see(id, NeverBegan{})).size(), 1U);
   bench.step(LaunchFailed{.job = id, .attempt = Attempt{1}, .is_backend_away = true});
   EXPECT_EQ(bench.at(id).state, State::starting) << "the first launch may be under way";
@@ -189,7 +189,8 @@ TEST(Jobs, OfWhichAnOlderAttemptHoldsTheFolderWaitForIt) {
 }
 
 TEST(Jobs, ThatWaitInABatchSystemAreStartingAndNothingIsCharged) {
-  // Method: a job of four cores waits for 1,000 s and then computes for 100 s.
+  // Method: let a job of four cores wait for 1,000 s and then compute for 100 s. The job must be
+  // charged 400 core-seconds.
   Bench bench;
   const JobId id = bench.job();
   bench.see(id, Pending{.words = "Slurm job 812 waits: Priority"});
@@ -214,7 +215,8 @@ TEST(Jobs, ThatWaitInABatchSystemAreStartingAndNothingIsCharged) {
 }
 
 TEST(Jobs, ThatWaitInABatchSystemUseNothingOfTheirUsersLimit) {
-  // Method: a job of four cores waits 1,000 s, then runs 100 s. Limit: 360 core-seconds a day.
+  // Method: let a job of four cores wait for 1,000 s and then run for 100 s. Its user has a limit
+  // of 360 core-seconds a day.
   Bench bench({.limits = {.core_hours_per_day = 0.1}});
   const JobId id = bench.job();
   bench.see(id, Pending{});
@@ -252,7 +254,8 @@ TEST(Jobs, AskedToStopBeforeTheBatchSystemIsHeardOfAreStoppedThen) {
 }
 
 TEST(Jobs, CancelledInTheBatchSystemAreHeld) {
-  // Method: the batch system stops an attempt cleanly, kills it, or removes it from its queue.
+  // Method: let the batch system stop one attempt cleanly, kill another attempt, and remove a third
+  // attempt from its queue.
   const auto ends = std::vector<decltype(Sight::seen)>{
       Ended{.kind = EndKind::stop_requested,
             .outside = Outside::cancelled,
@@ -492,7 +495,7 @@ TEST(Jobs, AreDeletedForRoomTheOldestFirst) {
 }
 
 TEST(Jobs, ArePinnedAgainstEverybody) {
-  // Goal: no call deletes a pinned job, whatever the client checked before.
+  // Goal: no call can delete a pinned job.
   Bench bench;
   const JobId id = bench.job();
   bench.see(id, Ended{.kind = EndKind::finished});

@@ -1,4 +1,5 @@
-// Goal: a record reads back as written, is never incomplete, and has room for its end.
+// Goal: a record is read back as it was written, is never incomplete, and has reserved space for
+// the attempt's end.
 #include "service/keeper/attempt_record.h"
 
 #include <gtest/gtest.h>
@@ -54,7 +55,8 @@ TEST(AttemptRecord, IsReadAsItWasWritten) {
 }
 
 TEST(AttemptRecord, AnythingElseIsNone) {
-  // Method: cut a record at each byte, or remove or change the type or value of one field.
+  // Method: cut a record at each byte. In other copies, rename one field, or change the type or
+  // value of one field.
   const std::string text = to_text(ended());
   for (std::size_t size = 0; size + 1 < text.size(); ++size)
     ASSERT_EQ(record_of(text.substr(0, size)), std::nullopt) << size;
@@ -77,8 +79,8 @@ TEST(AttemptRecord, AnythingElseIsNone) {
 }
 
 TEST(AttemptRecord, StaysUnderItsBound) {
-  // Goal: the record fits into its reserved room, for any program output and any command. Method:
-  // use the longest log tail, of characters that take six bytes each in JSON, and long commands.
+  // Goal: the record fits into its reserved space, for any program output and any command. Method:
+  // use long commands and the longest log tail, whose characters take six bytes each in JSON.
   AttemptRecord record = ended();
   record.end->log_tail.assign(k_tail_lines_max, std::string(400, '\x01'));
   std::string text = to_text(record);
@@ -96,7 +98,8 @@ TEST(AttemptRecord, StaysUnderItsBound) {
 class RecordFileTest : public testing::JobTest {};
 
 TEST_F(RecordFileTest, NothingIsThereUntilItIsWhole) {
-  // Goal: if any file call fails, the old or the new record exists. Method: fail each call in turn.
+  // Goal: if a file call fails while a record is written, the folder has either the old or the new
+  // record. Method: let each file call fail in turn.
   EXPECT_EQ(read_record(folder()), std::nullopt);
   AttemptRecord before = begun();
   before.attempt = 2;
@@ -127,7 +130,7 @@ TEST_F(RecordFileTest, NothingIsThereUntilItIsWhole) {
 }
 
 TEST_F(RecordFileTest, WhatIsNoneOfOursIsSaid) {
-  // Goal: a damaged record is an error that names the file, and never counts as missing.
+  // Goal: a damaged record never counts as missing. Reading it throws an error that names the file.
   std::ofstream(path(k_record_name)) << "{\"attempt\":1";
   try {
     static_cast<void>(read_record(folder()));

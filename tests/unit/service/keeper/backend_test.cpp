@@ -1,4 +1,4 @@
-// Goal: a daemon and its successor see, adopt and stop attempts, and start no attempt twice.
+// Goal: a daemon and its successor can see, adopt and stop attempts, and start no attempt twice.
 #include "service/keeper/backend.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,8 @@ using ::testing::HasSubstr;
 class BackendTest : public testing::JobTest {};
 
 TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
-  // Method: check a daemon's view at each step. The keeper's descriptor signals the end.
+  // Method: call look(), adopt() and stop() before, during and after an attempt. The descriptor of
+  // a keeper must signal the end.
   program_is("echo $$ > ready; read -r x < gate");
   ASSERT_EQ(::mkfifo(path("gate").c_str(), 0600), 0);
   EXPECT_EQ(backend().look(folder(), 1).state, Look::State::never_began);
@@ -63,7 +64,8 @@ TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
 }
 
 TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
-  // Method: several threads launch the same attempt at once. Later launches do nothing.
+  // Method: launch the same attempt from eight threads at once. Later launches of this attempt or
+  // an earlier attempt must do nothing.
   program_is("echo run >> runs; sleep 0.2");
   std::vector<std::optional<RunningKeeper>> keepers(8);
   std::vector<std::thread> threads;
@@ -83,8 +85,8 @@ TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
 }
 
 TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
-  // Method: a separate process launches an attempt, and is killed with its process group. This
-  // process adopts the attempt. The program runs until this test ends it.
+  // Method: let a child process launch an attempt, and adopt the attempt in this process. Kill the
+  // child with its process group. The program must still run until this test ends it.
   program_is(
       "echo $$ > ready; while [ ! -e go ] && [ -e ready ]; do sleep 0.01; done; echo $$ > "
       "survived");
@@ -108,8 +110,7 @@ TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
 }
 
 TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
-  // Goal: a launch leaves no zombie and no descriptor. Method: count zombies and descriptors before
-  // and after.
+  // Goal: when a launched keeper has ended, the daemon has no zombie and no additional descriptor.
   program_is("exit 0");
   const auto descriptors = [] {
     return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
@@ -122,7 +123,8 @@ TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
 }
 
 TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
-  // Method: launch without a keeper, without a folder, with too many ranks, and in a bad folder.
+  // Method: launch with a keeper that doesn't exist, in a missing folder, and with too many ranks.
+  // Then launch in a folder where the keeper can't write its record.
   Programs none = backend().programs();
   none.keeper = path("none");
   EXPECT_THROW(LocalBackend(none).launch(spec()), base::Error);
@@ -144,8 +146,8 @@ TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
 
 TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
   // Goal: a process that reuses a dead keeper's process id gets no signal, even if the folder seems
-  // active. Method: write a bystander's id into a record under a held lock, then a record of an
-  // earlier boot.
+  // active. Method: while a lock is held, write a record with a bystander's process id and a wrong
+  // start time. Then write a record of an earlier boot.
   const pid_t bystander = ::fork();
   if (bystander == 0) {
     while (true)
@@ -186,7 +188,8 @@ TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
 }
 
 TEST_F(BackendTest, AFolderThatCantBeTrustedIsAnError) {
-  // Method: read a damaged record, and the record of a later attempt than the daemon's.
+  // Goal: a look throws an error if the record is damaged or belongs to a later attempt. A launch
+  // doesn't overwrite a damaged record.
   program_is("exit 0");
   run(spec(5));
   EXPECT_THROW(backend().look(folder(), 4), base::Error);

@@ -1,4 +1,4 @@
-// Goal: output is stored in order and within the bound, and lost output is reported.
+// Goal: the log stores output in order and within its size limit, and reports lost output.
 #include "service/keeper/bounded_log.h"
 
 #include <gmock/gmock.h>
@@ -15,8 +15,8 @@ namespace {
 class BoundedLogTest : public testing::JobTest {};
 
 TEST_F(BoundedLogTest, KeepsTheNewestUnderItsBound) {
-  // Method: append pieces of many sizes, one of which exceeds the bound. The two files together
-  // contain the last part of the output.
+  // Method: append pieces of many sizes, one of which exceeds the limit. The two files together
+  // must contain the last part of the output.
   std::string all;
   BoundedLog log(folder(), 2000);
   for (const std::size_t size : {1UL, 300UL, 699UL, 1UL, 5000UL, 10UL, 990UL}) {

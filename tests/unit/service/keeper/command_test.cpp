@@ -1,4 +1,4 @@
-// Goal: programs get the right commands and environments.
+// Goal: the daemon starts programs with the right commands and environments.
 #include "service/keeper/command.h"
 
 #include <fmt/ranges.h>
@@ -20,7 +20,6 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 TEST(Command, WithoutRanksNoMpiIsStarted) {
-  // Method: compare the whole command line.
   const AttemptSpec spec{
       .folder = "/jobs/17", .attempt = 3, .cores = 2, .cache_mb = 64, .strict = true};
   EXPECT_EQ(
@@ -33,7 +32,8 @@ TEST(Command, WithoutRanksNoMpiIsStarted) {
 }
 
 TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
-  // Method: compare the whole command line; more ranks than cores are refused.
+  // Method: compare the whole command line. An attempt with more ranks than this machine has cores
+  // must be refused.
   AttemptSpec spec{.folder = "/jobs/1 7", .ranks = 3, .grace_s = 0.5};
   EXPECT_EQ(
       joined(command_of(spec, k_programs)),
@@ -58,7 +58,7 @@ TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
 }
 
 TEST(Command, InABatchSystemsJobMpirunHasThatJobsMachines) {
-  // Method: compare the whole command lines. This machine's cores and mpirun don't matter.
+  // Goal: in a batch system's job, neither this machine's cores nor its mpirun matter.
   AttemptSpec spec{.folder = "/jobs/17", .ranks = 100'000, .in_batch = true};
   EXPECT_EQ(obstacle_of(spec, k_programs), "");
   EXPECT_EQ(joined(command_of(spec, k_programs)),
@@ -74,7 +74,8 @@ TEST(Command, InABatchSystemsJobMpirunHasThatJobsMachines) {
 }
 
 TEST(Command, TheEnvironmentIsCleaned) {
-  // Method: filter one variable of each removed kind, and similar ones that stay.
+  // Method: use one variable of each kind that is removed, and variables with similar names that
+  // stay.
   const std::vector<std::string> all{
       "PATH=/bin",        "OMPI_MCA_btl=tcp", "OMPI_ALLOW_RUN_AS_ROOT=1",
       "PMIX_RANK=3",      "LD_PRELOAD=x.so",  "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",

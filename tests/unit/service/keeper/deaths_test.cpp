@@ -1,7 +1,7 @@
 // Goal: after a keeper's death at any moment, look() returns how far the attempt got, and no
 // process is left. The daemon repeats an attempt that never began, and starts the next attempt
-// after a death. So each attempt's program starts at most once. Method: kill keepers at each
-// moment.
+// after a death. So each attempt's program starts at most once. Method: kill keepers at each moment
+// of an attempt and at random times.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -76,8 +76,9 @@ TEST_F(DeathsTest, AtEachMoment) {
 }
 
 TEST_F(DeathsTest, AtRandomTimes) {
-  // Method: kill the keeper up to 30 ms after the launch of a program that takes 10 ms, then apply
-  // the daemon's rule until an attempt has ended. Each attempt writes its number at most once.
+  // Method: kill the keeper at a random time up to 30 ms after the launch of a program that takes
+  // 10 ms. Then launch attempts by the daemon's rule until an attempt has ended. Each attempt must
+  // write its number at most once.
   program_is("cat attempt.json | tr ',' '\\n' | grep -m1 '\"attempt\"' >> runs; sleep 0.01");
   std::uint32_t attempt = 0;
   for (const std::uint64_t n : property::in_turn(property::long_run() ? 300 : 15)) {

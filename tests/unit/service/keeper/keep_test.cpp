@@ -31,7 +31,7 @@ class KeepTest : public testing::JobTest {
         {.epoch = 1, .end = end, .exit_code = static_cast<base::ExitCode>(code), .scans = 7});
     return "echo '" + line.substr(0, line.size() - 1) + "' > end.pipe";
   }
-  /// Whether the process that wrote its id into the file has ended.
+  /// Returns whether the process that wrote its id into the file has ended.
   bool has_gone(const std::string& name) const {
     const pid_t pid = std::stoi(text_in(name));
     return ::kill(pid, 0) != 0 && errno == ESRCH;
@@ -39,7 +39,8 @@ class KeepTest : public testing::JobTest {
 };
 
 TEST_F(KeepTest, HowItEnded) {
-  // Method: end by an exit code, by a signal, and by a missing program.
+  // Method: run a program that exits with a code, a program that is killed by a signal, and a
+  // missing program.
   program_is("echo out; echo err >&2; printf 'no end'; exit 7");
   AttemptEnd end = run(spec(1));
   EXPECT_EQ(end.exit_code, 7);
@@ -67,7 +68,8 @@ TEST_F(KeepTest, HowItEnded) {
 }
 
 TEST_F(KeepTest, WhatTheProgramTold) {
-  // Method: open the pipe late, then write garbage and two ends. The first end counts.
+  // Goal: the record has the first end that the program reports. Method: let the program open the
+  // pipe late, then write garbage and two ends.
   program_is("sleep 0.1; echo garbage > end.pipe; " + told(events::End::no_draws, 0) + "; " +
              told(events::End::finished, 0));
   const AttemptEnd end = run();
@@ -78,8 +80,8 @@ TEST_F(KeepTest, WhatTheProgramTold) {
 }
 
 TEST_F(KeepTest, NothingOfItIsLeft) {
-  // Method: the program ends, but leaves a child that ignores signals, a process that forked twice
-  // into its own session, and a child that forks constantly.
+  // Method: let the program end while three of its processes still run. One ignores signals, one
+  // has forked twice into its own session, and one forks constantly.
   program_is(
       "(trap '' TERM HUP INT; echo $$ > /dev/null; while :; do sleep 1; done) & echo $! > child\n"
       "setsid sh -c '(sh -c \"echo \\$\\$ > daemon; sleep 1000\" &)'\n"
@@ -107,7 +109,8 @@ TEST_F(KeepTest, StoppedInOrder) {
 }
 
 TEST_F(KeepTest, StoppedNow) {
-  // Method: a program and its child ignore SIGTERM and SIGUSR1. First request a clean stop.
+  // Method: let a program and its child ignore SIGTERM and SIGUSR1. Request a clean stop, then an
+  // immediate stop.
   program_is(
       "trap '' TERM USR1; sh -c 'echo $$ > child; while :; do sleep 1; done' &\n"
       "while [ ! -s child ]; do sleep 0.01; done; echo $$ > ready; wait; sleep 1000");
@@ -138,7 +141,7 @@ TEST_F(KeepTest, ASignalThatComesAtOnceIsNotLost) {
 }
 
 TEST_F(KeepTest, AProgramThatLingersIsKilled) {
-  // Method: the program reports its end, with and without success, and doesn't exit.
+  // Method: let the program report its end and then not exit.
   program_is(told(events::End::finished, 0) + "; sleep 1000");
   AttemptSpec graced = spec();
   graced.grace_s = 0.2;
@@ -151,8 +154,8 @@ TEST_F(KeepTest, AProgramThatLingersIsKilled) {
 }
 
 TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
-  // Method: a script replaces mpirun and hangs after its rank has ended, as Debian 12's mpirun
-  // sometimes does. The keeper doesn't kill the script before the first rank has started.
+  // Method: use a script in place of mpirun that hangs after its rank has ended, as Debian 12's
+  // mpirun sometimes does. The keeper must not kill the script before the first rank has started.
   program_is("sleep 0.5 & wait; while :; do read x < /dev/zero; done");
   AttemptSpec ranks = spec();
   ranks.ranks = 1;
@@ -165,7 +168,7 @@ TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
 
 TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
   // Goal: a stop before the first rank starts isn't lost, although mpirun passes signals only to
-  // existing ranks. Method: replace mpirun by a script that starts its rank late.
+  // existing ranks. Method: use a script in place of mpirun that starts its rank late.
   program_is(
       "echo $$ > ready; read -r x < gate\n"
       "trap 'touch taken; kill $!; exit 130' USR1; sleep 1000 & while :; do wait; done");
@@ -186,8 +189,8 @@ TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
 
 TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
   // Goal: the program doesn't inherit descriptors, the terminal, blocked or ignored signals, limits
-  // or variables of the keeper or the daemon. Method: the daemon has open files, ignored signals
-  // and variables, and the script writes down what it inherits.
+  // or variables of the keeper or the daemon. Method: open files, ignore signals and set variables
+  // in the daemon. Let the script write down what it inherits.
   program_is(
       "ls /proc/self/fd > fds; readlink /proc/self/fd/0 > stdin; env > env; pwd > pwd\n"
       "grep -E 'SigBlk|SigIgn' /proc/self/status > signals; ulimit -c > core\n"
@@ -213,7 +216,7 @@ TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
 }
 
 TEST_F(KeepTest, WhatADeadAttemptLeftIsCleared) {
-  // Method: leave Open MPI's files, and a file in the pipe's place.
+  // Method: before an attempt, create Open MPI's files, and a regular file in the pipe's place.
   std::filesystem::create_directories(path("mpi/ompi.vm.0/pid.1"));
   std::ofstream(path("mpi/vader_segment.vm.0")) << "x";
   std::ofstream(path("end.pipe")) << "no pipe";
@@ -224,9 +227,9 @@ TEST_F(KeepTest, WhatADeadAttemptLeftIsCleared) {
 }
 
 TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
-  // Goal: if a batch system sends SIGTERM some time before it kills all processes, the run may use
-  // this time to stop. Method: send SIGTERM to program and keeper, as scancel does. The program
-  // gets a single SIGUSR1 and has the batch job's variables.
+  // Goal: if a batch system sends SIGTERM some time before it kills all processes, the program can
+  // use this time to stop. Method: send SIGTERM to the program and the keeper, as scancel does. The
+  // program must get SIGUSR1 once and have the batch job's variables.
   program_is(
       "trap 'echo term >> told' TERM; trap 'echo usr1 >> told; exit 130' USR1; echo $SLURM_JOB_ID "
       "> "
@@ -256,8 +259,9 @@ TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
 }
 
 TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
-  // Goal: on a disk without locks, where records may appear late, the mark prevents a second start.
-  // Method: delete the record as if it weren't visible yet, and launch the same attempt again.
+  // Goal: on a disk without locks, where records may appear late, the file `begun.N` prevents a
+  // second start of attempt N. Method: delete the record as if it weren't visible yet, and launch
+  // the same attempt again.
   ::setenv("SLEIGHT_NETWORK_DISK", "1", 1);
   program_is("echo started >> starts");
   AttemptSpec in_batch = spec();
@@ -278,8 +282,9 @@ TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
 }
 
 TEST_F(KeepTest, StartedTwiceByABatchSystemTheSecondKeeperWaitsForTheFirst) {
-  // Goal: a second keeper of an attempt doesn't end while the first one lives. Method: start a
-  // second keeper, with a lock and with a mark, and stop it. The second keeper passes the stop on.
+  // Goal: if an attempt has two keepers, the second keeper doesn't end while the first keeper
+  // lives, and passes a stop on to the first keeper. Method: start two keepers of an attempt, on a
+  // local disk and on a network disk, and stop the second keeper.
   for (const char* network : {"0", "1"}) {
     ::setenv("SLEIGHT_NETWORK_DISK", network, 1);
     program_is("echo started >> starts; trap 'exit 130' USR1; while true; do sleep 0.02; done");
@@ -303,7 +308,7 @@ TEST_F(KeepTest, StartedTwiceByABatchSystemTheSecondKeeperWaitsForTheFirst) {
 }
 
 TEST_F(KeepTest, AKeeperThatWasGivenUpWritesNothingOverALaterRecord) {
-  // Method: write a later attempt's record while the keeper runs.
+  // Method: write a later attempt's record while the keeper of an earlier attempt runs.
   ::setenv("SLEIGHT_NETWORK_DISK", "1", 1);
   program_is("touch begun; while [ ! -e go ]; do sleep 0.02; done");
   AttemptSpec in_batch = spec();

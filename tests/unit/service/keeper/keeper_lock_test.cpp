@@ -1,4 +1,5 @@
-// Goal: one process at a time holds the lock until it ends, and is_held() doesn't take the lock.
+// Goal: only one process at a time holds the lock, the lock is free when its holder has ended, and
+// is_held() doesn't take the lock.
 #include "service/keeper/keeper_lock.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,8 @@ namespace {
 class KeeperLockTest : public testing::JobTest {};
 
 TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
-  // Method: this process and then a child take the lock, and the child is killed.
+  // Method: take and release the lock in this process, then let a child take the lock, and kill the
+  // child.
   EXPECT_FALSE(KeeperLock::is_held(folder()));
   EXPECT_FALSE(KeeperLock::is_held(path("nowhere")));
   EXPECT_THROW(KeeperLock::take(path("nowhere")), base::Error);
@@ -47,7 +49,8 @@ TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
 }
 
 TEST_F(KeeperLockTest, AnAttemptIsMarkedAsBegunOnce) {
-  // Method: several threads mark an attempt at once; then a later attempt's mark replaces it.
+  // Method: mark an attempt from eight threads at once; only one thread may succeed. Then mark a
+  // later attempt, which removes the first mark.
   EXPECT_FALSE(KeeperLock::has_begun(folder(), 1));
   std::atomic<int> marked = 0;
   std::vector<std::thread> several;
@@ -64,8 +67,8 @@ TEST_F(KeeperLockTest, AnAttemptIsMarkedAsBegunOnce) {
 }
 
 TEST_F(KeeperLockTest, ALookIsNeverInTheWay) {
-  // Goal: a keeper that starts during a daemon's look gets the lock. Method: another process looks
-  // constantly while this one takes the lock.
+  // Goal: a keeper that starts while a daemon looks at the folder gets the lock. Method: let
+  // another process call is_held() constantly while this process takes the lock.
   ASSERT_TRUE(KeeperLock::take(folder()));
   const pid_t looker = ::fork();
   if (looker == 0) {

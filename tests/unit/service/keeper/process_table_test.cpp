@@ -15,7 +15,8 @@ namespace sleight::keeper {
 namespace {
 
 TEST(ProcessTable, ChildrenAreFoundInBothWays) {
-  // Method: compare children of two threads with a search of all processes, then end them.
+  // Method: start children from two threads, and compare children_of() with a search of all
+  // processes. Then kill the children.
   const auto wait_for_ever = [] {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -45,7 +46,8 @@ TEST(ProcessTable, ChildrenAreFoundInBothWays) {
 }
 
 TEST(ProcessTable, AnIdentityIsAProcessOfItsOwn) {
-  // Method: compare this process, a child that is a kernel tick younger, and a missing process.
+  // Goal: a process's identity differs from the identity of a process that started later, and a
+  // process that has ended has no identity.
   const auto self = identity_of(::getpid());
   ASSERT_TRUE(self);
   EXPECT_EQ(self, identity_of(::getpid()));

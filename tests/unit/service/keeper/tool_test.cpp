@@ -1,4 +1,4 @@
-// Goal: programs run with limited time and output, and leave no processes.
+// Goal: programs run with a limited time and a limited output, and leave no processes.
 #include "service/keeper/tool.h"
 
 #include <gmock/gmock.h>
@@ -54,7 +54,7 @@ TEST(Tools, AreBounded) {
 
 TEST(Tools, ThatTakeTooLongAreKilled) {
   // Method: run a program that waits, a program whose child keeps the output open, and a program
-  // that closes its output and waits. Each would outlast the test.
+  // that closes its output and waits. Without a time limit, each program would take 1,000 s.
   for (const char* script : {"sleep 1000", "sleep 1000 & exit 0", "exec >&- 2>&-; sleep 1000"})
     EXPECT_TRUE(run_shell(script, {.seconds_max = 0.2}).was_too_slow) << script;
   const std::atomic<bool> stop = true;
