@@ -133,8 +133,10 @@ using Structures = ::testing::Types<AllPairs, SweepAndPrune, HierarchicalGrid>;
 TYPED_TEST_SUITE(BroadPhaseSuite, Structures);
 
 TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInFewBodies) {
-  // Goal: invariants 1 and 2 of broad_phase.h hold. Method: for each sort of boxes, compare all
-  // overlaps after each of 8000 random inserts, moves, removals and moves of all bodies.
+  // Goal: a broad phase reports exactly the pairs of bodies whose boxes overlap, each pair once
+  // (broad_phase.h, invariants 1 and 2). Method: for each kind of scene, do 8000 random operations:
+  // insert, move or remove a body, or move all bodies. After each operation, compare all overlaps
+  // with the definition.
   for (std::size_t i = 0; i < scenes().size(); ++i) {
     const Scene& scene = scenes()[i];
     Session<TypeParam> session(scene, 20, i);
@@ -144,7 +146,8 @@ TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInFewBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInManyBodies) {
-  // Goal: overlaps are right when the grid searches cells. Method: run the scripts with 200 bodies.
+  // Goal: a broad phase reports the right overlaps even for so many bodies that the grid searches
+  // its cells.
   for (std::size_t i = 0; i < scenes().size(); ++i) {
     Session<TypeParam> session(scenes()[i], 200, 100 + i);
     EXPECT_EQ(session.run(static_cast<int>(property::of_tier(200, 800))), std::nullopt)
@@ -153,7 +156,7 @@ TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInManyBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, HoldsNoBodies) {
-  // Goal: a world without bodies is valid. Method: call move_all with no bodies.
+  // Goal: a broad phase accepts a world without bodies.
   TypeParam structure({.bodies = 0});
   Neighbourhood told(0);
   structure.move_all({}, told);
@@ -161,8 +164,9 @@ TYPED_TEST(BroadPhaseSuite, HoldsNoBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, RefusesWhatIsNotABox) {
-  // Goal: an inverted box or a NaN coordinate, which would silently miss overlaps, stops the
-  // process. A call for a body in the wrong state also stops the process. Method: death tests.
+  // Goal: an inverted box or a NaN coordinate stops the process, because such a box would silently
+  // miss overlaps. Moving an absent body, inserting a present body or inserting an unknown body
+  // also stops the process.
   TypeParam structure({.bodies = 2});
   NoOverlapSink sink;
   const Box box{{0, 0, 0}, {1, 1, 1}};
@@ -273,7 +277,8 @@ int scenes_failed() {
 }
 
 TEST(BroadPhaseSuiteItself, CatchesFaultyStructures) {
-  // Goal: the suite can fail. Method: run the scripts on structures with one fault or none.
+  // Goal: the suite rejects faulty broad phases. Method: run the random operations on a correct
+  // broad phase and on four broad phases with one fault each.
   EXPECT_EQ(scenes_failed<Faulty<NoFault>>(), 0);
   EXPECT_GE(scenes_failed<Faulty<OpenBoxes>>(), 1);
   EXPECT_GE(scenes_failed<Faulty<NoPeriods>>(), 6);

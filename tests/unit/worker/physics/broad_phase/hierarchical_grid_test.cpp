@@ -56,10 +56,10 @@ Box somewhere(Dice& dice, double room_m, double edge) {
 }
 
 TEST(HierarchicalGrid, HoldsTenThousandInOneCell) {
-  // Goal: a cell with far more bodies than fit in a block stays correct. Method: put the low
-  // corners of 10,000 boxes of one level within a hundredth of a cell, with few overlaps. Move some
-  // of these boxes within the cell, out of it and back. Both structures compare up to 1e8 pairs
-  // (10,000 squared) per pass.
+  // Goal: the grid finds the right overlaps in a cell that holds far more bodies than a block.
+  // Method: put 10,000 boxes of one level into one cell. Their low corners are within a hundredth
+  // of the cell, and few of them overlap. Move random boxes within the cell, out of it and back,
+  // and compare the grid with the reference.
   constexpr std::uint32_t k_bodies = 10000;
   Twins twins({.bodies = k_bodies, .size_m = 100});
   Dice dice(11);
@@ -82,9 +82,9 @@ TEST(HierarchicalGrid, HoldsTenThousandInOneCell) {
 }
 
 TEST(HierarchicalGrid, FindsEachBodyOnceWhereCellsShareNumbers) {
-  // Goal: a query reports each body once, even if it visits more cells than the table has. Method:
-  // put 2000 small boxes into a clump of 1024 cells. Insert a box of another level, twelve small
-  // cells long, from many sides, and remove it again.
+  // Goal: a query reports each body once, even if the query visits more cells than the cell table
+  // has. Method: put 2000 small boxes into a clump of 1024 cells. Move a large box, twelve small
+  // cells long, over the clump and far away again, each time to another place.
   constexpr std::uint32_t k_bodies = 2001;
   Twins twins({.bodies = k_bodies, .size_m = 1});
   Dice dice(12);
@@ -100,9 +100,10 @@ TEST(HierarchicalGrid, FindsEachBodyOnceWhereCellsShareNumbers) {
 }
 
 TEST(HierarchicalGrid, ReachGrowsAndShrinks) {
-  // Goal: after a box grows, within its level or beyond, queries of distant boxes find it at once.
-  // After boxes shrink, no overlap is missed. Method: compare 300 boxes with the reference, in
-  // alternate rounds of long and short boxes, with and without periods.
+  // Goal: after a box grows, within its level or to a higher level, the grid reports its overlaps
+  // with distant boxes at once. After boxes shrink, the grid misses no overlap. Method: compare the
+  // overlaps of 300 boxes with the reference. The largest box size changes from round to round. One
+  // run has periods, and the other run has none.
   for (const double period_m : {0.0, 24.0}) {
     Twins twins({.bodies = 300, .period_m = {period_m, period_m, 0}, .size_m = 1});
     Dice dice(13);

@@ -1,4 +1,4 @@
-// Compares the overlap predicate with exact arithmetic on images.
+// Compares overlap() on periodic axes with exact arithmetic on the boxes' periodic images.
 #include "worker/physics/broad_phase/periodic.h"
 
 #include <gtest/gtest.h>
@@ -35,9 +35,10 @@ float coordinate(Dice& dice, double most) {
 }
 
 TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
-  // Goal: invariant 2 of periodic.h holds on periodic axes. Method: compare random intervals in any
-  // of a thousand periods with their exact images. The ends of some intervals are equal, or differ
-  // only in their last bits.
+  // Goal: on periodic axes, overlap() misses no overlap, and accepts no boxes that are further
+  // apart than 2^-29 of a period. Method: compare overlap() with the exact gap between the images
+  // of random intervals, up to a thousand periods from the origin. The ends of some intervals are
+  // equal, or differ only in their last bits.
   Dice dice(1);
   int overlaps = 0;
   int near_misses = 0;
@@ -79,7 +80,8 @@ TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
 
 TEST(Periodic, EqualsFloatsOnOtherAxes) {
   // Goal: without periods, the codes of two boxes overlap exactly if the boxes overlap. Method:
-  // compare pairs of boxes whose corners are special floats and their neighbours.
+  // compare overlap() of codes with overlap() of boxes for random pairs. The boxes' corners are
+  // special floats (such as 0, the largest float and infinity) or their neighbours.
   constexpr float k_infinite = std::numeric_limits<float>::infinity();
   std::vector<float> specials;
   for (const float x : {0.0F, 1e-45F, 1e-38F, 0.5F, 1.0F, 1e6F, 3.4028235e38F, k_infinite}) {

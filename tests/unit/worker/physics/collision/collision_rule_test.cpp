@@ -16,8 +16,8 @@ namespace sleight::physics::collision_rule_test {
 using testing::vector_between;
 
 TEST(CollisionRule, TouchIncludesItsLimitAndApproachDoesNot) {
-  // Goal: values exactly at a limit get the documented verdict. Method: test the limits and
-  // neighbouring floats.
+  // Goal: a gap equal to the touch distance counts as a touch, but a rate equal to the approach
+  // limit doesn't count as an approach. Method: test the limits, neighbouring floats and NaN.
   const double slow_mps = -k_approach_mps;
   const double fast_mps = std::nextafter(slow_mps, -1);
   EXPECT_TRUE(collides(k_touch_m, fast_mps));
@@ -32,7 +32,8 @@ TEST(CollisionRule, TouchIncludesItsLimitAndApproachDoesNot) {
 
 TEST(CollisionRule, BordersBelongToOneFeature) {
   // Goal: a place on the border between a face and an edge belongs only to the face's region.
-  // Method: test one half-space from both sides, closed and open.
+  // Method: test places against a closed half-space for the face and against the opposite, open
+  // half-space for the edge.
   const RegionSide of_face{.space = {.normal = {1, 0, 0}, .offset_m = 0.5}, .strict = false};
   const RegionSide of_edge{.space = {.normal = {-1, 0, 0}, .offset_m = -0.5}, .strict = true};
   for (const double x_m : {0.25, 0.5, 0.75}) {
@@ -57,8 +58,9 @@ Vec3 feature_direction(std::uint64_t n) {
 }
 
 TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
-  // Goal: the gap between a sphere and each kind of feature, and its rate, are correct. Method:
-  // compare them with distances by other formulas and with central differences.
+  // Goal: the gap between a sphere and a feature, and the gap's rate of change, are right for each
+  // kind of feature. Method: compare the gap with a distance from a different formula. Compare the
+  // rate with a central difference of that distance.
   for (const std::uint64_t n : property::cases(3000)) {
     random::Stream stream({.seed = 23, .purpose = random::Purpose::scene}, n);
     const SphereFeature feature{
@@ -86,10 +88,11 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
 }
 
 TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
-  // Goal: searches reach the rule's verdict for spheres on features and for pairs of spheres. A
-  // search computes for how long each condition of the rule will fail, and finds a collision if all
-  // these times are 0. Method: compare verdicts on random features with a region, for spheres
-  // slightly inside, outside or exactly at each limit.
+  // Goal: a search finds a collision exactly if the collision rule does, for a sphere near a
+  // feature and for two spheres. A search computes for how long each condition of the rule will
+  // fail, and finds a collision if all these times are 0. Method: compare the search's verdict with
+  // the rule's for random spheres near features. Each sphere is exactly at a limit of the rule, or
+  // slightly to one side of it.
   std::array<std::uint64_t, 2> verdicts{};
   for (const std::uint64_t n : property::cases(100'000)) {
     random::Stream stream({.seed = 31, .purpose = random::Purpose::scene}, n);
@@ -137,10 +140,10 @@ Tick first_by_rule(const Vec3& between_m, const Vec3& relative_mps, double radii
 
 TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
   // Goal: the closed form for two free spheres finds the rule's first collision tick, or none.
-  // Method: compare with the search on random flights. On some flights, spheres only graze each
-  // other, hardly approach, or touch at the start. Rounding may shift the tick by one. Rounding may
-  // change the verdict if a grazing flight touches for at most two ticks or is within rounding of
-  // the limit.
+  // Method: compare the closed form with the search on random flights. On some flights, the spheres
+  // only graze each other, hardly approach, or touch at the start. Rounding may shift the collision
+  // by one tick. If a grazing flight touches for at most two ticks, or is within rounding of the
+  // limit, rounding may change the verdict.
   std::uint64_t hits = 0;
   std::uint64_t same = 0;
   std::uint64_t misses = 0;

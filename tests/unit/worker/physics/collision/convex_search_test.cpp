@@ -193,7 +193,7 @@ class Rocking {
     above_.flight.orientation = math::normalized(about * tilt * yaw);
     below_.flight.position_m = 0.1 * direction(dice);
     above_.flight.position_m = below_.flight.position_m + about * aside_m;
-    // A fast rocking pair must part fast, or every tick could be a collision.
+    // A pair that rocks fast must separate fast; otherwise every tick could be a collision.
     const bool fast = dice.one_in(2);
     const double turns_radps = fast ? 10 : 1e-2;
     above_.flight.angular_velocity_radps = dice.between(1e-7, turns_radps) * direction(dice);
@@ -258,10 +258,11 @@ class Rocking {
 };
 
 TEST(ConvexSearch, SkipsNoCollision) {
-  // Goal: no skipped tick is a collision, rounding included (convex_search.h, invariant 3). Method:
-  // compute the contact from scratch at the last skipped ticks and at some others. Random pairs
-  // approach slowly or fast, hover, or part from a touch. Pairs are near the origin or far from it,
-  // with or without rotation and gravity, after short or long flights.
+  // Goal: a search skips no tick at which the pieces collide, even by rounding (convex_search.h,
+  // invariant 3). Method: let random pairs approach slowly or fast, hover, or touch and then
+  // separate. Vary the pairs' distance from the origin, rotation, gravity and flight time. Compute
+  // the contact from scratch at the last skipped ticks and at random skipped ticks; it must not be
+  // a collision.
   std::uint64_t looks = 0;
   std::uint64_t compared = 0;
   std::uint64_t collisions = 0;
@@ -309,10 +310,11 @@ TEST(ConvexSearch, SkipsNoCollision) {
 }
 
 TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
-  // Goal: invariant 3 holds for touching pieces when rounding and small accelerations decide which
-  // vertex is lowest. Method: rock and slide random bodies that are nearly flat on each other, and
-  // compute contacts from scratch at the last skipped ticks and at some others. The invariant ends
-  // when the normal begins to turn with another face, but even then hardly any collision is missed.
+  // Goal: a search skips no collision of touching pieces (invariant 3), even if rounding and small
+  // accelerations decide which vertex is lowest. Method: let random bodies rock and slide while
+  // they lie nearly flat on each other. Compute contacts from scratch at the last skipped ticks and
+  // at random skipped ticks. The invariant no longer holds once the normal turns with another face,
+  // but even then the search misses hardly any collision.
   std::uint64_t looks = 0;
   std::uint64_t collisions = 0;
   std::uint64_t missed = 0;
@@ -364,10 +366,11 @@ TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
 }
 
 TEST(ConvexSearch, VerticesThatFallAlmostAlikeAreLookedAt) {
-  // Goal: if several vertices are equally low and fall at almost the same speed, the fastest vertex
-  // decides. The first vertex, which the bounds use, is too slow to collide. Method: put a cube
-  // within touch distance, flat on a cube at rest and on a plane. The cube falls slightly too
-  // slowly to collide, but its rotation, in either direction, makes one vertex just fast enough.
+  // Goal: if several vertices are equally low and fall at almost the same speed, the search still
+  // finds the collision of the fastest vertex. The first vertex, which the bounds use, is too slow
+  // to collide. Method: hold a cube flat above a cube at rest and above a plane, within touch
+  // distance. The cube falls slightly too slowly to collide, but its rotation, in either direction,
+  // makes one vertex just fast enough.
   Flyer below{testing::die_of(0.02), {}};
   Flyer above = below;
   const ConvexView below_view = below.part().view();

@@ -41,9 +41,10 @@ double moved_m(const Pose& then, const Pose& now) {
 }
 
 TEST(NearPlaces, HoldWhatTheySay) {
-  // Goal: while a body keeps its place, no point moves further than the place's room
-  // (near_places.h, invariant 1). Method: let bodies with all kinds of inertia change between slow
-  // motions at random ticks. At random ticks of each motion, test six points.
+  // Goal: while a body keeps its place, no point of the body moves further than the place's room
+  // (near_places.h, invariant 1). Method: let bodies of every inertia symmetry change from one slow
+  // motion to another at random ticks. At random ticks of each motion, compute how far six points
+  // of the body have moved.
   double nearest_to_bound = 0;
   std::uint64_t kept = 0;
   for (const std::uint64_t seed : property::cases(300)) {
@@ -97,8 +98,8 @@ TEST(NearPlaces, HoldWhatTheySay) {
 }
 
 TEST(NearPlaces, AFastBodyHasNone) {
-  // Goal: no body gets a place that would last for less than the least time, and no place's number
-  // is used twice. Method: move a body slowly, then fast, then slowly.
+  // Goal: a body gets no place if it would leave the place too soon, and no place number is used
+  // twice. Method: let a body rest, then move fast, then move slowly.
   NearPlaces places;
   places.reset(2, ticks_after(1e-3));
   places.began({0}, k_reach_m, {.stays = true});

@@ -33,9 +33,9 @@ std::vector<Vec3> crossings(double yaw_rad, const Vec3& aside_m) {
 }
 
 TEST(PieceCorners, EdgesCrossWhereFacesLieAskew) {
-  // Goal: edge crossings are the corners of the common area that are no corners of either piece.
-  // Method: use cubes whose edges cross eight times, twice or only at ends, and a cube slightly too
-  // high.
+  // Goal: the edge crossings of two pieces are the corners of their common area, except for those
+  // that are corners of one of the pieces. Method: put a cube on another so that their edges cross
+  // eight times, twice, or only at their ends. Also hold the upper cube slightly too high.
   const double r = 0.5;
   const std::vector<Vec3> eight = crossings(std::numbers::pi / 4, Vec3::Zero());
   EXPECT_EQ(eight.size(), 8U);

@@ -167,9 +167,10 @@ class Approach {
 };
 
 TEST(RoundSearch, SkipsNoCollision) {
-  // Goal: invariant 2 holds. Method: let a piece randomly approach another piece, a ball, a plane
-  // or a piece at rest. At random skipped ticks and at the last ticks before the next look, a
-  // computation from scratch must find no touch.
+  // Goal: while two round pieces are apart, a search skips no tick at which they touch
+  // (round_search.h, invariant 2). Method: let a random piece approach another piece, a ball, a
+  // plane or a piece at rest. Compute the gap from scratch at random skipped ticks and at the last
+  // skipped ticks; the pieces must not touch.
   const std::uint64_t count = property::long_run() ? 60'000 : property::of_tier(300, 1500);
   std::uint64_t skipped = 0;
   std::uint64_t looks = 0;

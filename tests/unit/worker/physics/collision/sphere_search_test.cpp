@@ -137,9 +137,10 @@ struct Verdicts {
 };
 
 TEST(KeepsClear, IsNeverSaidOfWhatCollides) {
-  // Goal: if keeps_clear is true, no tick of the span is a collision. keeps_clear is true for most
-  // flights without a collision. Method: run flights near random features of random meshes; some
-  // graze a limit. Test the search's ticks, random ticks and ticks close to the closest approach.
+  // Goal: if keeps_clear() returns true, the sphere collides at no tick of the span. For most
+  // flights without a collision, keeps_clear() returns true. Method: try random flights near random
+  // features of random meshes; some flights come very close to a limit of the collision rule. Test
+  // the ticks that a search visits, random ticks and ticks near the closest approach.
   std::array<Verdicts, 4> verdicts;
   for (const std::uint64_t n : property::cases(mesh_count())) {
     random::Stream stream({.seed = 17, .purpose = random::Purpose::scene}, n);

@@ -1,4 +1,5 @@
-// For boxes above spline surfaces, compares the search with a test of every point of the box.
+// Compares the search for boxes above spline surfaces with a test of every lattice point of the
+// box.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -113,8 +114,8 @@ void expect_none_between(Meeting& meeting, Tick from, Tick next, Dice& dice, Tal
     look(from + std::max<TickCount>(1, span / 32) * i);
 }
 
-/// Searches like a simulation. Returns the tick of the collision, or nothing if the box doesn't
-/// collide before `end`. If `near` is null, each look starts from scratch.
+/// Runs a search as a simulation does. Returns the tick of the collision, or nothing if the box
+/// doesn't collide before `end`. If `near` is null, each look starts from scratch.
 std::optional<Tick> walk(Meeting& meeting, Tick end, NearPoints* near, Dice& dice, Tally& tally) {
   Tick tick = meeting.flyer().flight.begin;
   if (near != nullptr) near->forget_motion();
@@ -166,10 +167,11 @@ void bounce(Meeting& meeting, Tick tick, Dice& dice) {
 }
 
 TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
-  // Goal: invariants 1 and 2 of surface_search.h hold. Method: let random boxes fly, fall, slide,
-  // turn and bounce close to random surfaces. At each look, compare the verdict and the contact
-  // with a test of all points. Also compare some verdicts with a fresh search, and all contacts
-  // with contact_of. At some skipped ticks, examine all points.
+  // Goal: a look finds the right verdict and contact, and the search skips no collision
+  // (surface_search.h, invariants 1 and 2). Method: let random boxes fly, fall, slide, turn and
+  // bounce close to random surfaces. At each look, compare the verdict and the contact with a test
+  // of all points. Also compare some verdicts with a new search, and all contacts with
+  // contact_of(). At some skipped ticks, test all points.
   Tally tally;
   const std::uint64_t count = property::long_run() ? 10'000 : property::of_tier(140, 700);
   for (const std::uint64_t n : property::cases(count)) {
@@ -220,10 +222,10 @@ std::shared_ptr<const testing::TableControls> profile(std::function<double(int)>
 }
 
 TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
-  // Goal: bounds hold for a box whose lowest corner is in a hollow but which first touches a gentle
-  // hill beside the hollow. The bounds hold even if the box rises from that corner faster than the
-  // hill bulges. Method: drop boxes with one corner above a hollow that is several times sharper
-  // than the hill. Tilt the boxes about as much as the bound requires.
+  // Goal: the search's bounds hold for a box whose lowest corner is in a hollow but which first
+  // touches a gentle hill beside the hollow. Method: drop boxes with one corner above a hollow that
+  // is several times as sharply curved as the hill. Tilt each box by about half of its side times
+  // the hill's curvature.
   Tally tally;
   for (const std::uint64_t n : property::cases(1500)) {
     if (HasFailure()) break;
@@ -257,9 +259,9 @@ TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
 }
 
 TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
-  // Goal: bounds hold for the surface that a box will reach, which can be steeper and more curved
-  // than the surface below it now. Method: let boxes slide and roll fast at almost no height over a
-  // flat table, towards steps and ridges of a narrow grid.
+  // Goal: the search's bounds hold for the part of the surface that a box will reach. That part can
+  // be steeper and more curved than the part now below the box. Method: let boxes slide and roll
+  // fast, just above a flat table, towards steps and ridges.
   Tally tally;
   for (const std::uint64_t n : property::cases(160)) {
     if (HasFailure()) break;
@@ -300,9 +302,9 @@ TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
 }
 
 TEST(SurfaceSearch, StillBoxesAreNotWalkedBy) {
-  // Goal: without rotation and sideways motion, bounds hold forever and no product of zero and
-  // infinity becomes NaN. Method: let boxes rise, hang or fall over a flat and a rough table, with
-  // and without gravity. Few looks must suffice.
+  // Goal: for a box without rotation and sideways motion, the bounds hold forever, and no product
+  // of zero and infinity becomes NaN. Method: let boxes rise, hover or fall above a flat table and
+  // a rough table, with gravity and without it. Fewer than 300 looks must suffice for each box.
   for (const Relief relief : {Relief::flat, Relief::rough}) {
     for (const double up_mps : {0.0, 1e-3, 0.5, -0.5}) {
       for (const double pull_mps2 : {0.0, -9.81}) {
@@ -327,9 +329,10 @@ TEST(SurfaceSearch, StillBoxesAreNotWalkedBy) {
 }
 
 TEST(SurfaceSearch, OfEqualGapsTheFirstOneCounts) {
-  // Goal: equal gaps keep the lattice's order (surface_search.h, invariant 1), though the search
-  // stores near points in another order. Method: turn a die flat above a flat table, so that its
-  // sides approach at different speeds. Then let the die touch and come down evenly.
+  // Goal: if several points have the same least gap, the contact is the first of them in lattice
+  // order (surface_search.h, invariant 1). The order in which the search stores near points doesn't
+  // matter. Method: rotate a die that is flat above a flat table, so that its sides approach at
+  // different speeds. Then let the die touch the table and move straight down without rotation.
   for (const Vec3& turning : {Vec3(5, 0, 0), Vec3(-5, 0, 0), Vec3(0, 5, 0), Vec3(0, -5, 0)}) {
     Flyer flyer{testing::die_of(0.016), {}};
     flyer.flight.begin = Tick{1'000'000};
@@ -353,8 +356,8 @@ TEST(SurfaceSearch, OfEqualGapsTheFirstOneCounts) {
 
 TEST(SurfaceSearch, BoxesHaveLattices) {
   // Goal: neighbouring lattice points are at most the spacing apart, even if a side is a whole
-  // multiple of the spacing. Faces share the points of their edges. Solids other than boxes have no
-  // lattice. Method: test boxes with many side lengths, and other solids.
+  // multiple of the spacing. Adjacent faces share the points of their common edge. Solids other
+  // than boxes have no lattice.
   Dice dice(k_seed, 9);
   for (int n = 0; n < 400; ++n) {
     const double spacing_m = dice.between(5e-4, 5e-3);
@@ -415,9 +418,10 @@ TEST(SurfaceSearch, BoxesHaveLattices) {
 }
 
 TEST(SurfaceSearch, PointsNearAreTheOutermostOnes) {
-  // Goal: support points of a resting box are complete. Method: put boxes close to random surfaces.
-  // Each support must be a point of the box, within reach, with the surface's normal. In each of
-  // eight directions, no point within reach is further out than the supports.
+  // Goal: points_near() finds the outermost points of a box that are near the surface. Method: put
+  // boxes close to random surfaces. Each point found must be within reach of the surface and have
+  // the surface's normal. In each of eight directions, no point of the box within reach may be
+  // further out than the points found.
   std::size_t found_in_all = 0;
   for (const std::uint64_t n : property::cases(300)) {
     Dice dice(k_seed + 3, n);

@@ -53,8 +53,9 @@ struct Structure {
 };
 
 TEST(ForceBalance, ABlockOnASlopeHoldsUpToTheAngleOfFriction) {
-  // Goal: a block stays if tan(angle) <= mu, within 0.3 degrees, in any direction along the plane,
-  // because friction cones are round. Method: test both sides of the limit in twelve directions.
+  // Goal: a block stays on a slope exactly if tan(angle) <= mu, up to 0.3 degrees. The direction of
+  // the slope doesn't matter, because friction cones are round. Method: test angles 0.3 degrees
+  // below and above the limit in twelve directions.
   for (const double friction : {0.2, 0.7}) {
     for (int i = 0; i < 12; ++i) {
       for (const double off : {-0.3, 0.3}) {
@@ -84,10 +85,11 @@ Structure overhanging(int count, double step) {
 }
 
 TEST(ForceBalance, FourBlocksStandAtAFifthAndFallAtThreeTenths) {
-  // Goal: a stack can fall though each block stands on the next. The centre of the upper n blocks
-  // is (n + 1) / 2 steps beyond the centre of the block below, so the limit for four blocks is a
-  // quarter. Method: test both sides of this limit, far and close, and the limit of a stack of
-  // twenty.
+  // Goal: a stack of shifted blocks can fall although each block alone would stand on the block
+  // below. The common centre of the upper n blocks is (n + 1) / 2 steps beyond the centre of the
+  // block below. So four blocks stand if the step is at most a quarter of a block's width. Method:
+  // test steps slightly and clearly below this limit, and slightly and clearly above it. Also test
+  // steps on both sides of the limit for twenty blocks.
   EXPECT_TRUE(overhanging(4, 0.2).holds());
   EXPECT_FALSE(overhanging(4, 0.3).holds());
   EXPECT_TRUE(overhanging(4, 0.245).holds());
@@ -98,7 +100,7 @@ TEST(ForceBalance, FourBlocksStandAtAFifthAndFallAtThreeTenths) {
 
 TEST(ForceBalance, ABallOnTwoNeedsTheirFriction) {
   // Goal: a ball on two touching balls stays if friction at the floor and between balls is at least
-  // tan 15 degrees. Method: test both sides of this known limit.
+  // tan 15 degrees. Method: test friction slightly below and slightly above this limit.
   for (const double friction : {0.258, 0.278}) {
     Structure three;
     for (const double x : {-0.5, 0.5}) {
@@ -143,10 +145,11 @@ Structure arch(int count, double thickness, double friction) {
 }
 
 TEST(ForceBalance, AnArchStandsDownToItsLeastThickness) {
-  // Goal: a semicircle of 15 stones with friction 0.7 stands at a thickness of 0.13 radii and falls
-  // at 0.09. If joints may be anywhere, the limit is 0.1075 (Heyman, International Journal of
-  // Solids and Structures 5, 1969, as corrected by Milankovitch). Method: test both sides, and find
-  // by bisection the thickness at which the verdict changes.
+  // Goal: a semicircular arch of 15 stones with friction 0.7 stands if its thickness is 0.13 radii,
+  // and falls if its thickness is 0.09 radii. If joints may be anywhere, the limit is 0.1075 radii
+  // (Heyman, International Journal of Solids and Structures 5, 1969, as corrected by Milankovitch).
+  // Method: test both thicknesses. Then find with a bisection the thickness at which the verdict
+  // changes.
   EXPECT_TRUE(arch(15, 0.13, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.09, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.13, 0.1).holds());
@@ -211,9 +214,9 @@ double left_by_descent(const Structure& structure) {
 }
 
 TEST(ForceBalance, AgreesWithASlowSearch) {
-  // Goal: the verdict is right for any contacts of up to three bodies. Method: compare random
-  // contacts with a plain gradient descent. The descent's verdict counts only if the remaining
-  // imbalance is almost zero or large.
+  // Goal: the verdict is right for any contacts of up to three bodies. Method: compare verdicts on
+  // random contacts with a plain gradient descent. Skip a case unless the imbalance that remains
+  // after the descent is almost zero or large.
   int held = 0;
   int fell = 0;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 2'000 : 40)) {

@@ -1,8 +1,8 @@
-// Goal: gap, normal, points and features of separated convex pieces are right up to rounding, for
-// any placement. Method: test random and degenerate placements of many kinds of pieces, with gaps
-// from 1e-9 of the size. Each result must prove itself (points inside, separation along the normal)
-// and equal a brute-force gap in long double. Constructed configurations have known features. The
-// checks must reject a faulty distance function.
+// Goal: closest_cold() finds the right gap, normal, points and features of separated convex pieces,
+// up to rounding. Method: test random and degenerate placements of many kinds of pieces, with gaps
+// down to 1e-9 of the size. In each result, the points must be in the pieces, and the pieces must
+// be separated by the gap along the normal. The gap must equal a brute-force gap in long double.
+// Also test placements with known features. The checks must reject a faulty distance function.
 #include "worker/physics/distance/closest_points.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,8 @@ namespace {
 
 using math::norm;
 
-// Error relative to the coordinates: the header's bound of 2^-50, times a few more roundings.
+// Error relative to the coordinates: the header's bound of 2^-50, plus room for some more rounding
+// errors.
 constexpr double k_accuracy = 1e-14;
 
 // The normal between two points has an error of rounding / gap. The separation along this normal

@@ -1,7 +1,8 @@
-// Goal: overlapping pieces have the right depth. If the overlap is as small as rounding or one time
-// step, the normal usually stays as before the overlap. Method: push pieces into each other by 1e-9
-// to 1e-6 of their size from a known contact, and test deep overlaps. A shift by the depth along
-// the normal must separate the pieces, and no sampled direction needs a shorter shift.
+// Goal: closest_cold() finds the right depth of overlapping pieces. If the overlap is no deeper
+// than rounding or one time step can make it, the normal usually stays the same as before the
+// overlap. Method: push pieces 1e-9 to 1e-6 of their size into each other from a known contact, and
+// test deep overlaps. A shift by the depth along the normal must separate the pieces, and no
+// sampled direction may need a shorter shift.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +42,7 @@ TEST(Overlap, shallow_ones_keep_the_normal_of_the_contact) {
     }
     ASSERT_LE(norm(inside.point_b_m - inside.point_a_m - inside.gap_m * inside.normal), rounding);
     // A contact at a face or at crossed edges determines a normal, along which the pieces overlap.
-    // A contact without a face or crossed edges determines no normal, and two sharp corners pass
+    // A contact without a face or crossed edges determines no normal: two sharp corners can pass
     // each other.
     const bool own_normal =
         before.feature_a.kind == FeatureKind::face || before.feature_b.kind == FeatureKind::face ||

@@ -92,10 +92,10 @@ Placed random_places(Dice& dice, const ConvexView& a, const ConvexView& b, doubl
 }
 
 TEST(RoundDistance, IsTheGreatestSeparation) {
-  // Goal: gaps are right to k_round_gap_error, as are normals and the points on both surfaces.
-  // Method: compare random pairs of round pieces, and of round pieces and polyhedra, with a slow
-  // search over all axes. Gaps range from 0.1 m to a nanometre, and overlaps reach some
-  // micrometres. The search must not find a wider separation.
+  // Goal: closest_round() finds the right normal, the right points and, to k_round_gap_error, the
+  // right gap. Method: compare the gaps of random pairs with a slow search over all axes, which
+  // must not find a wider separation. One piece of each pair is round, and the other is round or a
+  // polyhedron. Gaps range from a nanometre to 0.1 m, and overlaps are up to 3 micrometres deep.
   const std::uint64_t count = property::long_run() ? 1'000'000 : property::of_tier(40, 500);
   double worst_m = 0;
   for (const std::uint64_t n : property::cases(count)) {
@@ -137,9 +137,9 @@ TEST(RoundDistance, IsTheGreatestSeparation) {
 }
 
 TEST(RoundDistance, OfAPointAndAPlaneAreClosedForms) {
-  // Goal: gaps of pieces of revolution to points and half-spaces are right. Method: compare gaps to
-  // points with the reach along the normal and with a slow search over all axes. Compare gaps to
-  // half-spaces with the reach along their normals.
+  // Goal: the gap between a piece of revolution and a point or a half-space is right. Method:
+  // compare the gap to a point with the separation along the normal, and with a slow search over
+  // all axes. Compare the gap to a half-space with the piece's reach along the half-space's normal.
   const PointPiece origin(Vec3::Zero());
   const ConvexView point = origin.view();
   for (std::uint64_t n = 0; n < 1000; ++n) {
@@ -170,7 +170,7 @@ TEST(RoundDistance, OfAPointAndAPlaneAreClosedForms) {
 }
 
 TEST(RoundDistance, SaysThatDeepOverlapsOverlap) {
-  // Goal: a piece inside another has no positive gap. Method: place centres very close.
+  // Goal: two pieces have a negative gap if their centres are only 1 mm apart.
   for (std::uint64_t n = 0; n < 500; ++n) {
     Dice dice(n);
     const Compound first = round_of(dice.below(8));

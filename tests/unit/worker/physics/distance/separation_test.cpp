@@ -1,5 +1,5 @@
-// Goal: supports and the bound of the gap along an axis are right. Method: compare them with plain
-// loops, in long double where rounding matters.
+// Goal: the furthest vertex in a direction and the lower bound of the gap along an axis are right.
+// Method: compare both with plain loops over all vertices, in long double where rounding matters.
 #include "worker/physics/distance/separation.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
-// Goal: a cache (closest_warm) or a hint speeds up the search and never changes its result. Method:
-// compare warm with cold results at each step of random trajectories. Steps are 1e-6 to 0.5 of the
-// size, and some pieces pass through each other. Also try stale caches and caches of other pairs.
+// Goal: neither a cache (closest_warm) nor a hint (closest_cold) changes the result of a search.
+// Method: compare closest_warm with closest_cold at each step of random trajectories. Steps are
+// 1e-6 to 0.5 of the size, and some pieces pass through each other. Also try caches with random
+// contents.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -168,7 +169,8 @@ Mat3 product_of(const Mat3& first, const Mat3& second) {
   return result;
 }
 
-// Places B over a face of A, or anywhere. B points a feature at the face, tilted by 1e-12 to 1 rad.
+// Places B over a face of A, or anywhere. Over a face, a feature of B points at the face, up to a
+// tilt of 1e-12 to 1 rad.
 Placement near_placement(random::Stream& stream, const ConvexView& a, const ConvexView& b) {
   Placement at;
   at.a.rotation = random_rotation(stream);
@@ -189,9 +191,10 @@ Placement near_placement(random::Stream& stream, const ConvexView& a, const Conv
   return at;
 }
 
-// Goal: closest_cold returns the same bits for any hint, even if only_one() saves the search.
-// Method: place pieces 3e-10 to 1e-5 m apart, some with nearly parallel faces and edges. Try hints
-// from closest_warm, from closest_cold, and wrong hints. SLEIGHT_SOAK runs 15 times as many cases.
+// Goal: closest_cold returns the same bits with any hint, even if the hint makes the search
+// unnecessary (only_one()). Method: place pieces 3e-10 to 1e-5 m apart, some with nearly parallel
+// faces and edges. Use three hints: the features that closest_warm found, those that closest_cold
+// found, and random features. With SLEIGHT_SOAK, the test runs 15 times as many cases.
 TEST(ClosestCold, gives_the_same_bits_with_any_hint) {
   const auto cases =
       static_cast<int>(property::long_run() ? 3'000'000 : property::of_tier(40'000, 200'000));

@@ -1,6 +1,7 @@
-// Goal: all event queues return the same answers as the slow reference. Method: in one suite, run
-// random operations with few, spread and extreme ticks, a simulation's load, and edge cases by
-// hand. The suite must reject queues with one deliberate mistake each.
+// Goal: every event queue returns the same answers as the slow reference. Method: run random
+// operations with few different ticks, with widely spread ticks and with extreme ticks. Also run
+// operations like those of a simulation, and some edge cases. The suite must reject queues with one
+// deliberate mistake each.
 #include "worker/physics/event/event_queue.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +29,7 @@ constexpr EventKey at(TickCount tick, std::uint32_t lower = 0) {
 }
 
 TYPED_TEST(EventQueues, agree_with_the_reference_on_random_operations) {
-  // The test runs 70 * 3 * 8000 + 3 * 5000 = 1.7 million operations, a quarter of that in
+  // The test runs 70 * 3 * 8000 + 3 * 5000 = 1.7 million operations, and a quarter of these in
   // deploy/test.
   const auto operations = static_cast<std::uint32_t>(property::of_tier(2'000, 8'000));
   for (std::uint32_t slots = 1; slots <= 70; ++slots) {
@@ -53,8 +54,7 @@ TYPED_TEST(EventQueues, agree_with_the_reference_in_a_simulation) {
 }
 
 TYPED_TEST(EventQueues, hold_nothing_at_first_and_after_a_reset) {
-  // Goal: reset empties the queue, even if it changes the size. Method: fill, reset, read every
-  // slot.
+  // Goal: reset() empties a full queue, even if it changes the number of slots.
   TypeParam queue;
   EXPECT_TRUE(queue.empty());
   queue.reset(0);
@@ -74,7 +74,8 @@ TYPED_TEST(EventQueues, hold_nothing_at_first_and_after_a_reset) {
 }
 
 TYPED_TEST(EventQueues, equal_keys_go_by_slot_and_equal_ticks_by_key) {
-  // Goal: the order of events has no ties. Method: set the same contents in different orders.
+  // Goal: events at one tick are ordered by key, and events with equal keys by slot. Method: set
+  // the same events in ascending and in descending order of slots.
   TypeParam queue;
   for (const bool backwards : {false, true}) {
     queue.reset(20);
@@ -93,7 +94,8 @@ TYPED_TEST(EventQueues, equal_keys_go_by_slot_and_equal_ticks_by_key) {
 }
 
 TYPED_TEST(EventQueues, what_never_happens_is_still_in_order) {
-  // Goal: a key at k_never is an event, but k_no_event is not. Method: set all slots to k_never.
+  // Goal: the queue orders keys at k_never like other events, but treats k_no_event as no event.
+  // Method: set all slots to keys at k_never.
   TypeParam queue;
   queue.reset(30);
   EventKey never = k_no_event;
@@ -114,7 +116,8 @@ TYPED_TEST(EventQueues, what_never_happens_is_still_in_order) {
 }
 
 TEST(Tournament, TheSecondIsTheLeastOfTheOthers) {
-  // Goal: reading ahead returns the next events. Method: compare with a scan of all slots.
+  // Goal: second() returns the slot of the least event of all slots but the first event's. Method:
+  // compare the slot with a scan of all slots.
   Dice dice(5);
   for (const std::uint32_t slots : {2U, 8U, 9U, 100U, 1001U}) {
     TournamentQueue queue;
@@ -196,7 +199,8 @@ bool passes() {
 }
 
 TEST(QueueChecks, notice_each_mistake) {
-  // Goal: the suite can fail. Method: run the suite on the plain queue without and with a mistake.
+  // Goal: the random operations accept a correct queue and reject each queue with a deliberate
+  // mistake.
   EXPECT_TRUE(passes<SlowQueue>());
   EXPECT_FALSE(passes<WrongQueue<Mistake::by_insertion>>());
   EXPECT_FALSE(passes<WrongQueue<Mistake::tick_alone>>());
@@ -206,8 +210,8 @@ TEST(QueueChecks, notice_each_mistake) {
 }
 
 TEST(QueueChecks, notice_ties_in_a_simulation) {
-  // Goal: check_simulation() can fail too. Method: use waits of only a few ticks, so that ties
-  // occur.
+  // Goal: check_simulation() rejects a queue that orders events by tick alone. Method: use a mean
+  // wait of 2 ticks, so that several events share a tick.
   Dice dice(0);
   EXPECT_NE(check_simulation<WrongQueue<Mistake::tick_alone>>(64, 2, 1'500, dice), "");
 }

@@ -1,6 +1,7 @@
-// Goal: time spans convert to whole ticks exactly, rounded to the requested side. Method: test
-// values with known ticks. For random spans, test the definition (last tick at or before, first
-// tick at or after) in exact arithmetic. A tick is a power of two, so scaling by it doesn't round.
+// Goal: ticks_before() rounds a time span down to whole ticks and ticks_after() rounds it up, both
+// exactly. Method: test spans with known results. Compare the results for random spans with the
+// floor and the ceiling of the exact number of ticks. A tick is a power of two, so scaling by it
+// doesn't round.
 #include "worker/physics/event/tick.h"
 
 #include <gtest/gtest.h>

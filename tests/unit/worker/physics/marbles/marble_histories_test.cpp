@@ -1,5 +1,5 @@
-// Tests that replay changes no result. Scenes that differ in some balls are simulated with the
-// histories of the previous scene, and from scratch.
+// Tests that replay changes no result. Each scene differs from the previous scene in some balls. It
+// is simulated twice: with the previous scene's histories, and from scratch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -201,15 +201,17 @@ void run_all_scenes(Moves moves, std::uint64_t count) {
 }
 
 TEST(MarbleHistories, ReplayingMakesNoDifference) {
-  // Goal: replay changes no bit (invariant 4), both in heaps that rest and wake and in sparse
-  // falls. Method: in random scenes, change some balls' starts a dozen times. Simulate each scene
-  // from scratch. Simulate it again with the previous scene's histories, in up to three portions.
+  // Goal: replay changes no bit of the result (marbles.h, invariant 4), for heaps of balls that
+  // rest and wake and for single falling balls. Method: change some balls' starts in random scenes
+  // a dozen times. Simulate each scene from scratch. Simulate it again with the previous scene's
+  // histories, in up to three portions.
   run_all_scenes(Moves::balls, scene_count());
 }
 
 TEST(MarbleHistories, MovedGeometryMakesNoDifference) {
-  // Goal: replay also changes no bit if static geometry changes. Method: change balls' starts, and
-  // move vertices of the mesh by 0.1 or 2 mm. Each move starts from the vertex's initial position.
+  // Goal: replay changes no bit of the result even if the static geometry changes. Method: change
+  // some balls' starts, and move vertices of the mesh up to 0.1 or 2 mm away from their initial
+  // positions.
   run_all_scenes(Moves::balls_and_vertices, scene_count() / 2);
 }
 
@@ -226,9 +228,9 @@ Scene two_balls(double apart_m) {
 }
 
 TEST(MarbleHistories, AWrongHistoryMakesADifference) {
-  // Goal: a replayed ball is not simulated, so the tests above can fail. Method: replay an old
-  // history for a ball that now starts elsewhere, in another ball's path. The other ball flies on
-  // without a hit.
+  // Goal: a replayed ball is not simulated, so a wrong history gives a wrong result, and the tests
+  // above can fail. Method: replay the old history of a ball that now starts elsewhere, in another
+  // ball's path. The other ball then flies on without a hit.
   const double radius_m = std::get<Sphere>(two_balls(1).bodies[0].shape).radius_m;
   const Scene before = two_balls(10 * radius_m);
   Scene after = before;
@@ -264,7 +266,7 @@ TEST(MarbleHistories, AWrongHistoryMakesADifference) {
 TEST(MarbleHistories, ABallIsLeftAloneNowIfItWouldBeNow) {
   // Goal: if the confinement changes, a ball's history is valid only until the tick at which the
   // ball was suspended. If the confinement is the same, the whole history is valid. Method: suspend
-  // a ball in a box once it is slow. Replay the ball with the same box, with a wider box, and
+  // a ball in a box once the ball is slow. Replay the ball with the same box, with a wider box, and
   // without a box.
   Scene scene = two_balls(1);
   scene.bodies.resize(1);
@@ -325,9 +327,8 @@ Scene weightless(std::uint32_t balls) {
 }
 
 TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
-  // Goal: if a collision made a ball slow enough to be suspended, and the object that it hit has
-  // moved, the ball is simulated again. Method: let a ball hit a wall and become slow, then move
-  // the wall away.
+  // Goal: a ball is simulated again if a wall made it slow enough to be suspended and the wall has
+  // since moved. Method: let a ball hit a wall and become slow, then move the wall away.
   Scene scene = weightless(1);
   scene.bodies[0].start.twist.velocity_mps = {1, 0, 0};
   auto mesh = std::make_shared<TriangleMesh>(*scene.meshes[0].mesh);
@@ -376,8 +377,8 @@ TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
 
 TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
   // Goal: a ball drops its predicted meeting with a replayed partner if another ball makes that
-  // partner live. Method: start a ball between two balls that almost touch it and that started
-  // elsewhere in the earlier run.
+  // partner live. Method: record a run with three balls. In a second run, let two balls start
+  // elsewhere, so that they almost touch the third, replayed ball.
   Scene before = weightless(3);
   before.bodies[2].start_tick = Tick{} + ticks_after(0.1);
   Scene after = before;
@@ -406,8 +407,9 @@ TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
 }
 
 TEST(MarbleHistories, ACheckpointDoesntSayWhatFollowedAtItsTick) {
-  // Goal: checkpoint_before() reports a gap if the checkpoint lacks a meeting at its own tick.
-  // Method: build a history with two meetings at one tick and a checkpoint after the first meeting.
+  // Goal: checkpoint_before() reports a gap if a meeting followed the checkpoint at the
+  // checkpoint's own tick. Method: build a history with two meetings at one tick and a checkpoint
+  // after the first meeting.
   MarbleHistory history;
   history.meetings = {{.tick = Tick{5}, .partner = 1}, {.tick = Tick{5}, .partner = 2}};
   MarbleHistory::Checkpoint checkpoint;

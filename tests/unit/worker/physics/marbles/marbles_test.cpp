@@ -13,7 +13,7 @@
 namespace sleight::physics {
 namespace {
 
-/// With even seeds, all balls start at once. In one scene of three, the floor's friction varies.
+/// With even seeds, all balls start at once. In every third scene, the floor's friction varies.
 scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed) {
   scenes::Setting setting = testing::equal_marbles(balls, seed, seed % 2 == 0 ? 0 : 40'000'000);
   if (seed % 3 == 0) {
@@ -35,7 +35,8 @@ SimulationOptions places_only() {
 }
 
 TEST(Marbles, EqualASimulation) {
-  // Goal: invariant 1 holds. Method: compare random scenes of up to 40 balls at twenty times each.
+  // Goal: Marbles and Simulation compute the same results (marbles.h, invariant 1). Method: compare
+  // both engines in random scenes of up to 40 balls, at twenty times in each scene.
   for (const std::uint64_t seed : property::cases(scene_count())) {
     const scenes::Setting setting =
         equal_marbles(seed % 10 == 9 ? 40 : 1 + static_cast<std::uint32_t>(seed % 15), seed);
@@ -59,7 +60,8 @@ TEST(Marbles, EqualASimulation) {
 }
 
 TEST(Marbles, ComparerFindsADifference) {
-  // Goal: alike_at() notices a difference. Method: start one ball a nanometre higher in one engine.
+  // Goal: alike_at() notices a difference. Method: start one ball a nanometre higher in one of the
+  // two engines.
   scenes::Setting setting = equal_marbles(5, 3);
   auto simulation = Simulation::start(setting.scene, places_only()).value();
   setting.scene.bodies[2].start.pose.position_m.z() += 1e-9;
@@ -73,7 +75,8 @@ TEST(Marbles, ComparerFindsADifference) {
 }
 
 TEST(Marbles, OverlapsAreErrors) {
-  // Goal: balls that start in one place or inside something get the simulator's error message.
+  // Goal: Marbles reports the simulator's error if two balls start in one place or a ball starts
+  // inside the floor.
   for (const bool in_floor : {false, true}) {
     scenes::Setting setting = equal_marbles(5, 4);
     auto& bodies = setting.scene.bodies;
@@ -94,8 +97,8 @@ TEST(Marbles, OverlapsAreErrors) {
 
 TEST(Marbles, StartsInTouchAreErrors) {
   // Goal: Marbles refuses a ball that starts in touch with a face, an edge or a vertex, as the
-  // simulator does, and accepts a ball slightly further away. Method: place a ball at random
-  // features of random scenes, with gaps below and above the touch distance.
+  // simulator does. Marbles accepts a ball that is slightly further away. Method: place a ball at
+  // random features of random scenes, with gaps below and above the touch distance.
   std::uint64_t refused = 0;
   std::uint64_t started_well = 0;
   for (const std::uint64_t seed : property::cases(20)) {
@@ -132,7 +135,8 @@ TEST(Marbles, StartsInTouchAreErrors) {
 }
 
 TEST(Marbles, AreRecognised) {
-  // Goal: scenes that the engine doesn't support are refused. Method: change one thing at a time.
+  // Goal: are_marbles() rejects scenes that the engine doesn't support. Method: change one property
+  // of a supported scene at a time.
   const Scene scene = equal_marbles(3, 1).scene;
   EXPECT_TRUE(are_marbles(scene));
   Scene other = scene;

@@ -47,9 +47,10 @@ Tick first_collision(const StaticGeometry& statics, const SphereFeature& feature
 }
 
 TEST(PathBounds, ComeBeforeEveryCollision) {
-  // Goal: no bound is later than the collision, and the surroundings contain every feature that a
-  // ball hits. Method: start flights close to a feature of a random mesh. Each flight falls back on
-  // the feature or passes it. Compare with a search that tests single ticks.
+  // Goal: the lower bound of a collision's time is never later than the collision, and the
+  // surroundings contain every feature that a ball hits. Method: start flights close to a feature
+  // of a random mesh. The ball falls back onto the feature or passes it. Compare the bounds with a
+  // search that tests single ticks.
   random::Stream stream({.seed = 11, .purpose = random::Purpose::scene}, 0);
   int met = 0;
   for (std::uint64_t n = 0; n < 40; ++n) {
@@ -101,8 +102,8 @@ TEST(PathBounds, ComeBeforeEveryCollision) {
 }
 
 TEST(PathBounds, ATimeThatAPlaceStaysIsSafe) {
-  // Goal: a moving place stays between the walls for the time stays_s(), and crosses a wall
-  // slightly later. Method: test random parabolas.
+  // Goal: a moving point stays between the walls of a box for the time stays_s(), and is outside
+  // slightly later. Method: test points on random parabolas.
   random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
   for (int i = 0; i < 20'000; ++i) {
     const Four low = Four::of(std::array<double, 4>{-1, -1, -1, -1});
@@ -119,7 +120,8 @@ TEST(PathBounds, ATimeThatAPlaceStaysIsSafe) {
 }
 
 TEST(BallBoxes, FindWhatOverlaps) {
-  // Goal: for_each_overlapping finds the overlapping boxes in order. Method: compare with a loop.
+  // Goal: for_each_overlapping() visits exactly the overlapping boxes, in order. Method: compare
+  // the visited boxes with a loop over all boxes.
   random::Stream stream({.seed = 13, .purpose = random::Purpose::scene}, 0);
   const auto box_of = [&] {
     TouchBox box;

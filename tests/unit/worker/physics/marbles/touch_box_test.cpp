@@ -83,10 +83,10 @@ bool same(const TouchBox& a, const TouchBox& b) {
 }
 
 TEST(TouchBox, HasTheBitsOfThePlainComputation) {
-  // Goal: computing all axes at once gives the same boxes as one axis at a time. Method: compare
-  // features of stars, hollows and sheets, with edges of every kind. Some edges have two equal
-  // sides, which leave the edge's wedge undetermined. Count how often a slightly larger reach
-  // changes the box.
+  // Goal: touch_box_of(), which computes all axes at once, has the bits of a computation of one
+  // axis at a time. Method: compare the boxes of all features of stars, hollows and sheets, with
+  // edges of every kind. Some edges have two equal sides, which leave the edge's wedge
+  // undetermined. Count how often a slightly larger reach changes the box.
   std::array<int, 3> kinds{};
   int told_apart = 0;
   for (const std::uint64_t n : property::cases(60)) {
@@ -121,10 +121,10 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
 }
 
 TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
-  // Goal: after a move, refreshed features have the touch boxes of the current geometry, and the
-  // lists of nearby features still contain them. Method: move one vertex of a star slightly, or far
-  // beyond its slack, and compare with the plain computation. Look up each feature at the middle of
-  // its touch box.
+  // Goal: after a vertex moves, refreshed features have the touch boxes of the current geometry,
+  // and the lists of nearby features still contain these features. Method: move one vertex of a
+  // star slightly, or far beyond its slack, and compare the touch boxes with the plain computation.
+  // Look up each feature at the middle of its touch box.
   int beyond = 0;
   for (const std::uint64_t n : property::cases(10)) {
     random::Stream stream({.seed = 44, .purpose = random::Purpose::scene}, n);

@@ -1,6 +1,7 @@
-// Goal: spherical and axially symmetric bodies rotate like the known solutions and like the general
-// integration of the same body. Method: compare steady spin and precession with long double
-// formulas. Compare all three kinds of inertia if their moments are equal.
+// Goal: spherical and axially symmetric bodies rotate as the known solutions say, and as the
+// general integration of the same body does. Method: compare steady spin and precession with long
+// double formulas. Compare the results for bodies that have the same moments but a different
+// declared symmetry.
 #include "worker/physics/motion/closed_rotation.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Goal: the centre of mass follows the parabola to the documented rounding, and its place depends
-// only on the ticks since the flight's first tick. Method: compare with long double over all sizes.
-// Compare bits at the first tick and after a shift in time.
+// Goal: the centre of mass follows its parabola up to the documented rounding, and its place
+// depends only on the ticks since the flight's first tick. Method: compare flights of all sizes
+// with long double formulas. Compare bits at the first tick and after a shift in time.
 #include "worker/physics/motion/free_flight.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
-// Goal: the Taylor steps solve Euler's equations and the quaternion's equation to the last bits and
-// keep a free body's invariants. Method: compare with Runge-Kutta in tiny long double steps,
-// Jacobi's elliptic functions (Boost.Math) and the invariants. Broken equations must fail.
+// Goal: the Taylor steps solve Euler's equations and the quaternion's equation to the last bits,
+// and keep the energy and momentum of a free body. Method: compare rotations with a Runge-Kutta
+// integration in tiny long double steps and with Jacobi's elliptic functions (Boost.Math). Measure
+// the drift of energy and momentum. Broken equations must fail.
 #include "worker/physics/motion/general_rotation.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +63,7 @@ TEST(GeneralRotation, agrees_with_a_slow_integration) {
         std::max(worst_velocity,
                  (body_radps_at(flight, inertia, t) - end.body_radps()).cwiseAbs().maxCoeff());
   }
-  // Six radians. Near the unstable axis, one rounding error grows up to fivefold.
+  // The bodies turn by six radians. Near the unstable axis, a rounding error grows up to fivefold.
   EXPECT_LT(worst_orientation, 1e-14);
   EXPECT_LT(worst_velocity, 8 * 2e-14);
 }

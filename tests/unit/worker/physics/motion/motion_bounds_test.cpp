@@ -1,7 +1,7 @@
-// Goal: boxes contain every evaluated position, to the last tick and bit, and are hardly larger. A
-// sphere leaves a box no earlier than exit_tick, and hardly later. Method: test random flights of
-// all sizes, at many ticks around the apex, and compare with roots in long double. Broken boxes
-// must fail.
+// Goal: path boxes contain every evaluated position, at every tick and to the last bit, and are
+// hardly larger than necessary. A sphere stays in a box up to exit_tick(), and hardly longer.
+// Method: test random flights of all sizes at many ticks, some around the apex. Compare exit ticks
+// with roots in long double. Broken boxes must fail.
 #include "worker/physics/motion/motion_bounds.h"
 
 #include <gtest/gtest.h>
@@ -298,7 +298,7 @@ TEST(ExitTick, what_never_moves_never_leaves_and_what_is_outside_is_told) {
   EXPECT_EQ(exit_tick(box, flight, 1, Tick{2'000}), Tick{1'999});
   flight.position_m = Vec3(0, 3, 0);
   EXPECT_EQ(exit_tick(box, flight, 0.5, Tick{2'000}), Tick{1'999});
-  // So slow that squares underflow.
+  // The motion is so slow that squares underflow.
   flight.position_m = Vec3(0, 0, 0);
   flight.velocity_mps = Vec3(1e-200, 0, 0);
   flight.acceleration_mps2 = Vec3(0, -1e-250, 0);

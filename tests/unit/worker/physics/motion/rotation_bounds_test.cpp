@@ -1,6 +1,7 @@
-// Goal: bounds on rotation hold for evaluated values, rounding included, and are tight if the
-// header says so. Method: test dense and random ticks of random bodies, with Euler's equations
-// instead of finite differences. A slightly lower bound must fail.
+// Goal: bounds on rotation hold for evaluated values with their rounding errors, and are tight
+// where the header says so. Method: compare the bounds with the rotation of random bodies at dense
+// and at random ticks. Compute angular accelerations from Euler's equations, not from finite
+// differences.
 #include "worker/physics/motion/rotation_bounds.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Goal: a segment's orientation and motion are right. Method: compare bodies in contact with many
-// small exact rotations in long double, and with the closed form for a fixed axis. Compare the
-// other modes with the functions that they use.
+// Goal: a segment's orientation and motion are right in every mode. Method: compare bodies in
+// contact with many small exact rotations in long double, and with the closed form for a fixed
+// axis. Compare free and resting bodies with the functions for these modes.
 #include "worker/physics/motion/segment.h"
 
 #include <gtest/gtest.h>
@@ -114,9 +114,9 @@ long double apart_rad(const Long4& p, const Long4& q) {
 }
 
 TEST(Segment, TurnsAboutAMovingAxis) {
-  // Goal: orientations have the documented accuracy, 1e-6 of the angle. Method: turn balls with
-  // spins up to 100 rad/s and accelerations up to 1000 rad/s^2 for up to a second. Estimate the
-  // reference's own error with four times the steps for some cases.
+  // Goal: orientations have the documented accuracy, 1e-6 of the angle. Method: compare balls with
+  // the reference, for spins up to 100 rad/s, accelerations up to 1000 rad/s^2 and times up to a
+  // second. In some cases, estimate the reference's own error with four times as many steps.
   long double worst = 0;
   long double worst_reference = 0;
   int bent = 0;
@@ -134,7 +134,7 @@ TEST(Segment, TurnsAboutAMovingAxis) {
     const long double error = apart_rad(long_of(q), expected);
     worst = std::max(worst, error / angle_rad);
     EXPECT_LE(error, 1e-6L * angle_rad + 1e-14L);
-    // The axis really moves: turning about its mean would end elsewhere.
+    // The axis really moves: a rotation about the mean axis would end elsewhere.
     if (apart_rad(in_steps(segment, s, 1), expected) > 1e-3) ++bent;
     if (i % 15 == 0)
       worst_reference =
@@ -148,9 +148,10 @@ TEST(Segment, TurnsAboutAMovingAxis) {
 }
 
 TEST(Segment, IsExactAboutAStandingAxis) {
-  // Goal: rounding is the only error if the axis is fixed. Method: compare with the angle w s + a
-  // s^2 / 2 in long double, from rest, at constant spin, and with acceleration along the spin,
-  // forwards, backwards and through a standstill.
+  // Goal: rounding is the only error if the axis is fixed. Method: compare the orientation with the
+  // angle w s + a s^2 / 2 in long double. One third of the bodies start from rest, and one third
+  // have constant spin. The others accelerate along the spin or against it, some until the spin
+  // reverses.
   long double worst = 0;
   for (const std::uint64_t i : property::cases(20'000)) {
     if (HasFailure()) break;
@@ -178,7 +179,7 @@ TEST(Segment, IsExactAboutAStandingAxis) {
 
 TEST(Segment, BeginsWithTheSameBits) {
   // Goal: at its first tick, a segment returns its stored values bit for bit, in every mode.
-  // Method: test random segments with orientations of norm 1 only up to rounding.
+  // Method: test random segments whose orientation has norm 1 only up to rounding.
   const Inertia inertia{
       .mass_kg = 1, .principal_kgm2 = Vec3::Constant(0.4), .symmetry = InertiaSymmetry::spherical};
   for (const std::uint64_t i : property::cases(4000)) {
@@ -195,8 +196,9 @@ TEST(Segment, BeginsWithTheSameBits) {
 }
 
 TEST(Segment, TwistChangesEvenly) {
-  // Goal: velocities in contact are v + a s and w + alpha s; free flight and rest match their own
-  // functions. Method: evaluate the formulas in long double at random ticks.
+  // Goal: a body in contact has the velocity v + a s and the angular velocity w + alpha s after s
+  // seconds. Free and resting bodies match the functions for these modes. Method: evaluate the
+  // formulas at random ticks.
   const Inertia inertia{
       .mass_kg = 1, .principal_kgm2 = Vec3(0.3, 0.4, 0.5), .symmetry = InertiaSymmetry::general};
   for (const std::uint64_t i : property::cases(4000)) {

@@ -20,8 +20,8 @@ using math::dot;
 using math::norm;
 using namespace response_reference;
 
-/// Gravity presses a ball on one, two or three faces of any direction. Friction is random and
-/// speeds are 1e-7 to 10 m/s; some balls rest, and some roll on one face.
+/// Gravity presses a ball onto one, two or three faces of any direction. Friction is random, and
+/// speeds are 1e-7 to 10 m/s. Some balls rest, and some roll on one face.
 Trial random_trial(Dice& dice) {
   for (;;) {
     Trial trial;
@@ -195,29 +195,31 @@ void expect_at_most(const char* what, const Worst& worst, double most) {
 }
 
 TEST(ContactMotionAtRandom, GainsNoEnergy) {
-  // Goal: motions gain no energy (invariant 1). Method: for all segments of random trials, test the
-  // power of friction and resistance at both ends, and the energy change at the corrected start.
+  // Goal: motions gain no energy (contact_motion.h, invariant 1). Method: in all segments of random
+  // trials, test the power of friction and resistance at both ends. Also test the energy change
+  // when a segment's start is corrected.
   expect_at_most("power over its terms", findings().power, 1e-12);
   expect_at_most("relative gain at starts", findings().start, 1e-13);
 }
 
 TEST(ContactMotionAtRandom, StaysOnItsFaces) {
-  // Goal: motions stay on their faces (invariant 2). Method: compute velocity and acceleration
-  // along the normals in the same trials.
+  // Goal: balls stay on their faces (contact_motion.h, invariant 2). Method: compute the velocity
+  // and acceleration along the faces' normals in random trials.
   expect_at_most("velocity along a normal over rounding", findings().velocity_in, 1);
   expect_at_most("acceleration along a normal over rounding", findings().acceleration_in, 1);
 }
 
 TEST(ContactMotionAtRandom, RollsOnlyOnFrictionThatItHas) {
-  // Goal: rolling needs at most mu times the load as friction at each contact. Method: compute the
-  // force from Newton's and Euler's equations in the same trials.
+  // Goal: a rolling ball needs no more friction at a contact than mu times the load. Method:
+  // compute the friction from Newton's and Euler's equations in random trials.
   EXPECT_GT(findings().rolled, random_trials() / 10);
   expect_at_most("friction missing, over gravity", findings().friction_missing, 1e-12);
 }
 
 TEST(ContactMotionAtRandom, BecomesSteady) {
   // Goal: within a bounded number of segments, every motion rolls, rests, slides straight, leaves a
-  // face or lasts an hour. Method: count segments in the same trials. No segment has zero duration.
+  // face or lasts an hour. Method: count the segments of random trials. No segment may have zero
+  // duration.
   const Findings& found = findings();
   expect_at_most("segments without duration", found.instant, 0);
   for (std::size_t kind = 0; kind < 3; ++kind) {
@@ -229,9 +231,9 @@ TEST(ContactMotionAtRandom, BecomesSteady) {
 }
 
 TEST(ContactMotion, HopsKeepEnergy) {
-  // Goal: a hop keeps the kinetic energy, takes at most half of the energy of sliding and spin,
-  // reaches the requested speed if that suffices, and keeps rolling balls rolling. Method: test
-  // random twists that don't approach, with speeds of all magnitudes.
+  // Goal: a hop keeps the kinetic energy and takes at most half of the energy of sliding and spin.
+  // If that energy suffices, the hop reaches the requested speed. A rolling ball still rolls after
+  // a hop. Method: test random balls that don't approach the face, with speeds of all magnitudes.
   const std::uint64_t seed = 52;
   Dice dice(seed);
   double worst = 0;

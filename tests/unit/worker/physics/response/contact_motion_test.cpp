@@ -1,4 +1,5 @@
-// Compares spheres that stay on faces with known answers and with small time steps.
+// Compares the motion of spheres that stay on faces with known answers and with an integration in
+// small time steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,9 +23,9 @@ using namespace response_reference;
 // ---- known answers ------------------------------------------------------------------------------
 
 TEST(ContactMotion, BallThrownWithoutSpin) {
-  // Goal: a sliding ball rolls at 5/7 of its speed after the time 2v/(7 mu g), for any friction.
-  // With other moments, it rolls at 1/(1+k) of its speed after k/(1+k) v/(mu g). Method: compare
-  // with Reif's textbook.
+  // Goal: a solid ball that slides at speed v begins to roll at 5/7 v after the time 2v/(7 mu g). A
+  // ball with another moment of inertia begins to roll at v/(1+k) after the time k/(1+k) v/(mu g).
+  // Method: compare the motion with these formulas from Reif's textbook.
   for (const double k : {0.4, 2.0 / 3, 0.1}) {
     const double mu = 0.13, v = 2.3;
     const Trial trial{.body = {.radius_m = 0.03, .gyration = k},
@@ -46,9 +47,10 @@ TEST(ContactMotion, BallThrownWithoutSpin) {
 }
 
 TEST(ContactMotion, RollsAndSlidesOnSlopes) {
-  // Goal: from rest on a slope with tan <= mu (1 + k)/k, a ball rolls with acceleration 5/7 g sin.
-  // On steeper slopes, it slides with acceleration g (sin - mu cos) and angular acceleration 5/2 mu
-  // g cos / r. Method: test both sides.
+  // Goal: a ball that starts from rest on a slope with tan <= mu (1 + k)/k rolls with the
+  // acceleration 5/7 g sin. On a steeper slope, the ball slides with the acceleration g (sin - mu
+  // cos) and the angular acceleration 5/2 mu g cos / r. Method: test slopes on both sides of the
+  // limit.
   const double mu = 0.2, r = 0.02;
   const double steepest_rad = std::atan(3.5 * mu);
   for (const double slope_rad : {0.01, 0.3, steepest_rad - 1e-6, steepest_rad + 1e-6, 1.2}) {
@@ -68,8 +70,9 @@ TEST(ContactMotion, RollsAndSlidesOnSlopes) {
 }
 
 TEST(ContactMotion, MomentumAboutTheContactIsGravitys) {
-  // Goal: the motion after sliding is exact even if the slip turns. Method: throw balls on slopes.
-  // Friction has no moment about the contact, so v + k r w x n changes only by gravity.
+  // Goal: the motion after sliding is exact even if the direction of slip turns. Method: throw
+  // balls along slopes and test v + k r w x n. Only gravity may change this quantity, because
+  // friction has no moment about the contact.
   const std::uint64_t seed = 31;
   Dice dice(seed);
   double worst = 0;
@@ -99,8 +102,9 @@ TEST(ContactMotion, MomentumAboutTheContactIsGravitys) {
 }
 
 TEST(ContactMotion, RollingResistanceStopsIt) {
-  // Goal: a rolling ball stops after time v/(c g) and distance v^2/(2 c g). It stays on slopes with
-  // tan <= (1 + k) c, and accelerates on steeper ones. Method: compare closed forms on both sides.
+  // Goal: a rolling ball stops after the time v/(c g) and the distance v^2/(2 c g). A ball stays on
+  // a slope with tan <= (1 + k) c, and accelerates on a steeper slope. Method: compare the motion
+  // with closed forms, for slopes on both sides of the limit.
   const double c = 0.02, r = 0.025, v = 0.7;
   Trial trial{.body = {.radius_m = r},
               .contacts = {{.normal = Vec3::UnitZ(), .friction = 0.4, .rolling_friction = c}},
@@ -139,8 +143,8 @@ TEST(ContactMotion, RollingResistanceStopsIt) {
 }
 
 TEST(ContactMotion, SpinAboutTheNormalIsBraked) {
-  // Goal: a ball spinning in place turns for k r w / (c g), or forever without resistance, even
-  // while it slides. Method: compare with the closed form.
+  // Goal: a spin about the normal stops after the time k r w / (c g), whether the ball slides or
+  // stays in place. Without rolling resistance, the spin lasts forever.
   const double c = 0.01, r = 0.02, w = 40;
   for (const double v : {0.0, 1.0}) {
     Trial trial{.body = {.radius_m = r},
@@ -160,9 +164,8 @@ TEST(ContactMotion, SpinAboutTheNormalIsBraked) {
 }
 
 TEST(ContactMotion, RollsDownAGroove) {
-  // Goal: a ball rolls along a symmetric groove, whose planes make an angle b with the bottom, on
-  // circles of radius r cos b: a = g sin / (1 + k / cos^2 b). Method: compare with the closed form.
-  // In a skew groove, 2 b is the angle between the normals.
+  // Goal: a ball in a groove rolls on circles of radius r cos b. Its acceleration is therefore g
+  // sin / (1 + k / cos^2 b). Here, 2 b is the angle between the normals of the groove's two planes.
   for (const double k : {0.4, 2.0 / 3}) {
     for (const auto& [angle_a, angle_b] :
          {std::array{0.8, 0.8}, std::array{0.2, 0.2}, std::array{0.4, 0.9}}) {
@@ -182,9 +185,9 @@ TEST(ContactMotion, RollsDownAGroove) {
 }
 
 TEST(ContactMotion, CornerBrakesSpin) {
-  // Goal: in a corner of three planes at the same angle b to the vertical, a spin about the
-  // vertical decreases to 0 at the rate mu g tan b / (k r). Method: compute the rate from loads of
-  // g / (3 cos b).
+  // Goal: in a corner, friction decreases a ball's spin about the vertical to 0 at the rate mu g
+  // tan b / (k r). The corner has three planes whose normals are at the angle b to the vertical, so
+  // each load is g / (3 cos b).
   const double mu = 0.2, r = 0.015, w = 90;
   for (const double b : {0.5, 1.1}) {
     Trial trial{.body = {.radius_m = r}, .twist = {Vec3::Zero(), Vec3(0, 0, w)}};
@@ -315,9 +318,10 @@ Twist random_twist(Dice& dice, const RoundBody& body, double speed_mps) {
 }
 
 TEST(ContactMotionAgainstSteps, StraightOnOneFace) {
-  // Goal: sliding and rolling are right if the slip keeps its direction. Method: compare with small
-  // steps, for all moments of inertia. Use level faces with any spin, slopes with motion straight
-  // down, starts from rest on slopes too steep for rolling, and faces without friction.
+  // Goal: sliding and rolling are right if the slip keeps its direction. Method: compare the motion
+  // with an integration in small time steps, for many moments of inertia. Throw balls with any spin
+  // along level faces and straight down slopes. Start other balls from rest on slopes too steep for
+  // rolling. Some faces have no friction.
   const std::uint64_t seed = 41;
   Dice dice(seed);
   Agreement agreement;
@@ -342,7 +346,8 @@ TEST(ContactMotionAgainstSteps, StraightOnOneFace) {
 }
 
 TEST(ContactMotionAgainstSteps, AcrossASlope) {
-  // Goal: a turning slip is right. Method: throw balls with any spin across slopes.
+  // Goal: sliding is right even if the direction of slip turns. Method: throw balls with any spin
+  // across slopes, and compare their motion with an integration in small time steps.
   const std::uint64_t seed = 42;
   Dice dice(seed);
   Agreement agreement;
@@ -358,8 +363,9 @@ TEST(ContactMotionAgainstSteps, AcrossASlope) {
 }
 
 TEST(ContactMotionAgainstSteps, WithRollingResistance) {
-  // Goal: rolling that stops, curves or continues, and spin about the normal, are right. Method:
-  // throw balls on level faces and slopes, with resistance far below and far above the limit.
+  // Goal: rolling resistance is right for balls that stop, roll along a curve, keep rolling or spin
+  // about the normal. Method: throw balls along level faces and slopes with different rolling
+  // resistance. Compare their motion with an integration in small time steps.
   const std::uint64_t seed = 43;
   Dice dice(seed);
   Agreement agreement;
@@ -377,9 +383,9 @@ TEST(ContactMotionAgainstSteps, WithRollingResistance) {
 }
 
 TEST(ContactMotionAgainstSteps, AlongValleys) {
-  // Goal: all ways to slip and roll in a valley are right. Method: throw balls with any spin along
-  // symmetric and skew valleys, level and steep, with different friction on both sides. Some start
-  // from rest where rolling is impossible.
+  // Goal: the motion of a ball in a valley is right, whichever of the two contacts slip. Method:
+  // throw balls with any spin along symmetric and skew valleys, some level and some steep. Most
+  // valleys have different friction on both sides. Some balls start from rest.
   const std::uint64_t seed = 44;
   Dice dice(seed);
   Agreement agreement;
@@ -400,8 +406,8 @@ TEST(ContactMotionAgainstSteps, AlongValleys) {
 }
 
 TEST(ContactMotionAgainstSteps, RollingResistanceInValleys) {
-  // Goal: resistance of both contacts in a valley is right. Method: roll balls along gentle valleys
-  // with different resistance on both sides.
+  // Goal: the rolling resistance of both contacts in a valley is right. Method: roll balls along
+  // gentle valleys whose sides have different resistance.
   const std::uint64_t seed = 45;
   Dice dice(seed);
   Agreement agreement;
@@ -423,9 +429,10 @@ TEST(ContactMotionAgainstSteps, RollingResistanceInValleys) {
 }
 
 TEST(ContactMotionAgainstSteps, SpinInCorners) {
-  // Goal: spin in a corner lasts for the right time. Method: compare with small steps for a
-  // symmetric corner and spin about its axis. In skew corners the code is simplified: the power of
-  // friction under the loads at rest brakes the spin, so end times may differ by a factor of 2.
+  // Goal: the spin of a ball in a corner lasts for the right time. Method: compare the spin about
+  // the axis of a symmetric corner with an integration in small time steps. In a skew corner, the
+  // code is simplified: it computes friction from the loads at rest. So the time at which the spin
+  // ends may be wrong by a factor of 2.
   const std::uint64_t seed = 46;
   Dice dice(seed);
   Agreement agreement;

@@ -79,8 +79,10 @@ double uniform(random::Stream& stream, double low, double high) {
 }
 
 TEST(EdgePiece, RunsOutsideOfTheCylinderAndKeepsItsEnergy) {
-  // Goal: the invariants of edge_motion.h hold. Method: test distance and energy along random
-  // pieces for spheres that roll or slip, excluding the energy by which the load lifts a sphere.
+  // Goal: on a piece of motion over an edge, a sphere doesn't sink, rises by at most the allowed
+  // height and gains no energy (edge_motion.h). Method: compute the distance and the energy along
+  // random pieces, for spheres that roll or slip. Exclude the energy with which the load lifts the
+  // sphere.
   random::Stream stream({.seed = 7, .purpose = random::Purpose::scene}, 1);
   int pieces = 0;
   int rolling = 0;
@@ -138,7 +140,7 @@ TEST(EdgePiece, RunsOutsideOfTheCylinderAndKeepsItsEnergy) {
   EXPECT_LT(worst_change, 1e-15);
 }
 
-/// A sphere that rolls on an edge, by the laws of Newton and Euler: v = w x R n, n' = v_across / R,
+/// A sphere that rolls on an edge, by Newton's and Euler's laws: v = w x R n, n' = v_across / R,
 /// and with friction at the contact k R^2 w' = -R n x (v' - g).
 struct Rolling {
   Vec3 n = Vec3::Zero();
@@ -167,10 +169,10 @@ Rolling stepped(const Vec3& d, const Rolling& state, double h) {
 }
 
 TEST(EdgePiece, FollowsASphereThatRolls) {
-  // Goal: pieces follow a sphere that rolls over and along an edge and spins about the normal,
-  // including where it turns back. The smaller the allowed rise, the smaller the error. Method:
-  // compare places with Runge-Kutta on Newton's and Euler's equations in steps of a microsecond,
-  // until the sphere is 0.6 rad down a side.
+  // Goal: pieces of motion follow a sphere that rolls over and along an edge and spins about the
+  // normal, even if the sphere turns back. A smaller allowed rise gives a smaller error. Method:
+  // compare places with a Runge-Kutta integration of Newton's and Euler's equations in steps of a
+  // microsecond. Stop when the sphere is 0.6 rad down a side.
   const Vec3 d = math::normalized(Vec3(1, 0.3, 0.02));
   struct Start {
     double angle, around_mps, along_mps, pivot_mps;
@@ -207,8 +209,9 @@ TEST(EdgePiece, FollowsASphereThatRolls) {
 }
 
 TEST(EdgePiece, ThereIsNoneForWhatFliesOrStands) {
-  // Goal: a sphere that the edge doesn't hold, or that doesn't move around the edge, has no piece.
-  // Method: test speeds above and below sqrt(g R), at which an upright sphere leaves the edge.
+  // Goal: edge_piece() returns nothing for a sphere that leaves the edge or doesn't move around the
+  // edge. Method: test speeds above and below sqrt(g R), at which an upright sphere leaves the
+  // edge.
   const Vec3 d(0, 1, 0);
   const double leaves_mps = std::sqrt(9.81 * k_radius_m);
   EXPECT_FALSE(piece_of(d, rider_at(d, 0, 1.05 * leaves_mps, 0, 0), 0.5, true));
@@ -219,8 +222,8 @@ TEST(EdgePiece, ThereIsNoneForWhatFliesOrStands) {
 }
 
 TEST(EdgePiece, FrictionMustSufficeForRolling) {
-  // Goal: a rolling sphere begins to slip on a side too steep for its friction. Method: compare mu
-  // N with 2/7 of gravity along the side.
+  // Goal: a rolling sphere begins to slip where a side is too steep for the friction. Method: test
+  // friction above and below the limit, at which mu N equals 2/7 of gravity along the side.
   const Vec3 d(1, 0, 0);
   const Rider rider = rider_at(d, 0.6, 0.05, 0, 0);
   const auto holds = piece_of(d, rider, 0.4, true);

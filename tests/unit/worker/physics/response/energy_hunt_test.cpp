@@ -1,8 +1,8 @@
-// An adversary that searches for impacts that gain energy.
+// Searches for impacts that gain energy.
 //
-// A configuration is a vector of numbers. Random search picks the best of many; hill climbing then
-// changes single numbers and keeps improvements. The search must also find gains in laws known to
-// have them, or it proves nothing.
+// A vector of numbers defines an impact. A random search picks the best of many vectors. Hill
+// climbing then changes a few numbers at a time and keeps improvements. The search must also find
+// the gains of laws that are known to gain energy; otherwise, it would prove nothing.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -129,15 +129,15 @@ Real hunted_gain(const Law& law, const Territory& territory, int tries, int clim
 }
 
 TEST(EnergyHunt, FindsGainInPlainNewton) {
-  // Goal: the search can succeed: the commonly used law gains energy (Kane, "A dynamics puzzle",
-  // Stanford Mechanics Alumni Club Newsletter, 1984). Method: run a short search.
+  // Goal: a short search finds that the commonly used law gains energy (Kane, "A dynamics puzzle",
+  // Stanford Mechanics Alumni Club Newsletter, 1984).
   EXPECT_GT(hunted_gain(plain_newton_impact, {}, 4000, 4000, 21), 0.1L);
 }
 
 TEST(EnergyHunt, FindsNoGainInOurs) {
-  // Goal: the law of rigid_impact.h gains no energy. Method: run a long search (SLEIGHT_SOAK:
-  // 12,000,000 impacts) among common impacts, impacts with a speed floor, and almost elastic
-  // impacts.
+  // Goal: the law of rigid_impact.h gains no energy. Method: run long searches among common
+  // impacts, impacts with a floor of the separation speed, and almost elastic impacts. With
+  // SLEIGHT_SOAK, the searches try 12,000,000 impacts.
   const int times = std::getenv("SLEIGHT_SOAK") != nullptr ? 15 : 1;
   EXPECT_LE(hunted_gain(guarded, {}, times * 150'000, times * 150'000, 21), 1e-13L);
   EXPECT_LE(hunted_gain(guarded, {.floor_mps_max = 10}, times * 150'000, times * 150'000, 22),
@@ -146,10 +146,10 @@ TEST(EnergyHunt, FindsNoGainInOurs) {
 }
 
 TEST(EnergyHunt, FindsTheLossOfATerm) {
-  // Goal: each term of the law is necessary. Method: search the slow law with one fault at a time,
-  // then without faults. The faults: Q isn't coupled to the normal; one of the two bounds of the
-  // raised speed is missing; friction acts against a slip that has turned. Only faulty laws gain
-  // much.
+  // Goal: each term of the law is necessary. Method: run the search on the slow law with one fault
+  // at a time, and without faults. Only faulty laws may gain energy. The faults are: Q isn't
+  // coupled to the normal; one of the two bounds of the raised speed is missing; friction acts
+  // against a slip that has turned.
   const auto faulty = [](Fault fault) {
     return [fault](const Case& made) { return slow_impact(made, fault); };
   };
@@ -162,9 +162,10 @@ TEST(EnergyHunt, FindsTheLossOfATerm) {
 }
 
 TEST(EnergyHunt, FindsTheLossOfTheGuard) {
-  // Goal: rounding alone can gain energy, and the guard prevents it. Method: search with and
-  // without the guard, with contacts up to 1e6 radii of gyration away and nearly in line with the
-  // normal. Then the impulse is large and its rounding causes a large torque.
+  // Goal: rounding alone can make an impact gain energy, but the guard prevents this gain. Method:
+  // run one search with the guard and one without it. Contacts are up to 1e6 radii of gyration away
+  // from the centres, and the centres are nearly in line with the normal. The impulse is then
+  // large, and its rounding error causes a large torque.
   const auto unguarded = [](const Case& made) { return rigid_impact_unguarded(input_of(made)); };
   const Territory far{.arm_max = 1e6, .elastic = true, .in_line = true};
   EXPECT_GT(hunted_gain(unguarded, far, 20'000, 20'000, 27), 1e-12L);
@@ -172,8 +173,9 @@ TEST(EnergyHunt, FindsTheLossOfTheGuard) {
 }
 
 TEST(EnergyHunt, GuardHardlyTouchesBodiesThatExist) {
-  // Goal: the guard changes impulses by less than 1e-12 and abandons no impact. Method: compare
-  // with and without the guard, with contacts up to ten radii of gyration away.
+  // Goal: the guard changes impulses by less than 1e-12 and abandons no impact. Method: compute
+  // random impacts with the guard and without it, and compare the impulses. Contacts are up to ten
+  // radii of gyration away from the centres.
   Dice dice(28);
   int touched = 0;
   for (int i = 0; i < 100'000; ++i) {

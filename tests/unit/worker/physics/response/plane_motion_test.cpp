@@ -1,4 +1,5 @@
-// Compares bodies on planes with closed forms and a slab on springs, and tests their energy.
+// Compares the motion of bodies on planes with closed forms and with a slab on springs. Also tests
+// that the bodies gain no energy.
 #include "worker/physics/response/plane_motion.h"
 
 #include <gtest/gtest.h>
@@ -53,8 +54,8 @@ Vec3 on_slope(double angle) {
 }
 
 TEST(PlaneMotion, ABoxSlidesInOneStraightPiece) {
-  // Goal: friction decelerates a sliding box by mu g for any yaw; on a slope the acceleration is g
-  // (sin - mu cos). Method: compare with closed forms.
+  // Goal: friction decelerates a sliding box by mu g, whatever the box's yaw. On a slope, the box
+  // has the acceleration g (sin - mu cos).
   for (const double yaw : {0.0, 0.4, pi / 4}) {
     const Box box({0.05, 0.03, 0.02}, 0.3, yaw);
     const PlaneMotion thrown =
@@ -76,7 +77,8 @@ TEST(PlaneMotion, ABoxSlidesInOneStraightPiece) {
 
 TEST(PlaneMotion, ABoxStandsUpToTheAngleOfFrictionAndTopplesBeyondItsEdge) {
   // Goal: a box on a slope stands if tan <= mu and tan < b / h. The box slides if only the first
-  // condition fails and topples if the second fails. Method: test both sides of both limits.
+  // condition fails and topples if the second fails. Method: test slopes slightly below and
+  // slightly above each limit.
   const auto at = [](double half, double friction, double angle) {
     const Box box({half, half, 0.05}, friction);
     return plane_motion(box.on_plane(), {}, on_slope(angle));
@@ -94,8 +96,8 @@ TEST(PlaneMotion, ABoxStandsUpToTheAngleOfFrictionAndTopplesBeyondItsEdge) {
 }
 
 TEST(PlaneMotion, WhatOnlySpinsStopsInOnePiece) {
-  // Goal: a spinning square decelerates evenly by the torque mu m g r of friction at its corners,
-  // at distance r. Method: compare with the closed form.
+  // Goal: friction at the corners decelerates a spinning square box evenly, with the torque mu m g
+  // r. Here, r is the distance of the corners from the axis.
   const Box box({0.04, 0.04, 0.02}, 0.25);
   const PlaneMotion motion =
       plane_motion(box.on_plane(), {.angular_velocity_radps = {0, 0, -30}}, k_gravity);
@@ -142,7 +144,8 @@ Walk walked(const Vec3& half_m, double friction, Twist twist, const Vec3& gravit
   return walk;
 }
 
-/// A slab on four stiff springs with dampers, in small steps. Presupposes no law of loads.
+/// Integrates a slab on four stiff springs with dampers in small time steps. Assumes no law for the
+/// loads.
 Walk on_springs(const Vec3& half_m, double friction, const Twist& start) {
   constexpr double k_step_s = 2e-6;
   constexpr double k_depth_m = 1e-6;  // spring depth under the body's weight
@@ -188,8 +191,9 @@ Walk on_springs(const Vec3& half_m, double friction, const Twist& start) {
 }
 
 TEST(PlaneMotion, ASpinningSlabGoesWhereOneOnSpringsGoes) {
-  // Goal: the motion is right if slips turn and loads shift. Method: compare with a slab on four
-  // stiff springs in steps of 2 microseconds: place to 1% of the distance, rotation to 0.02 rad.
+  // Goal: the motion of a spinning slab is right even while slips turn and loads shift. Method:
+  // compare the slab with a slab on four stiff springs, integrated in steps of 2 microseconds.
+  // Places must agree to 1% of the distance, and rotations to 0.02 rad.
   const Vec3 half_m(0.06, 0.04, 0.02);
   for (const double spin : {5.0, -20.0}) {
     const Twist start{.velocity_mps = {0.8, 0.3, 0}, .angular_velocity_radps = {0, 0, spin}};
@@ -207,8 +211,8 @@ TEST(PlaneMotion, ASpinningSlabGoesWhereOneOnSpringsGoes) {
 }
 
 TEST(PlaneMotion, NoPieceGainsEnergy) {
-  // Goal: invariant 1 holds, and every motion ends. Method: follow random boxes with random
-  // friction, slope and motion, piece by piece.
+  // Goal: no piece of motion gains energy (plane_motion.h, invariant 1), and every motion ends.
+  // Method: follow random boxes with random friction, slope and velocity, piece by piece.
   int walks = 0;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 20'000 : 300)) {
     response_reference::Dice dice(seed);
@@ -244,9 +248,10 @@ struct LyingCone {
 };
 
 TEST(PlaneMotion, AConeRollsInItsCircle) {
-  // Goal: a body on a line contact, whose axis rises by the angle a, circles around the point where
-  // the axis meets the plane, at the rate w tan a. Above a certain speed the inner support lifts.
-  // Method: compare with the circle's closed form and with torques about the centre.
+  // Goal: a cone on its side, with its axis at the angle a to the plane, rolls in a circle at the
+  // rate w tan a. The circle's centre is the point where the axis meets the plane. Above a certain
+  // speed, the inner support lifts. Method: compare the motion with the closed form of the circle.
+  // Compare the limit of the speed with a balance of torques.
   const double rise = 0.127;
   const double depth_m = 0.06;
   const LyingCone cone{rise, depth_m, {{{-0.05, 0, -depth_m}, 0.5}, {{0.15, 0, -depth_m}, 0.5}}};
@@ -266,7 +271,8 @@ TEST(PlaneMotion, AConeRollsInItsCircle) {
     // The acceleration points towards the point where the axis meets the plane.
     EXPECT_LT(motion.acceleration_mps2.x(), 0);
   }
-  // Torques about the foot of the lifted support come only from weight, path and gyration.
+  // At the limit, the outer support carries the whole weight. Torques about this support come only
+  // from weight, path and gyration.
   const double moment = math::dot(Vec3::UnitX(), math::product(inertia, Vec3::UnitX()));
   const double per_rate2 = std::tan(rise) * (moment + depth_m * depth_m);
   const double limit = std::sqrt(k_g_mps2 * 0.15 / per_rate2);
@@ -284,8 +290,8 @@ TEST(PlaneMotion, AConeRollsInItsCircle) {
 }
 
 TEST(PlaneMotion, ACylinderSlidesThenRolls) {
-  // Goal: slip decreases at the rate mu g (1 + 1/k) until the body rolls. On a slope, the body
-  // rolls with the acceleration g sin / (1 + k). Method: compare with closed forms.
+  // Goal: the slip of a thrown cylinder decreases at the rate mu g (1 + 1/k) until the cylinder
+  // rolls. On a slope, the cylinder rolls with the acceleration g sin / (1 + k).
   const double radius_m = 0.04;
   const LyingCone lying{0, radius_m, {{{-0.05, 0, -radius_m}, 0.3}, {{0.05, 0, -radius_m}, 0.3}}};
   const Mat3 inertia = inertia_in_world({0.002, 0.002, 0.5 * radius_m * radius_m},

@@ -1,5 +1,5 @@
-// Tests the invariants of rigid_impact.h on random cases and compares with a slow reference.
-// energy_hunt_test.cpp tests energy with an adversary.
+// Tests the invariants of rigid_impact.h on random impacts, and compares impacts with a slow
+// reference. energy_hunt_test.cpp searches for impacts that gain energy.
 #include "worker/physics/response/rigid_impact.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,8 @@ namespace sleight::physics::rigid_impact_test {
 
 using namespace response_reference;
 
-/// Difference of two outputs: square root of the difference's kinetic energy over the energy.
+/// Difference of two outputs: the square root of the difference's kinetic energy, relative to the
+/// energy before the impact.
 Real difference(const Case& made, const ImpactOutput& left, const ImpactOutput& right) {
   const auto less = [](const Twist& a, const Twist& b) {
     return Twist{a.velocity_mps - b.velocity_mps,
@@ -97,9 +98,11 @@ void expect_invariants(const Case& made) {
 }
 
 TEST(RigidImpact, KeepsItsInvariants) {
-  // Goal: energy, separation, friction cone and momenta are right. Method: judge random bodies in
-  // extended precision, with moments up to 1 : 1e4 and contacts up to ten radii of gyration away. A
-  // third hits static geometry. Cases include grazing approach, e of 0 and 1, mu of 0 and 10.
+  // Goal: an impact gains no energy, separates the bodies at the right speed, stays in the friction
+  // cone and conserves both momenta. Method: check impacts of random bodies in extended precision.
+  // Moments of inertia differ by up to a factor of 1e4, and contacts are up to ten radii of
+  // gyration away. One body in three hits static geometry. Some bodies graze each other; some
+  // impacts have e of 0 or 1, or mu of 0 or 10.
   Dice dice(1);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(20'000, 100'000))) {
@@ -109,7 +112,8 @@ TEST(RigidImpact, KeepsItsInvariants) {
 }
 
 TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
-  // Goal: invariants hold for raised slow impacts. Method: use floors below and above all speeds.
+  // Goal: the invariants of an impact also hold if a floor raises the separation speed of slow
+  // impacts. Method: use floors below and above all approach speeds.
   Dice dice(2);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(20'000, 100'000))) {
@@ -119,7 +123,7 @@ TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
 }
 
 TEST(RigidImpact, KeepsItsInvariantsAtExtremeMassRatios) {
-  // Goal: invariants hold for masses from 1e-6 to 1e6 kg. Method: test random bodies.
+  // Goal: the invariants of an impact also hold for bodies with masses from 1e-6 to 1e6 kg.
   Dice dice(3);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(10'000, 50'000))) {
@@ -129,9 +133,10 @@ TEST(RigidImpact, KeepsItsInvariantsAtExtremeMassRatios) {
 }
 
 TEST(RigidImpact, AgreesWithTheLawsDefinition) {
-  // Goal: the whitened closed form equals the law. Method: compare with the slow reference, which
-  // solves with K and bisects for kappa and the raised speed. Well-conditioned cases agree to 1e-11
-  // of the square root of the energy, and all regimes occur.
+  // Goal: the whitened closed form gives the result that the law defines. Method: compare impacts
+  // with the slow reference, which solves equations with K and finds kappa and the raised speed
+  // with a bisection. Well-conditioned impacts must agree to 1e-11 of the square root of the
+  // energy, and all regimes must occur.
   Dice dice(4);
   int sticking = 0;
   int raised = 0;
@@ -154,7 +159,8 @@ TEST(RigidImpact, AgreesWithTheLawsDefinition) {
 }
 
 TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
-  // Goal: bad conditioning causes no wrong branch. Method: use moments up to 1 : 1e4.
+  // Goal: the closed form takes the right branch even for badly conditioned bodies. Method: compare
+  // impacts with the slow reference, for moments of inertia that differ by up to a factor of 1e4.
   Dice dice(5);
   Real worst = 0;
   for (int i = 0; i < 10'000; ++i) {
@@ -165,8 +171,8 @@ TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
 }
 
 TEST(RigidImpact, AgreesWithSpheresInCentralImpacts) {
-  // Goal: rigid bodies and spheres have the same law. Method: treat random spheres as rigid bodies
-  // that touch at one point; one in three hits static geometry. Twists agree to 1e-12.
+  // Goal: rigid_impact() and sphere_impact() agree on spheres to 1e-12. Method: compute impacts of
+  // random spheres with both functions. One sphere in three hits static geometry.
   Dice dice(8);
   int sticking = 0;
   constexpr int k_cases = 20'000;
@@ -212,9 +218,8 @@ TEST(RigidImpact, SaysWhenItHasNoAnswer) {
 }
 
 TEST(RigidImpact, HopsArePaidFromOtherMotion) {
-  // Goal: rigid_hop keeps the energy and separates bodies at the requested speed, or as fast as
-  // half of the other motion's energy allows. Faster bodies stay unchanged. Method: test random
-  // bodies.
+  // Goal: rigid_hop() keeps the energy and separates a body at the requested speed, or as fast as
+  // half of the other motion's energy allows. A body that is already faster stays unchanged.
   Dice dice(11);
   int paid = 0;
   int poor = 0;
@@ -244,7 +249,8 @@ TEST(RigidImpact, HopsArePaidFromOtherMotion) {
 }
 
 TEST(RigidImpact, LeavesSeparatingBodiesAlone) {
-  // Goal: bodies that don't approach get no impulse. Method: reverse the normal of random cases.
+  // Goal: bodies that don't approach get no impulse. Method: reverse the normals of random impacts,
+  // so that the bodies separate.
   Dice dice(9);
   for (int i = 0; i < 1000; ++i) {
     Case made = random_case(dice, {});

@@ -1,5 +1,5 @@
-// Tests the invariants of sphere_impact.h. rigid_impact_test.cpp compares with rigid bodies, and
-// known_answers_test.cpp with known answers.
+// Tests the invariants of sphere_impact.h. rigid_impact_test.cpp compares spheres with rigid
+// bodies, and known_answers_test.cpp compares impacts with known answers.
 #include "worker/physics/response/sphere_impact.h"
 
 #include <gtest/gtest.h>
@@ -55,8 +55,10 @@ Spheres random_spheres(Dice& dice) {
 }
 
 TEST(SphereImpact, KeepsItsInvariants) {
-  // Goal: energy, separation, friction cone, momenta and the stick decision are right. Method:
-  // judge random spheres of 1e-6 to 1e6 kg with all possible moments in extended precision.
+  // Goal: an impact of spheres gains no energy, separates the spheres at the right speed and stays
+  // in the friction cone. Spheres stick or slide as the law says. Method: check impacts of random
+  // spheres in extended precision. Masses are 1e-6 to 1e6 kg, and moments of inertia range from a
+  // heavy core's to a hollow shell's.
   Dice dice(11);
   int sticking = 0;
   constexpr int k_cases = 100'000;
@@ -102,10 +104,11 @@ TEST(SphereImpact, KeepsItsInvariants) {
 }
 
 TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
-  // Goal: the rule for slow impacts holds. Method: let a ball hit the floor at 1 mm/s with v_c = 10
-  // mm/s. A slip of 1 m/s has enough energy for all of v_c. A ball without slip has none, and
-  // leaves at its approach speed. If the slip has enough energy for only a part of v_c, the ball
-  // gets that part, and its energy stays constant.
+  // Goal: a slow impact is raised to the separation speed v_c only as far as the energy of the slip
+  // allows. Method: let a ball hit the floor at 1 mm/s with v_c = 10 mm/s. With a slip of 1 m/s,
+  // the ball leaves at v_c. Without slip, the ball leaves at its approach speed. If the slip's
+  // energy suffices for only a part of v_c, the ball leaves with that part, and its energy stays
+  // constant.
   SphereImpactInput input{.mass_b = solid_sphere_mass(1, 0.01),
                           .law = {.restitution = 0.5, .friction = 0.3}};
   const auto leaves = [&](double slip_mps, double floor_mps) {

@@ -1,6 +1,6 @@
-// Goal: a query finds every overlapping box once, and no other box. Method: compare random boxes
-// (points, slabs, clusters, equal boxes) with a loop. Equal trees must visit boxes in the same
-// order.
+// Goal: a query finds every overlapping box once, and no other box. Method: compare the boxes that
+// a query finds with a loop over all boxes. The random boxes include points, slabs, clusters and
+// equal boxes. Two trees of the same boxes must visit the boxes in the same order.
 #include "worker/physics/scene/box_tree.h"
 
 #include <gtest/gtest.h>

@@ -34,7 +34,8 @@ Vec3 on_path(const MapPath& path, double s) {
 }
 
 TEST(FrictionMap, TellsTheLastRectangle) {
-  // Goal: friction is right at any point, including borders. Method: compare with the definition.
+  // Goal: at any point, even on a border, a friction map has the friction of the last rectangle
+  // that contains the point.
   for (std::uint64_t n = 0; n < 50; ++n) {
     random::Stream stream = stream_of(n);
     const auto rectangles = random_rectangles(stream, static_cast<int>(n * 3), 1);
@@ -58,8 +59,10 @@ TEST(FrictionMap, TellsTheLastRectangle) {
 }
 
 TEST(FrictionMap, FindsTheFirstBorder) {
-  // Goal: border_s is right. Method: test random parabolas over random maps at closely spaced
-  // times. The relevant rectangle stays the same up to the border and differs after the border.
+  // Goal: border_s() returns the time at which another rectangle's friction begins to apply on a
+  // path. Method: look up the rectangle that applies at closely spaced times on random parabolas
+  // over random maps. The rectangle must stay the same up to border_s() and be another one just
+  // after it.
   int met = 0;
   for (std::uint64_t n = 0; n < 2000; ++n) {
     random::Stream stream = stream_of(n);
@@ -88,7 +91,7 @@ TEST(FrictionMap, FindsTheFirstBorder) {
 }
 
 TEST(FrictionMap, RefusesWhatIsNone) {
-  // Goal: errors name the rectangle and what to change. Method: cause each error once.
+  // Goal: the error for an invalid friction map names the faulty rectangle or value.
   const auto error_of = [](const MapFrame& frame, std::vector<FrictionRectangle> rectangles) {
     const auto made = FrictionMap::make(frame, std::move(rectangles));
     return made ? std::string() : made.error();

@@ -236,8 +236,9 @@ bool within(std::span<const Vec3> places_m, std::span<const Vec3> homes_m, doubl
 }
 
 TEST(Refresh, IsAsNew) {
-  // Goal: after vertices move, features, regions, nearby features and solids equal those of a newly
-  // built geometry. Method: apply all sorts of moves to sheets, stars and hollows.
+  // Goal: after vertices move, a refreshed geometry has the same features, regions, nearby features
+  // and solids as a newly built geometry. Method: apply every kind of move to sheets, stars and
+  // hollows.
   Nearness tally;
   std::uint64_t kinds_changed = 0;
   std::uint64_t refused = 0;
@@ -283,7 +284,8 @@ TEST(Refresh, IsAsNew) {
 
 TEST(Refresh, AFlatSolidIsTurnedInsideOutWithinItsSlack) {
   // Goal: a refresh decides again whether a solid is hollow, unless the slack is too small to
-  // change that. Method: mirror thick and very flat stars twice, the flat ones within their slack.
+  // change that. Method: mirror thick stars and very flat stars several times. The vertices of the
+  // flat stars stay within their slack.
   for (const std::uint64_t n : property::cases(20)) {
     random::Stream stream({.seed = 34, .purpose = random::Purpose::scene}, n);
     const bool is_flat = n % 2 == 1;
@@ -309,8 +311,9 @@ TEST(Refresh, AFlatSolidIsTurnedInsideOutWithinItsSlack) {
 }
 
 TEST(Refresh, AVolumeThatIsKeptIsKeptByAnyMove) {
-  // Goal: if keeps_side is true, no move within the slack changes the volume's sign. keeps_side is
-  // false only for large slacks. Method: move vertices of stars to corners of their slack.
+  // Goal: if keeps_side() returns true, no move of vertices within the slack turns a mesh inside
+  // out. For many stars, keeps_side() returns true. Method: move each vertex of a star to a corner
+  // of its slack.
   int kept = 0;
   for (const std::uint64_t n : property::cases(200)) {
     random::Stream stream({.seed = 35, .purpose = random::Purpose::scene}, n);
@@ -361,10 +364,10 @@ double surface_m(const TriangleMesh& mesh, const Vec3& middle_m, const Vec3& way
 }
 
 TEST(Solids, AreWhereTheMeshIs) {
-  // Goal: solids are found exactly, even far outside the mesh. If the mesh is inside out,
-  // everything but the hollow is solid. Method: use stars, whose surface is known in each direction
-  // from the middle. Test points slightly inside and outside of the surface, in the box and far
-  // away.
+  // Goal: solid_at() finds exactly the points inside a solid, even for points far from the mesh. If
+  // the mesh is inside out, everything but the hollow is solid. Method: use stars, whose surface is
+  // known in each direction from the middle. Test points slightly inside and slightly outside the
+  // surface, at the middle and far away.
   for (const std::uint64_t n : property::cases(20)) {
     random::Stream stream({.seed = 33, .purpose = random::Purpose::scene}, n);
     Raw raw = testing::star(stream, 0.4);

@@ -1,7 +1,8 @@
-// Goal: a sphere meets static geometry exactly where it touches the surface. Method: compare
-// features of meshes and polyhedra with the distance to every triangle, for random centres and
-// centres above corners, edges and diagonals. Compare the features near a box with all features.
-// (penetration_test.cpp tests that nothing falls through in whole simulations.)
+// Goal: a sphere meets static geometry exactly where it touches the surface. Method: compare the
+// distance to the closest feature of a mesh or polyhedron with the distance to the closest
+// triangle. Use random centres, and centres above corners, edges and diagonals. features_near()
+// must also find the closest feature. (penetration_test.cpp tests whole simulations, in which
+// nothing may fall through.)
 #include "worker/physics/scene/static_geometry.h"
 
 #include <gmock/gmock.h>
@@ -64,7 +65,7 @@ double distance_to_mesh(const TriangleMesh& mesh, const Vec3& p) {
 
 // ---- scenes -------------------------------------------------------------------------------------
 
-/// A body of each sort, so that features and pieces exist.
+/// A scene with a body of each kind, so that features and pieces exist.
 Scene scene_of(std::shared_ptr<const TriangleMesh> mesh) {
   Scene scene = scenes::bumpy_floor(2, 1).scene;
   scene.planes.clear();
@@ -158,7 +159,8 @@ TEST(StaticGeometry, AClosedMeshIsMetWhereItIsClosestFromOutside) {
 }
 
 TEST(StaticGeometry, NoCracksAboveCornersEdgesAndDiagonals) {
-  // Heights of 0 make all inner edges flat and leave out inner corners. A tilt adds rounding.
+  // With heights of 0, all inner edges are flat and inner corners have no features. A tilt adds
+  // rounding errors.
   for (std::uint64_t part = 200; part < 240; ++part) {
     random::Stream stream = stream_of(part);
     Raw raw = sheet(4, 0.1, part % 2 == 0 ? 0 : 0.05, stream);
@@ -246,7 +248,7 @@ TEST(StaticGeometry, PiecesAreTheTrianglesAndStayWhenMoved) {
 }
 
 TEST(StaticGeometry, AssignedIsAsNew) {
-  // Reuse one StaticGeometry for scenes of all sorts. The reused object must equal a new one.
+  // Reuse one StaticGeometry for scenes of several kinds. The reused object must equal a new one.
   StaticGeometry used(scenes::tray(4, 1).scene);
   random::Stream stream = stream_of(450);
   for (std::uint64_t seed = 1; seed < 6; ++seed) {

@@ -1,6 +1,6 @@
-// Goal: hulls are the convex hulls of their points, with whole polygons as faces. Method: test
-// known solids, and random points against brute force (every point inside every face, Euler's
-// formula, each vertex necessary, volumes by another formula). Test inputs with many coplanar,
+// Goal: convex_hull() returns the convex hull of its points, with whole polygons as faces. Method:
+// build hulls of known solids and of random points. Check the volume, Euler's formula, that all
+// points are inside all faces, and that each vertex is necessary. Test inputs with many coplanar,
 // collinear and nearly equal points, and every typed error.
 #include <gtest/gtest.h>
 
@@ -198,7 +198,8 @@ TEST(ConvexHull, merges_coplanar_faces_and_drops_what_is_no_corner) {
   }
 }
 
-// Features of about the tolerance's size must give a sound hull or the typed error.
+// If features are about as small as the tolerance, the result must be a sound hull or the typed
+// error.
 TEST(ConvexHull, is_sound_or_refuses_when_features_are_tiny) {
   int refused = 0;
   const ConvexPolyhedron solid = cube(2).value();

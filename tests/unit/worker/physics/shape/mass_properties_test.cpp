@@ -1,6 +1,6 @@
-// Goal: masses, centres, inertias, principal axes and the body's frame are right. Method: compare
-// with closed forms of boxes, prisms and tetrahedra. Bodies cut into parts and turned must give the
-// same result, and the declared symmetry is checked.
+// Goal: the mass, centre of mass, inertia, principal axes and frame of a body are right. Method:
+// compare them with closed forms for boxes, prisms and tetrahedra. A body that is cut into parts
+// and turned must give the same result. A wrongly declared symmetry must give an error.
 #include "worker/physics/shape/mass_properties.h"
 
 #include <gtest/gtest.h>
@@ -167,8 +167,8 @@ TEST(InBodyFrame, refuses_what_is_declared_wrongly) {
   EXPECT_EQ(kind(in_body_frame(brick, 1, InertiaSymmetry::axial)), Kind::not_axial);
   EXPECT_EQ(kind(in_body_frame(brick, 0, InertiaSymmetry::general)), Kind::dimension_not_positive);
   EXPECT_EQ(kind(in_body_frame({}, 1, InertiaSymmetry::general)), Kind::no_parts);
-  // The sides differ, so that moments differ by slightly more than the tolerance, and by slightly
-  // less.
+  // In the first box, the moments differ by slightly more than the tolerance; in the second box, by
+  // slightly less.
   const auto nearly = [](double by) { return Parts{box(Vec3(1, 1, 1 + by)).value()}; };
   EXPECT_FALSE(in_body_frame(nearly(3e-9), 1, InertiaSymmetry::spherical).ok());
   EXPECT_TRUE(in_body_frame(nearly(3e-10), 1, InertiaSymmetry::spherical).ok());

@@ -50,7 +50,8 @@ RoundDescription random_description(Dice& dice, bool balls) {
 }
 
 TEST(RoundPiece, ReachesAsFarAsItsPoints) {
-  // Goal: reach_m is right in any direction. Method: compare with dense points of circles.
+  // Goal: reach_m() is the reach of the piece's furthest point in any direction. Method: compare it
+  // with the furthest of many points on the rings' circles.
   for (std::uint64_t n = 0; n < 200; ++n) {
     Dice dice(n);
     const RoundDescription description = random_description(dice, n % 2 == 0);
@@ -77,10 +78,10 @@ TEST(RoundPiece, ReachesAsFarAsItsPoints) {
 }
 
 TEST(RoundPiece, HasTheProfileOfItsHull) {
-  // Goal: radius_at_m and the normals of straight parts are right. Method: for random pieces of
-  // revolution, compare the radius at a height with the least radius that the reach in any of many
-  // directions allows. Along a straight part's normal, two rings have the greatest reach, unless
-  // the part is an end.
+  // Goal: radius_at_m() and the normals of straight parts are right. Method: for random pieces of
+  // revolution, compute the largest radius that the reach allows at a height, for each of many
+  // directions. The least of these radii must equal radius_at_m(). Along the normal of a straight
+  // part, two rings must share the greatest reach, unless the part is an end.
   for (std::uint64_t n = 0; n < 200; ++n) {
     Dice dice(n);
     const RoundDescription description = random_description(dice, false);
@@ -128,8 +129,9 @@ TEST(RoundPiece, HasTheProfileOfItsHull) {
 }
 
 TEST(RoundPiece, WhatAnotherFeatureHoldsIsLeftOut) {
-  // Goal: a disc inside another changes nothing, even if it touches from inside. Method: test all
-  // pairs of rings on a grid of millimetres. The profile's arcs reach as far as all rings.
+  // Goal: a ring's disc that is inside another disc doesn't change the profile, even if it touches
+  // the other disc from inside. Method: test all pairs of rings whose sizes are small whole numbers
+  // of millimetres. The profile's arcs must reach as far as both rings.
   for (int n = 0; n < 6 * 5 * 4 * 6 * 5 * 4; ++n) {
     const auto ring_of = [](int i) {
       return RoundRing{.height_m = 1e-3 * (i % 6),
@@ -155,7 +157,7 @@ TEST(RoundPiece, WhatAnotherFeatureHoldsIsLeftOut) {
 }
 
 TEST(RoundPiece, RefusesWhatIsNone) {
-  // Goal: errors are typed. Method: cause each kind once.
+  // Goal: an invalid description of a piece gives an error of the right kind.
   using Kind = ShapeError::Kind;
   const auto kind_of = [](const RoundDescription& description) {
     const auto made = RoundPiece::make(description);
@@ -184,8 +186,9 @@ TEST(RoundPiece, RefusesWhatIsNone) {
 }
 
 TEST(RoundSolids, HaveTheMassesOfTheTextbooks) {
-  // Goal: masses, centres and moments are right. Method: compare with closed forms of capsules and
-  // balls. Slightly rounded cylinders and cones differ from sharp ones by the radius squared.
+  // Goal: the masses, centres of mass and moments of inertia of round solids are right. Method:
+  // compare capsules, balls and rounded boxes with closed forms. Compare slightly rounded
+  // cylinders, cones and boxes with the closed forms of sharp solids.
   const double rho = 1000;
   {
     const double r = 0.03;
@@ -248,8 +251,9 @@ TEST(RoundSolids, HaveTheMassesOfTheTextbooks) {
 }
 
 TEST(RoundSolids, AHullReachesAsFarAsTheParts) {
-  // Goal: hull_of is right. Method: test a pin in random directions. Shapes without a common axis,
-  // single parts and polyhedra have no hull.
+  // Goal: the hull of a compound reaches as far as its parts in every direction. Compounds without
+  // a common axis, single parts and polyhedra have no hull. Method: test a bowling pin in random
+  // directions.
   const Compound pin{.parts = {}, .round_parts = bowling_pin(1.55).value().parts};
   const auto hull = hull_of(pin);
   ASSERT_TRUE(hull.has_value());
@@ -273,9 +277,9 @@ TEST(RoundSolids, AHullReachesAsFarAsTheParts) {
 }
 
 TEST(RoundSolids, ThePinIsThatOfTheRules) {
-  // Goal: a bowling pin has the right shape to 0.4 mm, its centre of mass at 147.2 mm and, at 1.55
-  // kg, moments of 0.00193 and 0.0131 kg m^2. Method: compare the profile with the specification's
-  // diameters and the spline through them.
+  // Goal: a bowling pin of 1.55 kg has the right shape to 0.4 mm. Its centre of mass is at 147.2
+  // mm, and its moments of inertia are 0.00193 and 0.0131 kg m^2. Method: compare the profile with
+  // the specification's diameters and the spline through them.
   const RoundSolid pin = bowling_pin(1.55).value();
   EXPECT_NEAR(pin.foot_m, 0.1472, 2e-4);
   EXPECT_NEAR(pin.inertia.principal_kgm2.z(), 0.00193, 0.00001);

@@ -1,7 +1,7 @@
-// Goal: meshes are checked, their features are right, and moving vertices gives the same mesh as a
-// new build. Method: convert known solids to meshes; use a hollow and a sheet for each kind of
-// edge; move random heights on a grid many times, and compare with a new build bit for bit. Errors
-// name their triangle.
+// Goal: a mesh has the right features, and an invalid mesh gives an error that names the triangle.
+// After vertices move, a mesh equals a new mesh with these vertices. Method: test a cube, a hollow
+// and a sheet, which together have every kind of edge. Move random vertices of a grid up and down
+// many times, and compare the mesh with a new mesh bit for bit.
 #include "worker/physics/shape/triangle_mesh.h"
 
 #include <gtest/gtest.h>
@@ -160,9 +160,10 @@ MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
-  // Goal: computing in vector registers changes no number, for any number of triangles. Method:
-  // make sheets and balls with random corners, some far from the origin, and move vertices. Compare
-  // faces and edges with the plain computation before and after each move.
+  // Goal: faces that are computed in vector registers have the bits of faces that are computed one
+  // at a time, for any number of triangles. Method: make sheets and balls with random vertices,
+  // some far from the origin, and move vertices. Compare faces and edges with the plain computation
+  // before and after each move.
   random::Stream stream({.seed = 23, .purpose = random::Purpose::prior}, 0);
   const auto random_place = [&](double size) -> Vec3 {
     const double x = stream.uniform();
@@ -204,8 +205,9 @@ TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
 }
 
 TEST(TriangleMesh, a_face_that_is_too_thin_is_found_in_either_half) {
-  // Goal: a move gets the same verdict as a new mesh, whichever triangle of a pair is at fault.
-  // Method: put each vertex of a sheet close to a side, with heights around the limit.
+  // Goal: move_vertices() refuses a face that is too thin exactly if a new mesh is refused,
+  // whichever triangle of a pair is too thin. Method: move each vertex of a sheet close to a side,
+  // so that a triangle is slightly too thin or barely thick enough.
   const Raw raw = sheet(3);
   int refused = 0;
   for (std::uint32_t v = 0; v + 1 < raw.vertices.size(); ++v) {
@@ -230,10 +232,11 @@ TEST(TriangleMesh, a_face_that_is_too_thin_is_found_in_either_half) {
 }
 
 TEST(TriangleMesh, a_move_lists_what_it_concerns) {
-  // Goal: moved_triangles are the triangles around moved vertices, moved_edges are their edges, and
-  // moved_vertices are the ends of these edges, each once. changed_edges are the edges whose kind
-  // changed. A refused move has none. Method: compare random moves, some of a vertex twice, with a
-  // search through all triangles, for a sheet and a closed mesh.
+  // Goal: moved_triangles() lists the triangles around moved vertices, moved_edges() lists the
+  // edges of these triangles, and moved_vertices() lists their corners. Each list has each item
+  // once. flat_changes() lists the edges that became flat or stopped being flat. After a refused
+  // move, all lists are empty. Method: make random moves in a sheet and in a closed mesh; some move
+  // a vertex twice. Compare the lists with a search through all triangles.
   random::Stream stream({.seed = 22, .purpose = random::Purpose::prior}, 0);
   const auto sorted = [](std::span<const std::uint32_t> items) {
     std::vector<std::uint32_t> list(items.begin(), items.end());

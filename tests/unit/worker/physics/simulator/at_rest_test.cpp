@@ -98,7 +98,7 @@ void expect_nothing_happens(const Scene& scene) {
 }
 
 TEST(AtRest, PinsAStackAndAnArchStandForAMinute) {
-  // Goal: a scene at rest has no events. Method: count events.
+  // Goal: pins, a stack and an arch that start at rest have no events for a minute.
   expect_nothing_happens(pins());
   Scene stack = floor_scene(0.1, 0.5);
   for (int i = 0; i < 3; ++i)
@@ -117,10 +117,11 @@ BodyDescription turned_cube_at(const std::string& name, const Vec3& centre_m, do
 }
 
 TEST(AtRest, TwentyCubesStandForAMinute) {
-  // Goal: a stack of askew cubes with crossing edges starts at rest and stays. A stack dropped from
-  // slightly above comes to rest and stays. Method: count events and test rest up to the end. In
-  // one stack, all cubes have the same yaw. Neighbours touch where two edges cross, at two places,
-  // and at one corner of each cube. In the other stack, yaws differ.
+  // Goal: a stack of 20 cubes that lie askew on each other starts at rest and stays at rest. A
+  // stack that is dropped from slightly above comes to rest and stays at rest. Method: count the
+  // events of the first stack, and test that the dropped cubes rest from the first second on. In
+  // one stack, all cubes have the same yaw. Its neighbours touch at two crossings of edges and at
+  // one corner of each cube. In the other stack, yaws differ.
   for (const bool alike : {true, false}) {
     Scene stack = floor_scene(0.1, 0.5);
     random::Stream stream = scenes::stream_of_scene(1, alike ? 0 : 1);
@@ -157,9 +158,9 @@ std::string refusal_of(const Scene& scene) {
 }
 
 TEST(AtRest, WhatIsNotInBalanceIsNamed) {
-  // Goal: an error names the body and what is missing, and is not reported as a failure of the
-  // simulation. Method: test a thin arch, leaning, floating and overlapping blocks, and bodies that
-  // may not start at rest.
+  // Goal: if a body can't start at rest, an error names the body and the reason. The error doesn't
+  // count as a failure of the simulation. Method: test a thin arch, blocks that slide, lean, float
+  // or overlap, and bodies that may not start at rest.
   const Scene thin = arch(15, 0.09, 0.7);
   EXPECT_NE(refusal_of(thin).find("stone"), std::string::npos) << refusal_of(thin);
   EXPECT_NE(refusal_of(thin).find("topple or fall"), std::string::npos) << refusal_of(thin);
@@ -195,7 +196,7 @@ TEST(AtRest, WhatIsNotInBalanceIsNamed) {
 }
 
 TEST(AtRest, ABallWakesThePinsThatItHits) {
-  // Goal: a blow wakes a body that starts at rest, and so does the departure of its support.
+  // Goal: a body that starts at rest wakes if another body hits it, or if its support moves away.
   // Method: roll a bowling ball into the pins, and knock a stone out of the arch.
   Scene scene = pins();
   scene.bodies.push_back(
@@ -223,9 +224,10 @@ TEST(AtRest, ABallWakesThePinsThatItHits) {
 }
 
 TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
-  // Goal: parallel edges of stacked cubes never cross, for any yaw and rounding. Method: for 8,000
-  // yaws, stack two cubes of equal yaw. The upper cube's centre is 1 mm beyond the lower cube's
-  // edge, or 1 mm inside. An edge crossing caused by rounding would support some upper cubes.
+  // Goal: parallel edges of stacked cubes never count as crossing edges, whatever the yaw and the
+  // rounding errors. Method: for up to 8,000 yaws, stack two cubes of equal yaw. The upper cube's
+  // centre is 1 mm outside the lower cube's edge, or 1 mm inside. If rounding made parallel edges
+  // cross, some of the outer cubes would be supported.
   random::Stream stream = scenes::stream_of_scene(2, 0);
   for (std::uint64_t i = 0; i < property::of_tier(500, 8000); ++i) {
     const double yaw_rad = scenes::between(stream, 0, 2 * pi);
@@ -241,9 +243,9 @@ TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
 }
 
 TEST(AtRest, ReplaysAreTheSame) {
-  // Goal: histories work for scenes that start at rest. Method: compare runs with and without a
-  // history, for another ball into the same pins, for pins with one pin elsewhere, and for another
-  // ball into a wall.
+  // Goal: a history changes no result of a scene that starts at rest. Method: record a history of a
+  // ball that rolls into pins, and of a ball that hits a wall. Move the ball's start, or a pin, and
+  // compare a run that uses the history with a run without a history.
   const auto differ_in_the_ball = [](const Scene& one, const Vec3& aside_m) {
     Scene other = one;
     other.bodies.back().start.pose.position_m += aside_m;

@@ -44,23 +44,24 @@ double drift_of(const Scene& scene, std::uint64_t collisions, double step_s) {
 }
 
 TEST(Conservation, AGasKeepsItsEnergy) {
-  // Goal: without loss, energy drifts by less than 1e-9 over 1e5 collisions. Method: run scenes
-  // without gravity, where all energy is kinetic, and measure it at intervals.
+  // Goal: if collisions lose no energy, the energy of a gas drifts by less than 1e-9 over 1e5
+  // collisions. Method: run scenes without gravity, where all energy is kinetic, and measure the
+  // energy at intervals.
   EXPECT_LT(drift_of(scenes::hard_sphere_gas(108, 0.4, 1).scene, 100'000, 1), 1e-9);
   EXPECT_LT(drift_of(scenes::hard_sphere_gas(500, 0.1, 2).scene, 100'000, 1), 1e-9);
   EXPECT_LT(drift_of(scenes::boxed_spheres(64, 3).scene, 100'000, 20), 1e-9);
 }
 
 TEST(Conservation, PolyhedraKeepTheirEnergy) {
-  // Goal: energy doesn't drift either if translation and rotation exchange energy. The long run has
-  // the number of collisions that the project promises.
+  // Goal: the energy of colliding polyhedra doesn't drift, although their translation and rotation
+  // exchange energy. The long run has the number of collisions that the project promises.
   const std::uint64_t collisions = property::long_run() ? 100'000 : 4'000;
   EXPECT_LT(drift_of(scenes::boxed_polyhedra(12, 1).scene, collisions, 20), 1e-9);
 }
 
 TEST(Conservation, APeriodicGasKeepsItsMomentum) {
-  // Goal: a collision gives both bodies opposite momenta. Method: compare the total momentum before
-  // and after. Differences are relative to the sum of the momenta's magnitudes.
+  // Goal: a gas in a periodic box keeps its total momentum. Method: compare the total momentum at
+  // the start and at the end. The tolerance is relative to the sum of the momenta's magnitudes.
   const scenes::Setting setting = scenes::hard_sphere_gas(256, 0.3, 4);
   Simulation simulation = begun(setting.scene);
   const auto momentum = [&]() -> Vec3 {
@@ -113,7 +114,7 @@ EnergyChanges energy_changes_of(const RecordedRun& run) {
   return changes;
 }
 
-/// Heights are measured from below, because the energy at height 0 is only kinetic and can be tiny.
+/// Returns the scene without user controls, which can add energy.
 Scene without_controls(Scene scene) {
   scene.controls.clear();
   return scene;
@@ -122,7 +123,7 @@ Scene without_controls(Scene scene) {
 TEST(Conservation, EventsGainNoEnergy) {
   // Goal: no event gains energy, for any friction and restitution. Method: compare the bodies'
   // kinetic plus potential energy before and after each event, in recordings of every kind of scene
-  // without user controls. Another test covers the motion in between.
+  // without user controls. Another test covers the motion between events.
   double largest = 0;
   const auto look = [&](const Scene& scene, double duration_s, const std::string& name) {
     const RecordedRun run = testing::recorded(without_controls(scene), duration_s);
@@ -144,8 +145,7 @@ TEST(Conservation, EventsGainNoEnergy) {
 }
 
 TEST(Conservation, AGainIsSeen) {
-  // Goal: energy_changes_of() finds a gain. Method: use a control that pushes a body, which adds
-  // energy.
+  // Goal: energy_changes_of() finds a gain. Method: push a body with a control, which adds energy.
   Scene scene = scenes::rain(5, 3).scene;
   scene.controls.assign(
       1, {.tick = Tick{} + ticks_after(0.3), .body = {0}, .velocity_change_mps = {0, 0, 10}});

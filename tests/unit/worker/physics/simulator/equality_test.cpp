@@ -63,8 +63,8 @@ std::array<Way, 5> ways() {
 
 TEST(Equality, EveryWayGivesTheSameRecording) {
   // Goal: the choice of algorithm, broad phase and queue changes no bit of the results. Method:
-  // compare random scenes of every kind with the reference, which predicts all pairs and has no
-  // bounding volumes.
+  // compare the recordings of random scenes of every kind with a reference, which predicts all
+  // pairs and has no bounding volumes.
   std::uint64_t collisions = 0;
   const SimulationOptions reference =
       way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::tournament);
@@ -88,9 +88,9 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
 }
 
 TEST(Equality, OneWayMayTakeOverFromAnother) {
-  // Goal: a switch to other options (go_on_with) changes no bit, even during flights, contacts,
-  // rest and late starts. Method: run all kinds of scenes in random portions with different
-  // options.
+  // Goal: a switch to other options (go_on_with) changes no bit of the recording, even while bodies
+  // fly, touch, rest or have not started. Method: run scenes of all kinds in random portions, each
+  // with different options.
   for (const std::uint64_t n : property::cases(property::of_tier(22, 90))) {
     const TestScene scene = testing::any_scene(n);
     const Outcome expected = outcome_of(scene, {});
@@ -116,9 +116,9 @@ TEST(Equality, OneWayMayTakeOverFromAnother) {
 }
 
 TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {
-  // Goal: after go_on_with, events of the current tick don't happen again, not even at tick 0, and
-  // an error remains an error. Method: use a scene whose only body starts after tick 0, at which
-  // there are a control and a sample. Also use a scene that fails at a late start.
+  // Goal: go_on_with() repeats no event of the current tick, not even at tick 0, and keeps an
+  // error. Method: use a scene with a control and a sample at tick 0, whose only body starts later.
+  // Also use a scene that fails when a body starts late.
   Scene scene = scenes::rain(1, 1).scene;
   scene.bodies[0].start_tick = Tick{1000};
   scene.controls.push_back({.tick = Tick{0}, .body = {0}});
@@ -146,7 +146,8 @@ TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {
 }
 
 TEST(Equality, AnotherSeedIsAnotherRecording) {
-  // Goal: different runs have different digests. Method: use other seeds, and end a tick earlier.
+  // Goal: different runs have different digests. Method: use another seed, and change one velocity
+  // by 2^-52 m/s.
   const SimulationOptions options;
   TestScene scene{"rain", scenes::rain(20, 1)};
   const Outcome first = outcome_of(scene, options);
@@ -157,7 +158,8 @@ TEST(Equality, AnotherSeedIsAnotherRecording) {
 }
 
 TEST(Equality, ShiftedScenesGiveShiftedTicks) {
-  // Goal: time is exact (simulation.h, invariant 3). Method: start everything n ticks later.
+  // Goal: if all starts and controls of a scene are shifted, the recording is shifted by the same
+  // number of ticks and otherwise unchanged (simulation.h, invariant 3).
   for (const std::uint64_t n : property::cases(60)) {
     const TestScene scene = testing::any_scene(n);
     // Bodies that start at rest must start at tick 0.

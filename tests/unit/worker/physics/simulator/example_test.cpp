@@ -1,4 +1,4 @@
-// The example of docs/SIMULATOR.md, line by line. Goal: it works. Method: run the same lines.
+// Goal: the example of docs/SIMULATOR.md works. Method: run the lines of the example.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -34,9 +34,10 @@ std::vector<Recording::Entry> bounces(const RecordedRun& run, std::uint32_t body
 }
 
 TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
-  // Goal: the first 20 bounces with restitution 0.8 have the right times and heights. Method:
-  // compare with the closed form. A ball collides at a height of k_touch_m above the floor. Each
-  // bounce is detected up to a tick late, which delays each later bounce by up to 2/e more ticks.
+  // Goal: the first 20 bounces of a ball with restitution 0.8 have the right times and heights.
+  // Method: compare times and heights with the geometric series. A ball collides at a height of
+  // k_touch_m above the floor. Each bounce is detected up to a tick late, which delays each later
+  // bounce by up to 2/e more ticks.
   constexpr double k_restitution = 0.8;
   constexpr double k_radius_m = 0.02;
   constexpr double k_height_m = 1;
@@ -73,8 +74,8 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
 }
 
 TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
-  // Goal: if one, two or three of five balls in a row strike the others, which almost touch, the
-  // same number leaves at the other end and the rest stand still. Method: use gaps of 2 k_touch_m.
+  // Goal: one, two or three of five balls in a row strike the others, which almost touch. The same
+  // number of balls then leaves at the other end, and the rest stand still.
   for (const std::size_t strikers : {1U, 2U, 3U}) {
     Scene scene;
     for (std::size_t i = 0; i < 5; ++i) {
@@ -92,9 +93,9 @@ TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
 }
 
 TEST(KnownPhysics, SimultaneousBlowsAreResolvedInTheOrderOfPairs) {
-  // Goal: at one tick, the pair with lower ids collides first, and later pairs see its result
-  // (event.h). Method: let two balls hit the middle ball from both sides at the same tick. Pairs
-  // (0, 1), (1, 2) and (0, 1) collide in this order, and both balls fly back.
+  // Goal: at one tick, the pair with lower ids collides first, and later collisions start from its
+  // result (event.h). Method: let two balls hit a middle ball from both sides at the same tick.
+  // Pairs (0, 1), (1, 2) and (0, 1) must collide in this order, and both outer balls must fly back.
   Scene scene;
   for (const double x : {-1.0, 0.0, 1.0})
     scene.bodies.push_back(ball({x, 0, 0}, {-x, 0, 0}));
@@ -159,7 +160,7 @@ Pressure pressure_of(std::uint32_t bodies, double packing, double block_s, int b
 }
 
 TEST(KnownPhysics, HardSpheresHaveTheirPressure) {
-  // Goal: an equilibrium gas has the right collision rates and momenta. Method: compare the virial
+  // Goal: a gas of hard spheres in equilibrium has the right pressure. Method: compare the virial
   // of collisions with Carnahan and Starling, "Equation of state for nonattracting rigid spheres",
   // Journal of Chemical Physics 51 (1969): Z = (1 + phi + phi^2 - phi^3)/(1 - phi)^3. The tolerance
   // is four standard errors of block means plus 3e-3 Z. The term 3e-3 Z covers two systematic

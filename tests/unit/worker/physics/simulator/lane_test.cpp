@@ -54,7 +54,8 @@ const Segment& segment_at(const RecordedRun& run, Tick tick) {
   return *last;
 }
 
-/// A ball that slides and rolls, by Runge-Kutta 4. Halves steps where friction or slip changes.
+/// Integrates a ball that slides and rolls, with the fourth-order Runge-Kutta method. Halves steps
+/// where friction or slip changes.
 class SteppedBall {
  public:
   struct State {
@@ -142,10 +143,11 @@ class SteppedBall {
 };
 
 TEST(Lane, BallsRunAsAnIntegrationSays) {
-  // Goal: sliding over a friction map is right to 1e-6 m and 1e-6 m/s, including borders and the
-  // change to rolling. Method: for random balls, throws and maps, compare with a Runge-Kutta
-  // integration at one second and at two seconds after the first slide begins. SLEIGHT_SOAK runs
-  // more. The final speed has a closed form for any map: v = (v0 + k r w) / (1 + k).
+  // Goal: a ball that slides over a friction map is at the right place to 1e-6 m, even after
+  // borders and the change to rolling. Method: throw random balls over random maps. Compare their
+  // places with a Runge-Kutta integration, one second and two seconds after the first slide begins.
+  // Compare the final velocity with a closed form that holds for any map: v = (v0 + k r w) / (1 +
+  // k).
   int borders = 0;
   for (const std::uint64_t n : property::cases(property::long_run() ? 200 : 60)) {
     random::Stream stream({.seed = 20'261'128, .purpose = random::Purpose::prior}, n);
@@ -198,7 +200,7 @@ TEST(Lane, BallsRunAsAnIntegrationSays) {
 }
 
 TEST(Lane, AMapMustLieInItsPlane) {
-  // Goal: the error for a map whose axes leave its plane names the plane.
+  // Goal: if the axes of a friction map are not in the map's plane, the error names the plane.
   Scene scene = lane({}, {}, {}, 0.1);
   EXPECT_TRUE(Simulation::start(scene, {}).ok());
   scene.planes[0].outside.normal = Vec3(0.6, 0, 0.8);
@@ -209,8 +211,8 @@ TEST(Lane, AMapMustLieInItsPlane) {
 
 TEST(Lane, AnUphillBorderTakesABoundedNumberOfEvents) {
   // Goal: a spinning ball that climbs from rough to smooth ground returns to the border again and
-  // again, but doesn't hang there forever or gain energy. Method: start at the border at several
-  // speeds. Speed 0 was the worst.
+  // again. The ball causes a bounded number of events and gains no energy. Method: start balls at
+  // the border with several speeds, including 0.
   const double lean = 0.1;
   for (const double speed_mps : {0.0, 1e-6, 1e-3, 0.1}) {
     const Ball ball;

@@ -42,8 +42,9 @@ const Segment& last_segment(const RecordedRun& run) {
 }
 
 TEST(LyingBodies, AnyThrowIsCaughtSoon) {
-  // Goal: a tumbling body bounces until it lies flat, then slides in pieces. Method: drop tilted
-  // cubes with speed. The cubes' last motion must not be a bounce, and the cubes must rest.
+  // Goal: a tumbling box bounces until it lies flat, then slides in pieces of motion and comes to
+  // rest. Method: throw boxes with different velocities and spins. Each box must rest after fewer
+  // than 1000 events.
   for (int i = 0; i < 20; ++i) {
     Scene scene = floor_scene(0.1, {.restitution = 0.4, .friction = 0.3});
     scene.bodies.push_back(box_at(
@@ -60,7 +61,7 @@ TEST(LyingBodies, AnyThrowIsCaughtSoon) {
 
 TEST(LyingBodies, AWallEndsAStay) {
   // Goal: a collision with a wall ends a body's lasting contact with the floor. Method: let a cube
-  // slide.
+  // slide into a wall.
   Scene scene = floor_scene(0.1, {.restitution = 0.5, .friction = 0.1});
   scene.planes.push_back({.name = "wall", .outside = {.normal = {-1, 0, 0}, .offset_m = -0.5}});
   scene.bodies.push_back(box_at({0.1, 0.1, 0.1}, 0, {.velocity_mps = {2, 0, 0}}));
@@ -74,7 +75,8 @@ TEST(LyingBodies, AWallEndsAStay) {
 
 TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
   // Goal: a box slides on the face of a static block as on a plane, up to the edge. The box stays
-  // if its centre stays on the block, and falls otherwise. Method: throw to both sides.
+  // if its centre stays on the block, and falls otherwise. Method: throw two boxes so slowly that
+  // they stop before the edge, and one so fast that it slides over the edge.
   for (const double way_m : {0.3, 0.45, 0.6}) {
     Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0.3});
     scene.convexes.push_back({.name = "table",
@@ -105,9 +107,9 @@ TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
 }
 
 TEST(LyingBodies, FrictionOfAMapBrakesFromItsBorderOn) {
-  // Goal: a plank that slides from ice onto rough ground stops where both frictions predict, and
-  // each support has the friction of its place. Method: compare with the work of friction, with the
-  // weight distributed over the supports by levers.
+  // Goal: each support of a sliding plank has the friction of its own place. Method: let a plank
+  // slide from ice onto rough ground. Compare the place at which it stops with the work of
+  // friction, if the front and the back carry half of the weight each.
   FrictionRectangle rough{
       .u_min_m = 1, .u_max_m = 100, .v_min_m = -10, .v_max_m = 10, .friction = 0.5};
   Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0});
@@ -126,9 +128,9 @@ TEST(LyingBodies, FrictionOfAMapBrakesFromItsBorderOn) {
 }
 
 TEST(LyingBodies, APinRollsInItsCircle) {
-  // Goal: a lying pin rolls as a cone of 7.3 degrees without loss, with at most 100 events a second
-  // at 0.4 m/s. Method: start with a level, rolling pin on the floor. Test the circle's radius and
-  // the speed.
+  // Goal: a lying bowling pin rolls in a circle, like a cone whose axis rises by 7.3 degrees. At
+  // 0.4 m/s, the pin loses no energy and has fewer than 100 segments a second. Method: start a
+  // rolling pin with a level axis. Test the circle's radius and the speed.
   Scene scene = floor_scene(0.12, {.restitution = 0.3, .friction = 0.5});
   const RoundSolid pin = bowling_pin(1.55).value();
   scene.bodies.push_back(
@@ -170,7 +172,8 @@ TEST(LyingBodies, APinRollsInItsCircle) {
 }
 
 TEST(LyingBodies, ACylinderRollsWithoutBounces) {
-  // Goal: a lying cylinder rolls in fewer than 10 events instead of 3,300 bounces a second.
+  // Goal: a lying cylinder rolls for 5 seconds with fewer than 10 events, instead of bouncing 3,300
+  // times a second.
   Scene scene = floor_scene(0.08, {.restitution = 0.3, .friction = 0.3});
   const RoundSolid solid = cylinder(0.04, 0.1, 0.001, 1000).value();
   scene.bodies.push_back(

@@ -99,7 +99,8 @@ struct Agreement {
   std::uint64_t collisions = 0;
 };
 
-/// Compares at ticks in the middle between events, where a collision a tick later doesn't matter.
+/// Compares the bodies' states at ticks in the middle between events, where a collision a tick
+/// later doesn't matter.
 Agreement agreement_of(const RecordedRun& run, const RecordedRun& image, const Mirror& mirror) {
   const Tick end = std::min(nth_collision_of_any(run, 5), nth_collision_of_any(image, 5));
   Agreement agreement;
@@ -145,9 +146,10 @@ Agreement agreement_of(const RecordedRun& run, const RecordedRun& image, const M
 }
 
 TEST(Mirror, ScenesAgreeUntilTheFifthCollision) {
-  // Goal: results depend on geometry, not on the frame or the order of features. Mirrored scenes
-  // agree to 1e-9 until the fifth collision of any body. Method: use a plane along the axes, where
-  // rounding is mirrored too, and an oblique plane, where it isn't.
+  // Goal: a scene and its mirror image agree to 1e-9 until the fifth collision of any body. So
+  // results depend on geometry, not on the frame or the order of features. Method: mirror scenes in
+  // a plane along the axes, which mirrors rounding errors too, and in an oblique plane, which
+  // doesn't.
   const Mirror along_x(Vec3(1, 0, 0));
   const Mirror oblique(math::normalized(Vec3(0.3, -0.8, 0.5)));
   std::uint64_t collisions = 0;
@@ -179,7 +181,8 @@ TEST(Mirror, ScenesAgreeUntilTheFifthCollision) {
 }
 
 TEST(Mirror, WrongImagesAreSeen) {
-  // Goal: the comparison detects wrong images. Method: mirror spins like ordinary vectors.
+  // Goal: the comparison detects wrong images. Method: mirror angular velocities like ordinary
+  // vectors, which is wrong.
   const Mirror along_x(Vec3(1, 0, 0));
   Scene scene = scenes::rain(10, 1).scene;
   const RecordedRun run = testing::recorded(scene, 0.5);

@@ -57,8 +57,9 @@ double energy_jpkg(const Scene& scene, std::uint32_t body, const Segment& segmen
 }
 
 TEST(Modes, AMarbleRollsDownASlope) {
-  // Goal: a ball without bounces rolls at 5/7 g sin(slope), in a handful of events. Method: for
-  // slopes in two directions, compare the distance since rolling began with the closed form.
+  // Goal: a ball on a slope doesn't bounce, but rolls with the acceleration 5/7 g sin(slope), in
+  // fewer than 5 segments. Method: compare the acceleration and the distance with closed forms, for
+  // slopes in two directions.
   for (const Vec3& normal : {Vec3(0.3, 0, 1), Vec3(-0.1, 0.2, 1)}) {
     Scene scene = scene_with({.restitution = 0.5, .friction = 0.5});
     scene.planes.push_back(plane(normal));
@@ -82,7 +83,8 @@ TEST(Modes, AMarbleRollsDownASlope) {
 }
 
 TEST(Modes, RollingFrictionStopsAMarble) {
-  // Goal: a rolling ball stops after v^2 / (2 c g), then rests without events.
+  // Goal: rolling friction stops a ball after the distance v^2 / (2 c g). The ball then rests
+  // without events.
   constexpr double k_c = 0.02;
   Scene scene = scene_with({.restitution = 0, .friction = 0.4, .rolling_friction = k_c});
   scene.planes.push_back(plane({0, 0, 1}));
@@ -96,8 +98,8 @@ TEST(Modes, RollingFrictionStopsAMarble) {
 }
 
 TEST(Modes, SeamsOfAFlatMeshAreNotFelt) {
-  // Goal: a marble rolls over a floor of triangles as over a plane, in speed and height. Method:
-  // cross the sheet of scene bumpy_floor, without bumps, at an angle.
+  // Goal: a marble rolls over a flat floor of triangles at the same speed and height as over a
+  // plane. Method: let a marble cross a flat sheet of triangles at an angle.
   Scene scene = scene_with({.restitution = 0.5, .friction = 0.4});
   std::vector<Vec3> vertices_m;
   std::vector<TriangleCorners> triangles;
@@ -145,7 +147,7 @@ std::shared_ptr<const ConvexPolyhedron> block(const Vec3& low_m, const Vec3& hig
 TEST(Modes, AMarbleRollsOffATable) {
   // Goal: at 0.5 m/s, above sqrt(g r) = 0.31 m/s, a marble leaves the edge level and flies on a
   // parabola. At 0.1 m/s, the marble rolls around the edge and converts height to speed. Method:
-  // test the flight's first velocity, the energy, and that there are few segments.
+  // test the velocity at the start of the flight, the energy and the number of segments.
   for (const double speed_mps : {0.5, 0.1}) {
     Scene scene = scene_with({.restitution = 0.3, .friction = 0.6});
     scene.convexes.push_back(
@@ -174,8 +176,9 @@ TEST(Modes, AMarbleRollsOffATable) {
 }
 
 TEST(Modes, AMarbleRollsInAValley) {
-  // Goal: between two planes at a right angle, a ball rolls with g sin(slope) / (1 + 2/5 (r /
-  // d)^2), where d = r / sqrt(2) is its distance from the line of both contacts.
+  // Goal: between two planes at a right angle, a ball rolls with the acceleration g sin(slope) / (1
+  // + 2/5 (r / d)^2). Here, d = r / sqrt(2) is the distance of the ball's centre from the line of
+  // both contacts.
   Scene scene = scene_with({.restitution = 0.2, .friction = 0.5});
   const Vec3 along = math::normalized(Vec3(1, 0, -0.2));
   const Vec3 up = math::normalized(Vec3(0.2, 0, 1));
@@ -215,8 +218,8 @@ TEST(Modes, AMarbleComesToRestInACorner) {
 
 TEST(Modes, AMarbleThatLeansOnARestingCubeTakesFewEvents) {
   // Goal: a marble that rolls down against a cube neither stalls the simulation nor sinks into the
-  // cube. Method: put the cube on a gentle slope, where friction holds it. Everything ends at rest
-  // or rolls away in a bounded number of events.
+  // cube. Method: let a marble roll against a cube on a gentle slope, where friction holds the
+  // cube. Count the events, and compute the least clearance between marble and cube.
   Scene scene = scene_with({.restitution = 0.3, .friction = 0.6});
   scene.planes.push_back(plane({0.1, 0, 1}));
   const Vec3 n = math::normalized(Vec3(0.1, 0, 1));
@@ -252,12 +255,12 @@ TEST(Modes, AMarbleThatLeansOnARestingCubeTakesFewEvents) {
 }
 
 TEST(Modes, MarblesGainNoEnergyAndNeverSink) {
-  // Goal: marbles gain no energy and never sink. No event leaves a marble with more energy than at
-  // its segment's begin, unless another marble collides with it. On a plane, a marble gains no
-  // energy during a segment. Over an edge, a marble gains at most the energy of the load's lift
-  // (edge_motion.h). Places are continuous, and no marble sinks into a plane. Method: test each
-  // body's energy in all segments of scene marbles (slopes, valleys, corners, a ridge and a
-  // pedestal).
+  // Goal: no event gives a marble more energy than it had at the start of its segment, unless
+  // another marble collides with it. During a segment on a plane, a marble gains no energy. During
+  // a segment on an edge, a marble gains at most the energy with which the load lifts it
+  // (edge_motion.h). No marble jumps or sinks into a plane. Method: test each marble's energy and
+  // place in all segments of the scene "marbles", which has slopes, valleys, corners, a ridge and a
+  // pedestal.
   std::uint64_t staying = 0;
   double worst_gain = 0;
   double worst_lift = 0;

@@ -15,9 +15,10 @@ namespace sleight::physics {
 namespace {
 
 TEST(PairGraph, HasWhatAMapHas) {
-  // Goal: lists keep each edge and its prediction when they grow, shrink or move into unused space.
-  // A new edge has no prediction. Method: add, predict and remove random pairs and compare with a
-  // map, with and without details. Some bodies have almost all others as neighbours.
+  // Goal: the graph keeps each edge and its prediction while its lists grow, shrink or move into
+  // unused space. A new edge has no prediction. Method: add, predict and remove random pairs, and
+  // compare the graph with a map. Half of the graphs store details. Some bodies have almost all
+  // others as neighbours.
   constexpr std::uint32_t k_bodies = 90;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 400 : 20)) {
     random::Stream stream({.seed = 71, .purpose = random::Purpose::scene}, seed);

@@ -2,7 +2,7 @@
 //
 // A collision is the first tick at which a gap is at most k_touch_m = 1e-7 m. So no clearance
 // should fall below 0 by more than the rounding of this test's geometry. Bodies that touch without
-// colliding may sink by k_approach_mps for as long as they touch, about 1e-9 m.
+// colliding may sink at the speed k_approach_mps while they touch, by about 1e-9 m.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -224,8 +224,8 @@ Deepest deepest_of(const RecordedRun& run, std::size_t collisions, int random_ti
 }
 
 TEST(Penetration, NoSceneHasBodiesThatOverlap) {
-  // Goal: bodies don't overlap. Method: for scenes of every kind, compute clearances at random
-  // ticks and at ticks before and after recorded collisions.
+  // Goal: bodies never overlap, in any kind of scene. Method: compute clearances at random ticks
+  // and at ticks shortly before and after recorded collisions.
   const std::uint64_t scenes = property::long_run() ? 600 : property::of_tier(27, 60);
   std::map<std::string, double> least_m;
   for (const std::uint64_t n : property::cases(scenes)) {
@@ -247,8 +247,8 @@ TEST(Penetration, NoSceneHasBodiesThatOverlap) {
 }
 
 TEST(Penetration, BodiesOfEveryShapeStayApart) {
-  // Goal: pairs that the list of scenes lacks don't overlap: spheres with polyhedra, bodies of
-  // several parts, long boxes, prisms, and spheres at static edges.
+  // Goal: bodies of every shape stay apart. The scenes have pairs that other scenes lack: spheres
+  // with polyhedra, bodies of several parts, long boxes, prisms, and spheres at static edges.
   double least_m = 1;
   for (const std::uint64_t seed :
        property::seeds(property::long_run() ? 200 : property::of_tier(3, 12))) {
@@ -264,7 +264,8 @@ TEST(Penetration, BodiesOfEveryShapeStayApart) {
 }
 
 TEST(Penetration, RestingBodiesDoNotSink) {
-  // Goal: bodies that bounce by micrometres and come to rest don't sink. Method: heap of grains.
+  // Goal: the grains of a heap don't sink into each other while they bounce by micrometres and come
+  // to rest.
   const scenes::Setting setting = scenes::grain_heap(property::long_run() ? 60 : 10, 1);
   const RecordedRun run = testing::recorded(setting.scene, 1.5);
   ASSERT_EQ(run.error, "");
@@ -274,8 +275,9 @@ TEST(Penetration, RestingBodiesDoNotSink) {
 }
 
 TEST(Penetration, IsSeenWhereBodiesWereShifted) {
-  // Goal: the tests above detect an overlap. Method: shift a body by a micrometre along each axis,
-  // both ways. One of these shifts has more than half of its length towards the touched body.
+  // Goal: the tests above detect an overlap. Method: at the tick of a collision, shift a body by a
+  // micrometre along each axis, in both directions. At least one of these shifts moves the body
+  // more than half a micrometre towards the body that it touches.
   constexpr double k_shift_m = 1e-6;
   for (const std::uint64_t n : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U, 9U}) {
     const testing::TestScene scene = testing::test_scene(n);
@@ -302,8 +304,8 @@ TEST(Penetration, IsSeenWhereBodiesWereShifted) {
 }
 
 TEST(Penetration, PlainGeometryKnowsOverlaps) {
-  // Goal: the reference is right for known cases. Method: test two unit cubes face to face, corner
-  // to face and edge to edge, and points in and around a cube.
+  // Goal: this test's own geometry finds the right clearances in known cases. Method: test two unit
+  // cubes face to face and edge to edge, and points in and around a cube.
   const ConvexPolyhedron cube = physics::cube(1).value();
   const PlainSolid fixed = testing::solid_at(cube, {});
   const auto at = [&](const Vec3& place_m, const Quat& turn) {

@@ -1,4 +1,4 @@
-// Tests spheres that only fly: their segments are written on request (Bodies::fly_on).
+// Tests spheres that only fly, whose segments are written only on request (Bodies::fly_on).
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -12,7 +12,8 @@
 namespace sleight::physics {
 namespace {
 
-/// Elastic spheres of two sizes between walls. One sphere later gets a spin, and another a push.
+/// Elastic spheres of two sizes between walls. Later, one sphere gets a spin, and another sphere
+/// gets a push.
 Scene spheres_in_a_box(std::uint64_t seed) {
   Scene scene = scenes::boxed_spheres(24, seed).scene;
   random::Stream stream = scenes::stream_of_scene(seed, 3);
@@ -55,9 +56,10 @@ End end_of(const Scene& scene, SimulationOptions options, int pieces) {
 }
 
 TEST(PlainSpheres, AreTheSameRecordedOrNot) {
-  // Goal: a segment written late has the same bits as a recorded segment. Method: run spheres
-  // between walls with three algorithms, with and without a recording and a history, in one
-  // portion, and in several portions with the energy read in between.
+  // Goal: a segment that is written late has the same bits as a recorded segment. Method: run
+  // spheres between walls with three algorithms. Some runs keep a recording, some keep a history,
+  // and some do both or neither. Some runs have several portions, between which the test reads the
+  // energy.
   for (const std::uint64_t seed : property::cases(property::long_run() ? 200 : 6)) {
     const Scene scene = spheres_in_a_box(seed + 1);
     SimulationOptions all_pairs;

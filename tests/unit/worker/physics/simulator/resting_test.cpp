@@ -88,8 +88,8 @@ void expect_rest(const Scene& scene, double within_s, const std::string& name) {
 }
 
 TEST(Resting, BodiesComeToRestInFinitelyManyEvents) {
-  // Goal: bodies with friction and loss come to rest, stay at rest and then cost nothing. Method:
-  // test a ball, a cube, stacks and a heap. Kinetic energy is exactly 0.
+  // Goal: bodies with friction and loss come to rest, and then stay at rest without further events.
+  // Method: test a ball, cubes, stacks and a heap. At rest, the kinetic energy must be exactly 0.
   Scene ball = floor_scene({.restitution = 0.5, .friction = 0.4});
   ball.bodies.push_back(ball_at({0, 0, 0.1}));
   expect_rest(ball, 3, "ball");
@@ -102,8 +102,8 @@ TEST(Resting, BodiesComeToRestInFinitelyManyEvents) {
 }
 
 TEST(Resting, AHeapOfAHundredGrainsComesToRest) {
-  // Goal: a heap of 100 grains, which the project promises, comes to rest. The ordinary run has a
-  // smaller heap.
+  // Goal: a heap of 100 grains comes to rest, as the project promises. Ordinary runs use a heap of
+  // 40 grains.
   const std::uint32_t grains = property::long_run() ? 100 : 40;
   expect_rest(scenes::grain_heap(grains, 1).scene, 5, "heap of " + std::to_string(grains));
 }
@@ -116,8 +116,9 @@ double tilt_rad(const Quat& q) {
 }
 
 TEST(Resting, ACubeRestsOnAFace) {
-  // Goal: no cube rests on its edge or corner. Method: drop cubes with random orientations. A face
-  // points down to 1e-3 rad (0.02 mm at the far edge), or to 3e-3 with coarse slow contacts.
+  // Goal: a dropped cube comes to rest on a face, not on an edge or a corner. Method: drop cubes
+  // with random orientations. A face must be level to 1e-3 rad (0.02 mm at the far edge), or to
+  // 3e-3 rad with coarse slow contacts.
   const std::uint64_t seeds = property::long_run() ? 2000 : 100;
   for (const bool coarse : {false, true}) {
     double worst_rad = 0;
@@ -140,8 +141,8 @@ TEST(Resting, ACubeRestsOnAFace) {
 }
 
 TEST(Resting, ACubeSetOnItsEdgeFallsOver) {
-  // Goal: slow toppling doesn't count as rest. Method: put a cube on an edge and on a corner, a
-  // hundredth of a radian from balance.
+  // Goal: slow toppling doesn't count as rest. Method: put one cube on an edge and another cube on
+  // a corner, a hundredth of a radian from balance.
   const Quat on_edge = math::quaternion_of_rotation_vector({std::numbers::pi / 4 + 0.01, 0, 0});
   const Quat on_corner =
       math::composed(math::quaternion_of_rotation_vector({std::atan(std::sqrt(0.5)) + 0.01, 0, 0}),
@@ -161,8 +162,9 @@ TEST(Resting, ACubeSetOnItsEdgeFallsOver) {
 }
 
 TEST(Resting, NothingRestsOnASlopeThatIsTooSteep) {
-  // Goal: rest requires a balance of forces. Method: put a cube on a slope of 20 degrees, where
-  // friction 0.5 (26.6 degrees) holds it and 0.2 (11.3 degrees) doesn't. No friction holds a ball.
+  // Goal: a body rests only if the forces on it can balance. Method: put a cube on a slope of 20
+  // degrees. Friction 0.5 holds a cube on slopes of up to 26.6 degrees, and friction 0.2 on slopes
+  // of up to 11.3 degrees. No friction holds a ball.
   const double angle = std::numbers::pi / 9;
   const Vec3 normal(std::sin(angle), 0, std::cos(angle));
   const Quat level = math::quaternion_of_rotation_vector({0, angle, 0});
@@ -218,9 +220,9 @@ TEST(Resting, ASupporterThatIsPushedAwayWakesWhatItCarries) {
 }
 
 TEST(Resting, WhatLiesOnABodyThatStaysInItsPlaceSleepsOn) {
-  // Goal: a body woken by its support wakes the body on top only if it leaves its place. Method:
-  // touch the lowest of three resting cubes, or knock it away. The middle cube wakes at once in
-  // both cases. The top cube wakes and comes down only in the second case.
+  // Goal: a body that wakes with its support wakes the body on top only when it leaves its place.
+  // Method: push the lowest of three resting cubes slightly, or knock it away. The middle cube
+  // wakes at once in both cases. The top cube wakes and comes down only in the second case.
   const Tick push = Tick{} + ticks_after(0.5);
   for (const double speed_mps : {0.002, 3.0}) {
     Scene scene = two_cubes();
@@ -244,10 +246,10 @@ TEST(Resting, WhatLiesOnABodyThatStaysInItsPlaceSleepsOn) {
 }
 
 TEST(Resting, NothingHangsInTheAir) {
-  // Goal: a sleeping body comes down with a support that wakes and leaves. Method: knock the lowest
-  // grains of heaps about. When all grains rest, start them from their places in a scene where
-  // nothing can rest. In 30 ms, a floating grain falls by 4 mm, and a supported grain bounces by
-  // micrometres.
+  // Goal: no body stays asleep in the air after its support has left. Method: knock the lowest
+  // grains of heaps away. When all grains rest again, start them from their places in a scene where
+  // nothing can rest. In 30 ms, a floating grain would fall by 4 mm, but a supported grain bounces
+  // only by micrometres.
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Scene scene = scenes::grain_heap(20, seed).scene;
     for (std::uint32_t body = 0; body < 5; ++body) {
@@ -284,7 +286,8 @@ TEST(Resting, NothingHangsInTheAir) {
 
 TEST(Resting, WhoeverRestsLaterIsNotLessCareful) {
   // Goal: if a cube topples with a short rest time, it also topples with a longer one. Method: put
-  // a cube's centre 0.3 mm beyond a table's edge, with rest times up to 20 times as long.
+  // a cube on a table, with its centre 0.3 mm beyond the table's edge. Use the usual rest time, and
+  // rest times that are 5 and 20 times as long.
   for (const double times : {1.0, 5.0, 20.0}) {
     Scene scene = floor_scene({.restitution = 0.3, .friction = 0.5});
     scene.slow.rest_time_s *= times;
@@ -305,8 +308,9 @@ TEST(Resting, WhoeverRestsLaterIsNotLessCareful) {
 }
 
 TEST(Resting, AHardBlowWakesAndASoftOneDoesNot) {
-  // Goal: a resting body reflects a soft blow like static geometry. Method: shoot a ball at a
-  // resting cube, so that the cube's speed would be below or above wake_speed_mps.
+  // Goal: a hard blow wakes a resting body, but a soft blow doesn't. The body reflects a soft blow
+  // like static geometry. Method: shoot a ball at a resting cube, at half of the speed that wakes
+  // the cube and at twice that speed.
   Resting rule;
   Scene scene = floor_scene({.restitution = 0.5, .friction = 0.4});
   rule.reset({}, scene.slow, ticks_after(1));
@@ -349,8 +353,8 @@ bool carries(const std::vector<TouchRecord>& contacts) {
 }
 
 TEST(CanCarry, OneContact) {
-  // Goal: one contact supports a body right above it. Method: test contacts in several directions.
-  // On a slope, friction is necessary and the line of the weight must pass through the contact.
+  // Goal: a single contact supports a body only if the body's centre is straight above the contact.
+  // On a slope, friction must also suffice.
   const Vec3 up(0, 0, 1);
   EXPECT_TRUE(carries({contact({0, 0, -0.01}, up, 0)}));
   EXPECT_FALSE(carries({contact({0.005, 0, -0.01}, up, 0)}));
@@ -364,8 +368,8 @@ TEST(CanCarry, OneContact) {
 }
 
 TEST(CanCarry, AnEdge) {
-  // Goal: two contacts support a centre above the line between them. Method: test centres above the
-  // line, beside it and beyond its end.
+  // Goal: two contacts support a body only if its centre is above the line between them. Method:
+  // test centres above the line, beside the line and beyond the line's end.
   const auto edge = [](double x_m, double y_m) {
     const Vec3 up(0, 0, 1);
     return carries(
@@ -378,7 +382,7 @@ TEST(CanCarry, AnEdge) {
 }
 
 TEST(CanCarry, AFace) {
-  // Goal: three and four contacts support a centre above their polygon.
+  // Goal: three or four contacts support a body only if its centre is above their polygon.
   const auto face = [](double x_m, double y_m, int corners) {
     const Vec3 up(0, 0, 1);
     std::vector<TouchRecord> contacts{contact({x_m - 0.01, y_m - 0.01, -0.01}, up, 0),
@@ -396,9 +400,9 @@ TEST(CanCarry, AFace) {
 }
 
 TEST(CanCarry, Wedges) {
-  // Goal: slanting contacts hold by friction or as a pair. Method: test a groove, which needs no
-  // friction, upright walls, which need friction to squeeze the body, and a ladder, which slips on
-  // a smooth floor.
+  // Goal: two slanting contacts hold a body between them, if necessary by friction. Method: test a
+  // groove, which needs no friction, and upright walls, which hold a body only by friction. Also
+  // test a ladder, which slips on a smooth floor.
   const Vec3 left(-0.01, 0, 0);
   const Vec3 right(0.01, 0, 0);
   EXPECT_TRUE(carries({contact(left, {1, 0, 1}, 0), contact(right, {-1, 0, 1}, 0)}));
@@ -415,8 +419,8 @@ TEST(CanCarry, Wedges) {
 }
 
 TEST(CanCarry, WhatFallsOverIsNotLookedAtLonger) {
-  // Goal: the search also finds no support for bodies that fall over. Method: test random contacts
-  // of a ball and other bodies; every second set is almost in balance.
+  // Goal: if falls_over() returns true, can_carry() finds no support. Method: test random sets of
+  // one or two contacts of balls and other bodies. Every second set is almost in balance.
   random::Stream stream({.seed = 11, .purpose = random::Purpose::scene}, 0);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * stream.uniform();

@@ -102,8 +102,8 @@ void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
 TEST(Reuse, ReplayingMakesNoDifference) {
   // Goal: a simulation with a history equals a simulation from scratch, bit for bit. Method: in
   // random scenes of every kind, make successive proposals and accept some. Proposals change
-  // starts, move static geometry, kick bodies, or change laws. Simulate each proposal from scratch,
-  // and with random options and the history of the last accepted proposal.
+  // starts, move static geometry, kick bodies, or change laws. Simulate each proposal twice: from
+  // scratch, and with random options and the history of the last accepted proposal.
   std::map<std::string, Tally> by_kind;
   const std::uint64_t count = chain_count();
   for (const std::uint64_t n : property::cases(count)) {
@@ -124,7 +124,8 @@ TEST(Reuse, ReplayingMakesNoDifference) {
 }
 
 TEST(Reuse, AWrongHistoryMakesADifference) {
-  // Goal: a replayed body is not simulated, so the test above can fail. Method: a wrong history.
+  // Goal: a replayed body is not simulated, so a wrong history gives a wrong result, and the test
+  // above can fail. Method: replay a history after changing the scene that is stored in it.
   const Scene before = balls_apart(3);
   Scene after = before;
   after.bodies[1].start.twist.velocity_mps.x() = 0.1;
@@ -137,8 +138,9 @@ TEST(Reuse, AWrongHistoryMakesADifference) {
 }
 
 TEST(Reuse, OnlyWhatDiffersIsSimulated) {
-  // Goal: a history saves work. Method: change the start of one of several separate balls. The
-  // other balls are replayed to the last event. A replay of the same scene simulates nothing.
+  // Goal: a simulation with a history simulates only what differs. Method: change the start of one
+  // of eight separate balls, and count the simulated events. A replay of the same scene must
+  // simulate no event.
   const Scene before = balls_apart(8);
   const RunResult earlier = run(before, 2);
   Scene after = before;
@@ -153,9 +155,10 @@ TEST(Reuse, OnlyWhatDiffersIsSimulated) {
 }
 
 TEST(Reuse, AFailureComesAsItWould) {
-  // Goal: replayed collisions count too. Method: let a ball bounce ever lower in a scene without a
-  // rule for slow contacts, until the simulation gives up. Replay histories that end slightly
-  // earlier.
+  // Goal: a simulation with a history fails with the same error as a simulation from scratch,
+  // because replayed collisions count too. Method: let a ball bounce lower and lower in a scene
+  // without a rule for slow contacts, until the simulation gives up. Replay histories that end
+  // slightly before the error.
   Scene scene = balls_apart(1);
   scene.slow = {};
   Simulation whole = Simulation::start(scene, {}).value();
@@ -175,8 +178,9 @@ TEST(Reuse, AFailureComesAsItWould) {
 }
 
 TEST(Reuse, WhatIsTheSameIsShared) {
-  // Goal: histories share memory. Method: kick a ball late in a long fall. Both histories have the
-  // same chunks before the kick. A rejected proposal leaves the history unchanged.
+  // Goal: a new history shares memory with the previous history and leaves the previous history
+  // unchanged. Method: kick a ball late in a run of 120 balls. Both histories must have the same
+  // chunks before the kick.
   Scene scene = balls_apart(120);
   const RunResult earlier = run(scene, 2);
   const std::size_t chunks = earlier.history->chunks.size();
@@ -193,8 +197,8 @@ TEST(Reuse, WhatIsTheSameIsShared) {
 
 TEST(Reuse, MemoryIsBounded) {
   // Goal: a simulation whose history would exceed its limit continues without a history. Method:
-  // set a small limit for simulated and replayed events. The run must return no history, and a
-  // complete recording if one was requested.
+  // set a small limit, and exceed it with simulated and with replayed events. The simulation must
+  // return no history, but a complete recording if one was requested.
   const Scene scene = balls_apart(20);
   SimulationOptions options;
   options.keep_history = true;
@@ -223,7 +227,8 @@ TEST(Reuse, MemoryIsBounded) {
   EXPECT_EQ(forgets.recording().segment_count(), 0U);
 }
 
-/// Tick to cut at: an event, a pair of events within a microsecond, a kick, or slightly later.
+/// Tick at which to cut a history: at an event, at a pair of events within a microsecond, at a
+/// kick, or slightly later.
 Tick cut_in(const History& history, Dice& dice) {
   Tick tick{};
   if (dice.one_in(3) && !history.scene.controls.empty()) {
@@ -242,9 +247,10 @@ Tick cut_in(const History& history, Dice& dice) {
 }
 
 TEST(Reuse, ItGoesOnBeyondTheHistory) {
-  // Goal: at every event, a history contains all state that a simulation needs to continue from
-  // there. Method: cut histories of all kinds of scenes at an event or anywhere. All bodies go live
-  // at the cut.
+  // Goal: a history that ends at any tick contains all state that a simulation needs to continue
+  // from there. Method: cut histories of all kinds of scenes at an event or slightly later, and
+  // continue each run. All bodies go live at the cut. Compare the recording with an uninterrupted
+  // run.
   const std::uint64_t scenes = property::long_run() ? 2000 : property::of_tier(9, 32);
   for (const std::uint64_t n : property::cases(scenes)) {
     Subject subject = testing::subject_of(n);

@@ -22,8 +22,8 @@ using testing::run;
 using testing::RunResult;
 
 TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
-  // Goal: a body goes live at a replayed kick that sends it towards a changed place. The kick isn't
-  // applied again. Method: kick a ball towards a wall that has moved.
+  // Goal: if a replayed kick sends a body towards a changed place, the body goes live, and the kick
+  // isn't applied a second time. Method: kick a ball towards a wall that has moved.
   Scene before = balls_apart(2);
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   before.controls.push_back(
@@ -41,9 +41,9 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
 }
 
 TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
-  // Goal: kicks at one tick happen in the scene's order, which may differ from the bodies' order.
-  // Method: kick the body with the highest id first. That body starts differently in the second
-  // scene, or never starts in either scene.
+  // Goal: kicks at one tick happen in the order of the scene's list of controls, which may differ
+  // from the order of the bodies. Method: kick the body with the highest id first. That body starts
+  // differently in the second scene, or never starts in either scene.
   Scene before = balls_apart(6);
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   for (const std::uint32_t body : {5U, 2U, 4U, 1U}) {
@@ -88,7 +88,8 @@ Scene beside_a_block(bool balls) {
 
 TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
   // Goal: a replayed body goes live if it met something that has been removed, or meets something
-  // new. Method: put a block under a body, or far away, in either order, for balls and cubes.
+  // new. Method: simulate balls and cubes with a block under one body, and with the block far away.
+  // Use the history of each scene to simulate the other scene.
   for (const bool balls : {true, false}) {
     const Scene away = beside_a_block(balls);
     for (std::uint32_t i = 0; i < away.bodies.size(); ++i) {
@@ -108,8 +109,9 @@ TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
 
 TEST(ReuseTraps, StartsSeeWhatDiffers) {
   // Goal: a start isn't replayed if its surroundings have changed. Method: start a body late inside
-  // a new block, which is an error. Let a body draw its place again because of a block, then remove
-  // the block, and the reverse.
+  // a new block, which must give an error. Simulate a body that must draw its place again because
+  // of a block, and the same body without the block. Use the history of each scene to simulate the
+  // other scene.
   Scene away = beside_a_block(true);
   BodyDescription& late = away.bodies[1];
   late.start_tick = Tick{} + ticks_after(0.7);
@@ -149,7 +151,8 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
 
 TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
   // Goal: waking never spreads to replayed bodies (replay.h, invariant 3). Method: let a pyramid of
-  // balls rest in a tray of planes. Then kick a ball, start it late or never, or lower the floor.
+  // balls come to rest in a tray of planes. In the changed scenes, kick a ball, start a ball late
+  // or never, or lower the floor.
   Scene before = balls_apart(0);
   // With friction below 0.53 the pyramid spreads for a long time.
   before.contacts =
@@ -249,10 +252,10 @@ Tick first_rest(const Recording& recording, BodyId body) {
 }
 
 TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
-  // Goal: invariants 2 to 4 of replay.h hold if one of two bodies changes shortly after they met,
-  // while the other body decides about rest or rests on it. Method: in one of two scenes, kick
-  // either of two stacked cubes shortly before or after the upper cube comes to rest. The other
-  // cube must go live too. Later, a hit on the lower cube wakes the upper cube.
+  // Goal: replay is right if one of two touching bodies changes just before or after the other body
+  // comes to rest on it (replay.h, invariants 2 to 4). Method: in one of two scenes, kick either of
+  // two stacked cubes shortly before or after the upper cube comes to rest. The other cube must go
+  // live too. Later, a hit on the lower cube wakes the upper cube.
   int compared = 0;
   const std::uint64_t seeds = property::long_run() ? 40 : 2;
   for (const std::uint64_t seed : property::seeds(seeds)) {
@@ -297,9 +300,9 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
 }
 
 TEST(ReuseTraps, AKickIsForWhoIsThereNow) {
-  // Goal: a kick in the history can't be replayed if a body that it woke is no longer at rest, but
-  // the kick still happens. Method: kick a cube on which another cube rests. In the other scene, a
-  // ball has just hit the overhanging part of the upper cube from below.
+  // Goal: a kick in the history isn't replayed but simulated, if a body that the kick woke is no
+  // longer at rest. Method: kick a cube on which another cube rests. In the other scene, a ball has
+  // just hit the overhanging part of the upper cube from below.
   Scene after = scenes::cube_stack(2, 1).scene;
   after.bodies[0].start.pose.position_m = {0, 0, 0.0105};
   after.bodies[1].start.pose.position_m = {0.0085, 0, 0.031};

@@ -45,9 +45,9 @@ Vec3 place_after(const RecordedRun& run, double span_s) {
 }
 
 TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
-  // Goal: a tilted pin falls back on its foot up to the tilt at which the centre of mass is above
-  // the rim's circle, within 0.1 degree. At a greater tilt, the pin falls over. Method: test tilts
-  // on both sides.
+  // Goal: a tilted bowling pin falls over if its centre of mass is beyond the rim's circle;
+  // otherwise, the pin falls back onto its foot. Method: test tilts 0.1 degree below and above the
+  // limit.
   const RoundSolid pin = bowling_pin(1.55).value();
   // The rim is the ring with the lowest centre.
   double circle_m = 0;
@@ -76,8 +76,8 @@ TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
 }
 
 TEST(RoundBodies, FlatOnesStayAndComeToRest) {
-  // Goal: a cylinder on its end, a coin on its face and a rounded box come to rest where they
-  // stand. Method: drop the bodies by a tenth of a millimetre.
+  // Goal: a cylinder on its end, a coin on its face, a rounded box and a bowling pin come to rest
+  // where they stand. Method: drop the bodies from a tenth of a millimetre above the floor.
   const RoundSolid solids[] = {
       cylinder(0.03, 0.08, 0.001, 1000).value(), coin(0.012, 0.002, 8000).value(),
       rounded_box({0.05, 0.04, 0.03}, 0.003, 1000).value(), bowling_pin(1.55).value()};
@@ -94,8 +94,8 @@ TEST(RoundBodies, FlatOnesStayAndComeToRest) {
 }
 
 TEST(RoundBodies, KeepEnergyWithoutLoss) {
-  // Goal: elastic and smooth bodies keep their energy to 1e-9. Method: let some bodies of each kind
-  // collide thousands of times between six walls, without gravity.
+  // Goal: elastic and smooth round bodies keep their energy to 1e-9. Method: let bodies of several
+  // kinds collide many times between six walls, without gravity.
   Scene scene = scenes::round_solids(12, 3).scene;
   scene.gravity_mps2 = Vec3::Zero();
   scene.slow = {};
@@ -120,10 +120,10 @@ TEST(RoundBodies, KeepEnergyWithoutLoss) {
 }
 
 TEST(RoundBodies, NeverGainEnergy) {
-  // Goal: with friction and loss, energy never increases, slow contacts included. Method: compare
-  // kinetic plus potential energy at regular times with its least value so far. A body that rolls
-  // as a cone moves on chords, each over a 32nd of a radian. Within a chord, the kinetic energy may
-  // be too low by a fraction of up to the square of half that angle.
+  // Goal: the energy of round bodies with friction and loss never increases, even in slow contacts.
+  // Method: compare kinetic plus potential energy at regular times with the least value so far. A
+  // body that rolls as a cone moves on chords, each over a 32nd of a radian. Within a chord, the
+  // kinetic energy may be too low by a fraction of up to the square of half that angle.
   for (const std::uint64_t seed :
        property::cases(property::long_run() ? 100 : property::of_tier(2, 6))) {
     const Scene scene = scenes::round_solids(10, seed + 1).scene;
@@ -153,9 +153,9 @@ TEST(RoundBodies, NeverGainEnergy) {
 }
 
 TEST(RoundBodies, DontOverlapByMoreThanTwoMicrometres) {
-  // Goal: round bodies overlap by at most two micrometres. Method: at random ticks, compute each
-  // pair's separation along closest_round()'s normal, and each body's separation from each plane,
-  // by plain_reach_m().
+  // Goal: round bodies overlap by at most two micrometres. Method: at random ticks, use
+  // plain_reach_m() to compute the separation of each pair along closest_round()'s normal. Compute
+  // the separation of each body from each plane in the same way.
   double deepest_m = 0;
   int near = 0;
   for (const std::uint64_t seed :

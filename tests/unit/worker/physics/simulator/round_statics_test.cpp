@@ -45,7 +45,7 @@ double separation_m(const ConvexView& own, const PlacedPose& place, const Moving
 
 TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
   // Goal: no round body is more than two micrometres deep in a triangle or a block, and none falls
-  // through. Method: compute separation_m() of each body and each static piece at random ticks. A
+  // through. Method: at random ticks, compute separation_m() for each body and each static piece. A
   // triangle has no inside, so only triangles that face the body's centre count.
   double deepest_m = 0;
   int near_triangles = 0;
@@ -100,8 +100,8 @@ TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
 }
 
 TEST(RoundStatics, NeverGainEnergyOnTriangles) {
-  // Goal: with friction and loss, energy never increases on height fields. Method: compare kinetic
-  // plus potential energy at each look.
+  // Goal: the energy of round bodies with friction and loss never increases on a height field.
+  // Method: compare kinetic plus potential energy at regular times.
   for (const std::uint64_t seed : property::cases(property::long_run() ? 100 : 4)) {
     const Scene scene = round_bodies_on_bumps(seed + 31);
     auto started = Simulation::start(scene, {});

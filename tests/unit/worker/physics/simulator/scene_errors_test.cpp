@@ -41,7 +41,7 @@ struct Wrong {
 
 TEST(SceneErrors, EachFaultIsNamed) {
   // Goal: an invalid scene gives a typed error that names the culprit, the problem and the valid
-  // values. Method: make one change to a valid scene.
+  // values. Method: make one change at a time to a valid scene.
   const Wrong faults[] = {
       {Kind::bad_mass, "body 'ball': |mass|0 kg|1e-12|1000000000000 kg",
        [](Scene& s) { s.bodies[0].inertia.mass_kg = 0; }},
@@ -175,7 +175,8 @@ TEST(SceneErrors, EachFaultIsNamed) {
 }
 
 TEST(SceneErrors, StartsThatTouchAreRefused) {
-  // Goal: an overlap begins at a gap of k_touch_m. Method: test slightly smaller and larger gaps.
+  // Goal: a start counts as an overlap if the gap to another body is at most k_touch_m. Method:
+  // test slightly smaller and larger gaps.
   const auto compound = std::make_shared<const Compound>(Compound{.parts = {cube(0.04).value()}});
   for (const bool cubes : {false, true}) {
     for (const double gap_m : {-1e-3, 0.0, 0.9e-7, 1.1e-7}) {
@@ -191,8 +192,7 @@ TEST(SceneErrors, StartsThatTouchAreRefused) {
 }
 
 TEST(SceneErrors, ABodyInsideAStaticOneIsRefused) {
-  // Goal: an overlap is an error even if the surfaces don't touch. Method: put small bodies into a
-  // block.
+  // Goal: a start inside a static block is an error, even if the surfaces don't touch.
   for (const bool sphere : {true, false}) {
     Scene scene = good_scene();
     scene.convexes.push_back({.name = "block",
@@ -227,8 +227,9 @@ Scene late_start(bool moving, Tick tick) {
 }
 
 TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
-  // Goal: a late start is checked against the bodies' places at that time. Method: use a resting
-  // and a moving obstacle. The same start is valid before the obstacle arrives and after it leaves.
+  // Goal: a late start is checked against the places of other bodies at that time. Method: start a
+  // ball late on a resting ball, and on a moving ball. A start in a place that the moving ball has
+  // left is valid.
   const Tick tick = Tick{} + ticks_after(0.5);
   for (const bool moving : {false, true}) {
     auto started = Simulation::start(late_start(moving, tick), {});
@@ -259,7 +260,7 @@ TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
 
 TEST(SceneErrors, StartsAreDrawnAgain) {
   // Goal: an overlapping start is drawn again until it overlaps nothing. A draw depends only on the
-  // attempt's number. Method: let all attempts before the n-th overlap.
+  // attempt's number. Method: let all attempts before a given attempt overlap another body.
   for (const std::uint32_t free : {1U, 2U, 17U, 1000U}) {
     Scene scene = good_scene();
     std::vector<std::uint32_t> asked;
@@ -286,8 +287,8 @@ TEST(SceneErrors, StartsAreDrawnAgain) {
 }
 
 TEST(SceneErrors, AThousandDrawsAreEnough) {
-  // Goal: too many attempts give an error. Method: make every attempt overlap, at the scene's start
-  // and for a late start.
+  // Goal: if 1000 attempts to draw a start overlap a body, the simulation gives an error. Method:
+  // make every attempt overlap, for a start at tick 0 and for a late start.
   for (const double when_s : {0.0, 0.01}) {
     Scene scene = good_scene();
     scene.gravity_mps2 = Vec3::Zero();

@@ -35,9 +35,10 @@ bool rests(const RecordedRun& run, std::uint32_t body) {
 }
 
 TEST(Structures, APlankTipsUnderAGentleLoad) {
-  // Goal: a resting plank over an edge tips under a heavy load on its free end and holds a light
-  // load, even if no blow wakes it. Method: 0.4 of the plank's length extends over the edge.
-  // Release a load of 0.1 or 0.4 times the plank's mass a few micrometres above the free end.
+  // Goal: a resting plank extends over an edge. The plank holds a light load on its free end, but
+  // tips under a heavy load, even if no blow wakes it. Method: let 0.4 of the plank's length extend
+  // over the edge. Release a load of 0.1 or 0.4 times the plank's mass a few micrometres above the
+  // free end.
   for (const double load : {0.1, 0.4}) {
     Scene scene = floor_scene(0.05, {.restitution = 0.2, .friction = 0.6});
     scene.convexes.push_back({.name = "step",

@@ -82,8 +82,8 @@ double bump_near(const StaticSurface& surface, const Vec3& place_m) {
 
 TEST(SurfaceSimulation, DiceStayOnTheTable) {
   // Goal: a bump pierces a die by at most the height that fits between the die's lattice points
-  // (surface_controls.h). Method: throw one die or several. At collisions, some ticks around them
-  // and random ticks, test points six times as dense as the lattice.
+  // (surface_controls.h). Method: throw one die or several dice. At ticks of events, soon after
+  // events and at random ticks, test points that are six times as dense as the lattice.
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double least_m = 1;
   for (const std::uint64_t n :
@@ -153,8 +153,9 @@ Outcome outcome_of(const Scene& scene, const SimulationOptions& options, int por
 }
 
 TEST(SurfaceSimulation, EveryWayGivesTheSame) {
-  // Goal: algorithm, broad phase, queue and interruptions change no bit of the recording or of
-  // surface touches. Method: compare throws with the all-pairs reference.
+  // Goal: algorithm, broad phase, queue and portions change no bit of the recording or of the
+  // surface touches. Method: simulate random throws in several ways, and compare the results with
+  // the all-pairs algorithm.
   SimulationOptions reference;
   reference.algorithm = Algorithm::all_pairs;
   for (const std::uint64_t n :
@@ -203,8 +204,8 @@ bool is_balanced(const RecordedRun& run, SplineSurface& surface, std::span<const
 
 TEST(SurfaceSimulation, DiceLoseEnergyAndComeToRestBalanced) {
   // Goal: no collision gains energy. All dice come to rest on the table, and a single die rests in
-  // balance. Method: compare the bodies' energies before and after each event and test their last
-  // poses, with restitution and friction from 0 to 1.
+  // balance. Method: throw dice onto tables with restitution and friction from 0 to 1. Compare the
+  // dice's energy before and after each event, and test their last poses.
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double gain = 0;
   double highest_m = 0;
@@ -255,8 +256,9 @@ void change_control(Scene& scene, const Vec3& place_m, Dice& dice) {
   surface.controls = table.with(point, control);
 }
 
-/// Proposes like a sampler of throws: changes some control points, or a body's start, or both. Each
-/// control point is at one of the first three touches, at the last touch, or at a random place.
+/// Makes a proposal as a sampler of throws does: changes some control points, or a body's start, or
+/// both. Each control point is at one of the first three touches, at the last touch, or at a random
+/// place.
 void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dice) {
   const auto kind = dice.below(8);
   if (kind < 6) {
@@ -278,8 +280,9 @@ void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dic
 
 TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
   // Goal: after any change of control points and starts, a simulation with the previous history
-  // equals a simulation from scratch, bit for bit, and simulates less. Method: run chains of
-  // proposals and accept some. Simulate with random options and in portions.
+  // equals a simulation from scratch, bit for bit, and simulates less. Method: make successive
+  // proposals and accept some. Simulate each proposal from scratch, and with the history and random
+  // options, in two portions.
   constexpr int k_steps = 20;
   std::uint64_t replayed = 0;
   std::uint64_t simulated = 0;
@@ -334,8 +337,9 @@ TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
 }
 
 TEST(SurfaceSimulation, FarChangesAreReplayed) {
-  // Goal: a history saves work. Method: change a control point far away, and one under the last
-  // touch.
+  // Goal: a change far from the dice is replayed without any simulated event, but a change under a
+  // touch changes the result. Method: change a control point far away, and then a control point
+  // under the last touch.
   Scene scene = throw_of(1);
   const testing::RunResult earlier = testing::run(scene, 2);
   Simulation simulation = Simulation::start(scene, {}).value();
@@ -369,10 +373,10 @@ Scene falls_flat(double x_m, double speed_mps) {
 }
 
 TEST(SurfaceSimulation, FieldsAreThoseOfThePlace) {
-  // Goal: a die bounces and slides according to the table's fields where it lands. Method: use a
-  // table whose left side is slippery and absorbs impacts, and whose right side does neither.
-  // Compare the contact point's normal speed before and after the first collision, and the change
-  // of the die's velocity along the table.
+  // Goal: a die bounces and slides with the restitution and friction of the place where it lands.
+  // Method: use a table whose left side is slippery and absorbs impacts, and whose right side does
+  // neither. Compare the contact point's normal speed before and after the first collision, and the
+  // change of the die's velocity along the table.
   for (const double x_m : {-0.2, 0.2}) {
     const RecordedRun run = testing::recorded(falls_flat(x_m, 0.3), 0.2);
     ASSERT_EQ(run.error, "");
@@ -402,7 +406,8 @@ TEST(SurfaceSimulation, FieldsAreThoseOfThePlace) {
 }
 
 TEST(SurfaceSimulation, WrongScenesAreRefused) {
-  // Goal: invalid surfaces and bodies give typed errors. Method: make one change to a valid scene.
+  // Goal: invalid surfaces and bodies give typed errors. Method: make one change at a time to a
+  // valid scene.
   struct Wrong {
     SceneError::Kind kind;
     const char* says;

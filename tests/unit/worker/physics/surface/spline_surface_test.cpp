@@ -1,7 +1,7 @@
-// Goal: heights, slopes and fields equal the spline's at any place and don't depend on earlier
-// queries. Only requested patches are built. Method: compare infinitely many random control points
-// with a sum over basis functions in long double (reference_surface.h), and count requested control
-// points. surface_bounds_test.cpp tests bounds.
+// Goal: SplineSurface returns the spline's heights, slopes and fields at any place, whatever was
+// queried before, and builds only the patches that it needs. Method: compare surfaces of infinitely
+// many random control points with sums over basis functions in long double (reference_surface.h).
+// Count the requests for control points. surface_bounds_test.cpp tests bounds.
 #include "worker/physics/surface/spline_surface.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,8 @@ bool same(const SurfaceBounds& a, const SurfaceBounds& b) {
          a.bump_per_m == b.bump_per_m;
 }
 
-/// Calls take(surface, x_m, y_m) for near and far places on narrow and wide grids, and grid lines.
+/// Calls take(surface, x_m, y_m) for places near the origin and far from it, some of them on grid
+/// lines, on fine and coarse grids.
 template <class Take>
 void for_each_place(std::uint64_t seed, int per_reach, Take&& take) {
   Dice dice(seed, 0);
@@ -66,9 +67,9 @@ void for_each_place(std::uint64_t seed, int per_reach, Take&& take) {
 }
 
 TEST(SplineSurface, HasTheHeightsAndSlopesOfTheDefinition) {
-  // Goal: heights and slopes are right at indices of both signs and up to a million. Method:
-  // compare with the reference's sums. The tolerance is the rounding error for the sizes of heights
-  // and indices.
+  // Goal: heights and slopes are right for grid indices of both signs, up to a million. Method:
+  // compare them with the reference's sums. The tolerance is the rounding error for heights and
+  // indices of this size.
   int places = 0;
   for_each_place(1, 400, [&](const StaticSurface& surface, double x_m, double y_m) {
     SplineSurface spline(surface);
@@ -86,8 +87,8 @@ TEST(SplineSurface, HasTheHeightsAndSlopesOfTheDefinition) {
 }
 
 TEST(SplineSurface, HasTheFieldsOfTheDefinition) {
-  // Goal: restitution and friction are right. Method: compare with the reference's sums. Values
-  // must stay in their ranges, even if all points are at an end of a range.
+  // Goal: restitution and friction are right and stay in their ranges. Method: compare both with
+  // the reference's sums.
   for_each_place(2, 200, [&](const StaticSurface& surface, double x_m, double y_m) {
     const SurfaceControl got = SplineSurface(surface).fields_at(x_m, y_m);
     const ReferencePlace expected = reference_at(surface, x_m, y_m);
@@ -100,9 +101,9 @@ TEST(SplineSurface, HasTheFieldsOfTheDefinition) {
 }
 
 TEST(SplineSurface, WeightsAreTheDefinitions) {
-  // Goal: weights state how much a place depends on each point. Method: no weight is negative,
-  // their sum is 1, and weighted points give heights and fields. If only one point is raised, by 1,
-  // the height is the weight of that point.
+  // Goal: weights_at() returns how much the values at a place depend on each control point. Method:
+  // test that no weight is negative, that the sum of the weights is 1, and that weighted sums give
+  // heights and fields. If a single point is raised by 1, the height must be that point's weight.
   Dice dice(6, 0);
   for_each_place(6, 50, [&](const StaticSurface& surface, double x_m, double y_m) {
     SplineSurface spline(surface);
@@ -135,8 +136,8 @@ TEST(SplineSurface, WeightsAreTheDefinitions) {
 }
 
 TEST(SplineSurface, TakesPlacesThatRoundIntoTheNextCell) {
-  // Goal: all values stay in range just below a grid line, where the place in the cell rounds to 1.
-  // Method: test places closer to 0 than any bit of a cell.
+  // Goal: heights, slopes and weights are right just below a grid line, where a place's offset in
+  // its cell rounds to 1. Method: test places that are below 0 by less than the offset's last bit.
   const StaticSurface surface = surface_of(random_controls(7, k_height_m), 0.01);
   SplineSurface spline(surface);
   const SurfacePlace at_zero = spline.at(0, 0);
@@ -150,9 +151,8 @@ TEST(SplineSurface, TakesPlacesThatRoundIntoTheNextCell) {
 }
 
 TEST(SplineSurface, OfEqualPointsIsConstant) {
-  // Goal: the sum of the basis functions is 1 everywhere. Method: use equal control points. Up to
-  // rounding, the surface must have the points' values, and slopes of 0. Extreme values stay
-  // exactly in range.
+  // Goal: a surface of equal control points has the points' values and slopes of 0 everywhere, up
+  // to rounding. Restitution and friction stay exactly in range.
   Dice dice(8, 0);
   for (const SurfaceControl all : {SurfaceControl{0.3, 1, 0}, SurfaceControl{-17, 0, 0.7},
                                    SurfaceControl{1.0 / 3, 0.1, 1e-3}, SurfaceControl{}}) {
@@ -203,9 +203,10 @@ void expect_same(const Answer& a, const Answer& b) {
 }
 
 TEST(SplineSurface, AnswersDoNotDependOnWhatWasAskedBefore) {
-  // Goal: invariant 1 holds with so many patches that their table grows several times. Method:
-  // compare the bits of answers to the same queries in two orders and on new surfaces. Indices are
-  // near, far, and multiples of powers of two, which are common in grids and bad for hashes.
+  // Goal: answers don't depend on earlier queries (spline_surface.h, invariant 1), even with so
+  // many patches that their table grows several times. Method: make the same queries in two orders
+  // and on new surfaces, and compare the bits of the answers. Some indices are multiples of powers
+  // of two, which are common in grids and bad for hashes.
   constexpr double k_spacing_m = 0.01;
   const StaticSurface surface = surface_of(random_controls(9, k_height_m), k_spacing_m);
   Dice dice(9, 0);
@@ -237,8 +238,9 @@ TEST(SplineSurface, AnswersDoNotDependOnWhatWasAskedBefore) {
 }
 
 TEST(SplineSurface, MakesOnlyThePatchesAskedFor) {
-  // Goal: a large table costs nothing, and each point of a patch is requested once. Method: count
-  // the requests to a table of 10,000 x 10,000 points that a flat apron surrounds.
+  // Goal: a surface builds only the patches that queries need, and requests each control point
+  // once. Method: count the requests to a table of 10,000 x 10,000 points that flat ground
+  // surrounds.
   constexpr double k_spacing_m = 0.005;
   const auto table = controls_of([](GridIndex at) {
     const bool inside = at.i >= 0 && at.i < 10'000 && at.j >= 0 && at.j < 10'000;
@@ -296,8 +298,9 @@ TEST(SplineSurface, OutlivesPointsThatFail) {
 }
 
 TEST(SplineSurfaceDeathTest, RefusesPlacesBeyondItsIndices) {
-  // Goal: a place without a valid patch index is a reported bug; all other places have heights.
-  // Method: test the last patches on both sides, the next ones, infinity and NaN.
+  // Goal: a query for a place without a valid patch index stops the process; all other places have
+  // heights. Method: test the last valid patch on each side, places beyond these patches, infinity
+  // and NaN.
   SplineSurface spline(surface_of(random_controls(12, k_height_m), 0.5));
   constexpr double k_cells = k_patch_index_max;
   for (const double column : {k_cells, -k_cells}) {

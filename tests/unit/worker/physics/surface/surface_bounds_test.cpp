@@ -1,6 +1,7 @@
-// Goal: bounds_in holds at every place of a rectangle, rounding included, and is not too loose.
-// Method: for random rectangles over rough and smooth control points, compare with computed heights
-// and slopes and with the definition, including eigenvalues of second derivatives.
+// Goal: the bounds that bounds_in() returns hold at every place of a rectangle, even for rounded
+// values, and are not too loose. Method: use random rectangles over rough and smooth ground.
+// Compare the bounds with computed heights and slopes, and with the defined heights, slopes and
+// eigenvalues of second derivatives.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -92,9 +93,10 @@ std::shared_ptr<const SurfaceControls> waves(double height_m) {
 }
 
 TEST(SurfaceBounds, HoldInEveryRectangle) {
-  // Goal: no place of a rectangle exceeds its bounds. Over smooth ground, values in rectangles of
-  // about a patch almost reach the bounds; the remaining gap is due to nearby control points
-  // outside the rectangle. Method: test random rectangles from a point to some hundred patches.
+  // Goal: no place of a rectangle exceeds the rectangle's bounds. Over smooth ground, the values
+  // almost reach the bounds; the remaining gap is due to nearby control points outside the
+  // rectangle. Method: test random rectangles, from single points to rectangles of more than a
+  // hundred patches.
   for (const bool rough : {true, false}) {
     for (const double spacing_m : {1e-3, 0.0037, 0.125, 1.0}) {
       Dice dice(21, rough ? 0 : 1);
@@ -126,8 +128,8 @@ TEST(SurfaceBounds, HoldInEveryRectangle) {
 }
 
 TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
-  // Goal: each of the four bounds fails the test above if the bound is too low. Method: use bounds
-  // that are too low by half, and another rectangle's bounds.
+  // Goal: the test above fails if one of the four bounds is too low. Method: halve one bound at a
+  // time. Also use the bounds of another rectangle.
   const StaticSurface surface = surface_of(waves(0.001), 0.01);
   SplineSurface spline(surface);
   Dice dice(22, 0);
@@ -146,7 +148,8 @@ TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
 
 TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
   // Goal: each bound of a rectangle is the maximum of this bound over its patches. Method: compare
-  // with each patch alone. Use flat ground with one raised point, which affects sixteen patches.
+  // the bounds of random rectangles with the bounds of their single patches. Also test flat ground
+  // with one raised point, which must affect exactly sixteen patches.
   Dice dice(25, 0);
   constexpr double k_spacing_m = 0.25;
   const StaticSurface surface = surface_of(random_controls(25, 1), k_spacing_m);
@@ -191,10 +194,10 @@ TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
 }
 
 TEST(SurfaceBounds, HoldWithHeightsThatDrownDifferences) {
-  // Goal: bounds include rounding where nothing else matters. Method: use heights near 1 that
-  // differ by their last bits, on flat, tilted and rough ground. Computed slopes are then rounding
-  // errors, and heights equal their points. In some cases, lower by much the row and the column of
-  // points that have the least weight at a patch's far corner.
+  // Goal: bounds hold even where all differences of heights are rounding errors. Method: use flat,
+  // tilted and rough ground with heights of 1 to 2 m that differ only in their last bits. In some
+  // cases, one row and one column of control points are much lower. These points have the least
+  // weight at a patch's far corner.
   Dice dice(26, 0);
   for (int n = 0; n < 20'000; ++n) {
     const std::uint64_t seed = dice.below(1U << 30U);

@@ -1,6 +1,6 @@
 // Goal: the event loop allocates nothing once its lists have grown. Method: count calls of operator
-// new; the count stays constant after a quarter of a run. This test is a separate program because
-// operator new belongs to a whole program.
+// new; after a quarter of a run, the count must stay constant. This test is a separate program
+// because operator new belongs to a whole program.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -62,9 +62,9 @@ TEST(Allocation, TheEventLoopAllocatesNothing) {
 }
 
 TEST(Allocation, SurfacesAllocateForPatchesAndTouchesOnly) {
-  // Goal: searches on surfaces allocate nothing once nearby patches exist, except that the list of
-  // touches doubles. Method: bounce a die in place without loss. Four doublings allow 16 times as
-  // many touches as the first quarter has.
+  // Goal: searches on surfaces allocate nothing once nearby patches exist, except when the list of
+  // touches doubles. Method: let a die bounce in place without loss. The list may double four
+  // times, to 16 times its size after the first quarter of the run.
   Scene scene = testing::thrown_dice(1, 1,
                                      testing::table_surface(testing::table_of([](GridIndex) {
                                                               return SurfaceControl{
@@ -79,7 +79,7 @@ TEST(Allocation, SurfacesAllocateForPatchesAndTouchesOnly) {
 }
 
 TEST(Allocation, IsSeen) {
-  // Goal: the count can rise. Method: record with too little room.
+  // Goal: the test counts allocations. Method: reserve too little space for the recording.
   SimulationOptions options;
   options.segments_reserved = 1;
   EXPECT_GT(allocations_after_warm_up(scenes::boxed_spheres(20, 1).scene, 100, options), 0U);
