@@ -17,6 +17,7 @@
 #include "clients/cli/main_service.h"
 #include "clients/cli/main_token.h"
 #include "clients/cli/main_world_plots.h"
+#include "clients/cli/number_in.h"
 #include "clients/cli/plot_command.h"
 #include "common/archive/csv.h"
 #include "worker/sampling/diagnostics/convergence.h"
@@ -31,7 +32,7 @@ void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
   CLI::App* command = app.add_subcommand("direct", "Run a direction request on this machine");
   add_run_options(*command, arguments);
   command->add_option("-j,--threads", arguments.threads, "Number of threads. Default: one per core")
-      ->check(CLI::Range(1, 4096))
+      ->check(number_in(1, 4096))
       ->type_name("N");
   command->footer(
       "To resume a run after Ctrl-C, a time limit, kill -9 or a power failure, repeat the "
@@ -228,13 +229,13 @@ void add_plot(CLI::App& app, PlotArguments& arguments, Action& action) {
   command->add_option("--what", options.what, cli::help_of_whats(arguments.worlds))
       ->check(CLI::IsMember(cli::whats_of(arguments.worlds)));
   command->add_option("--chain", options.chain, "Plot only this chain. Default: all")
-      ->check(CLI::Range(std::uint64_t{0}, k_number_max).description(""))
+      ->check(number_in(std::uint64_t{0}, k_number_max).description(""))
       ->type_name("N");
   command->add_option("--draws", options.draws, "Plot only the first N draws. Default: all")
-      ->check(CLI::Range(std::uint64_t{1}, k_number_max).description(""))
+      ->check(number_in(std::uint64_t{1}, k_number_max).description(""))
       ->type_name("N");
   command->add_option("--count", options.count, "Number of paths or animations to plot")
-      ->check(CLI::Range(1, 12))
+      ->check(number_in(1, 12))
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--note", options.notes, "Metadata to add to an SVG. Repeatable")

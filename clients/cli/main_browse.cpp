@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "clients/cli/number_in.h"
+
 namespace sleight::programs {
 namespace {
 
@@ -50,7 +52,7 @@ void add_find(CLI::App& app, cli::FindOptions& options, Action& action) {
   command
       ->add_option("-n,--limit", options.limit,
                    "Maximum number of animations to print. Default: all")
-      ->check(CLI::Range(1, 1'000'000'000).description(""))
+      ->check(number_in(1, 1'000'000'000).description(""))
       ->type_name("N");
   command->add_flag("--names", options.names,
                     "List the names that queries can use: bodies, fixed things and numbers");
@@ -77,7 +79,7 @@ void add_groups(CLI::App& app, cli::GroupsOptions& options, Action& action) {
       app.add_subcommand("groups", "Group animations that look alike and show one of each group");
   add_archives(*command, options.paths);
   command->add_option("-k,--groups", options.groups, "Number of groups")
-      ->check(CLI::Range(1, 1'000'000).description(""))
+      ->check(number_in(1, 1'000'000).description(""))
       ->capture_default_str()
       ->type_name("K");
   command
@@ -114,7 +116,7 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
   command
       ->add_option("-k,--groups", options.groups,
                    "Number of groups. The animations of both archives are grouped together")
-      ->check(CLI::Range(1, 500).description(""))
+      ->check(number_in(1, 500).description(""))
       ->capture_default_str()
       ->type_name("K");
   command->add_flag("--json", options.json, "Print JSON");
@@ -147,7 +149,7 @@ void add_choice(CLI::App& command, cli::ExportChoice& choice) {
       .add_option("--representatives", choice.representatives,
                   "One representative for each of N groups of similar animations. The groups "
                   "contain the animations that match --select, or all animations")
-      ->check(CLI::Range(1, 1'000'000).description(""))
+      ->check(number_in(1, 1'000'000).description(""))
       ->type_name("N");
   command.add_flag(
       "--all", choice.all,
@@ -180,7 +182,7 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
                    "Frames per second (png, mp4; default: 24). For glb: place keyframes on whole "
                    "frames only. Default for glb: enough keyframes to show positions within 0.1 mm "
                    "and rotations within 0.2 degrees")
-      ->check(CLI::Range(cli::k_export_fps_min, cli::k_export_fps_max).description(""))
+      ->check(number_in(cli::k_export_fps_min, cli::k_export_fps_max).description(""))
       ->type_name("N");
   command->add_option("--view", options.view, "Camera view (png, mp4)")
       ->check(CLI::IsMember(cli::export_views()))

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "clients/cli/main_service.h"
+#include "clients/cli/number_in.h"
 #include "common/request/text.h"
 
 namespace sleight::programs {
@@ -54,7 +55,7 @@ void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const anal
       ->add_option(
           "--port", options.port,
           fmt::format("TCP port to listen on. Default: {}, or any free port", cli::k_usual_port))
-      ->check(CLI::Range(1, 65535).description(""))
+      ->check(number_in(1, 65535).description(""))
       ->type_name("PORT");
   command
       ->add_option(

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "clients/analysis/failure_counts.h"
+#include "clients/cli/number_in.h"
 #include "clients/cli/results_version.h"
 #include "clients/terminal/progress_printer.h"
 #include "common/base/check.h"
@@ -219,22 +220,14 @@ std::string usage_words(const CLI::App* app, const CLI::Error& error) {
     const auto unknown =
         std::ranges::find_if(rest, [](const std::string& word) { return !word.starts_with('-'); });
     words = "expected a command";
-    if (unknown != rest.end()) {
+    if (unknown == rest.end()) {
+      if (!rest.empty())
+        words = fmt::format("unknown option '{}'", request::printable(rest.front(), 40));
+    } else {
       const auto near = request::nearest(*unknown, names);
       words = fmt::format("unknown command '{}'{}", request::printable(*unknown, 40),
                           near ? fmt::format("; did you mean '{}'?", *near) : "");
     }
-  }
-  // CLI11 also prints this message for an integer written as 1e3.
-  constexpr std::string_view k_value = ": Value ";
-  constexpr std::string_view k_range = " not in range ";
-  const std::size_t value = words.find(k_value);
-  if (const std::size_t range = words.rfind(k_range);
-      value != std::string::npos && range != std::string::npos && range > value) {
-    const std::size_t begin = value + k_value.size();
-    words = fmt::format("{}: expected a number in decimal digits ({}), found '{}'",
-                        words.substr(0, value), words.substr(range + k_range.size()),
-                        request::printable(words.substr(begin, range - begin), 40));
   }
   return fmt::format("{}: {}\nFor help, run `{} --help`.\n", command, words, command);
 }
@@ -260,11 +253,11 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
                  "Default: none")
       ->type_name("TIME");
   app.add_option("--seed", arguments.seed, "Random seed. Default: the request's")
-      ->check(CLI::Range(std::uint64_t{0}, request::k_seed_max))
+      ->check(number_in(std::uint64_t{0}, request::k_seed_max))
       ->type_name("N");
   app.add_option("--cache", arguments.cache_mb,
                  "Size of the simulation cache of each process, in MB. Affects speed, not results")
-      ->check(CLI::Range(0, 1'000'000))
+      ->check(number_in(0, 1'000'000))
       ->type_name("MB")
       ->capture_default_str();
   app.add_flag("--json", arguments.json, "Print the summary as JSON");
@@ -294,7 +287,7 @@ std::string AnswerOptions::words() const {
 void add_answer_options(CLI::App& app, AnswerOptions& options) {
   app.add_option("-n,--number", options.number,
                  "Number of animations; replaces [stop] of the request. Default without [stop]: 5")
-      ->check(CLI::Range(1U, request::k_independent_solutions_max))
+      ->check(number_in(1U, request::k_independent_solutions_max))
       ->type_name("N");
   CLI::Option* found =
       app.add_flag("--found", options.found,

@@ -13,6 +13,7 @@
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_settings.h"
 #include "clients/cli/main_worlds.h"
+#include "clients/cli/number_in.h"
 #include "clients/cli/server_commands.h"
 #include "clients/cli/submit_command.h"
 #include "clients/service_client/fetched_archive.h"
@@ -93,10 +94,10 @@ void add_submit(CLI::App& app, Action& action) {
       ->add_option(
           "--cores", options->cores,
           "Maximum number of cores. Default: the service's job_cores, usually all free cores")
-      ->check(CLI::Range(std::uint32_t{1}, static_cast<std::uint32_t>(config::k_cores_max)))
+      ->check(number_in(std::uint32_t{1}, static_cast<std::uint32_t>(config::k_cores_max)))
       ->type_name("N");
   command->add_option("--ranks", options->ranks, "Run under mpirun with this number of ranks")
-      ->check(CLI::Range(1U, k_ranks_max))
+      ->check(number_in(1U, k_ranks_max))
       ->type_name("N");
   command
       ->add_option("--memory", options->memory,
@@ -107,7 +108,7 @@ void add_submit(CLI::App& app, Action& action) {
       ->add_option(
           "--priority", options->priority,
           "Priority among your own jobs; jobs with a higher priority run first. Default: 0")
-      ->check(CLI::Range(-k_priority_max, k_priority_max))
+      ->check(number_in(-k_priority_max, k_priority_max))
       ->type_name("N");
   command
       ->add_option("--name", options->name,
@@ -153,7 +154,7 @@ void add_list(CLI::App& app, Action& action) {
       ->type_name("TEXT");
   command->add_option("--count", options->count, "Maximum number of jobs to list")
       ->check(
-          CLI::Range(std::uint32_t{1}, std::numeric_limits<std::uint32_t>::max()).description(""))
+          number_in(std::uint32_t{1}, std::numeric_limits<std::uint32_t>::max()).description(""))
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--all", options->all, "List all jobs, however many");
@@ -189,7 +190,7 @@ void add_looks(CLI::App& app, Action& action) {
   add_jobs(*command, *watched);
   command
       ->add_option("--from", watched->from_number, "Number of the first event to show. Default: 1")
-      ->check(CLI::Range(std::uint64_t{1}, k_number_max).description(""))
+      ->check(number_in(std::uint64_t{1}, k_number_max).description(""))
       ->type_name("N");
   command->footer(
       "With --json, prints one line per event. Solutions, failures, ends of rounds and ends\n"
@@ -213,7 +214,7 @@ void add_looks(CLI::App& app, Action& action) {
   command
       ->add_option("--lines", logs->lines,
                    "Number of lines to print, counted from the end of the log")
-      ->check(CLI::Range(1U, k_lines_max).description(""))
+      ->check(number_in(1U, k_lines_max).description(""))
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--json", logs->json, k_json_help);
@@ -261,7 +262,7 @@ void add_priority(CLI::App& app, Action& action) {
       ->add_option("--to", options->priority,
                    "New priority; jobs with a higher priority run first. Jobs start with 0")
       ->required()
-      ->check(CLI::Range(-k_priority_max, k_priority_max))
+      ->check(number_in(-k_priority_max, k_priority_max))
       ->type_name("N");
   command->footer(
       "A priority matters only among jobs of the same user. Users share the machine fairly.\n"
@@ -284,16 +285,16 @@ void add_extend(CLI::App& app, Action& action) {
   CLI::App* rule = command->add_option_group(
       "[stop]", "Exactly one stopping rule, which replaces [stop] of the request");
   rule->add_option("--scans", options->scans, "Number of scans of each chain")
-      ->check(CLI::Range(std::uint64_t{1}, request::k_scans_max).description(""))
+      ->check(number_in(std::uint64_t{1}, request::k_scans_max).description(""))
       ->type_name("N");
   rule->add_option("--rounds", options->rounds, "Number of rounds")
-      ->check(CLI::Range(1U, request::k_rounds_max))
+      ->check(number_in(1U, request::k_rounds_max))
       ->type_name("N");
   rule->add_option("--solutions", options->solutions, "Number of solutions")
-      ->check(CLI::Range(1U, request::k_independent_solutions_max))
+      ->check(number_in(1U, request::k_independent_solutions_max))
       ->type_name("N");
   rule->add_option("--odds", options->odds, "Standard error of log P(satisfied), in nats")
-      ->check(CLI::Range(request::k_odds_min, request::k_odds_max))
+      ->check(number_in(request::k_odds_min, request::k_odds_max))
       ->type_name("X");
   rule->require_option(1);
   command->footer(

@@ -5,6 +5,7 @@
 
 #include "clients/cli/login_command.h"
 #include "clients/cli/main_service.h"
+#include "clients/cli/number_in.h"
 #include "clients/cli/token_commands.h"
 
 namespace sleight::programs {
@@ -39,12 +40,12 @@ void add_create(CLI::App& token, Action& action) {
   command
       ->add_option("--jobs", options->jobs_max,
                    "Maximum number of unfinished jobs for this token. Default: the user's limit")
-      ->check(CLI::Range(1U, k_limit_max))
+      ->check(number_in(1U, k_limit_max))
       ->type_name("N");
   command
       ->add_option("--cores", options->cores_max,
                    "Maximum number of cores for each job of this token. Default: the user's limit")
-      ->check(CLI::Range(1U, k_limit_max))
+      ->check(number_in(1U, k_limit_max))
       ->type_name("N");
   command
       ->add_option("-o,--output", options->output,

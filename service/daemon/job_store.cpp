@@ -241,6 +241,12 @@ void JobStore::save(std::span<const Save* const> saves) {
   }
 }
 
+void JobStore::empty_log() {
+  const store::SharedDatabase::Turn turn = shared_->turn();
+  if (lock_ != nullptr) lock_->check();
+  database_.empty_log();
+}
+
 void JobStore::put(const Save& save) {
   store::Statement job_row = database_.prepare("INSERT OR REPLACE INTO job VALUES(?, ?, ?)");
   for (const jobs::Job& job : save.jobs.jobs) {

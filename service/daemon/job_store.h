@@ -84,6 +84,9 @@ class JobStore {
   /// is lost and another daemon may have the folder.
   void save(std::span<const Save* const> saves);
 
+  /// Moves SQLite's write-ahead log into the database file, so that the file is complete by itself.
+  void empty_log();
+
  private:
   void create_or_check();
   void put(const Save& save);

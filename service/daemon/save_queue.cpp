@@ -20,6 +20,12 @@ SaveQueue::~SaveQueue() {
   }
   changed_.notify_all();
   thread_.join();
+  if (is_over_) return;
+  try {
+    store_.empty_log();
+  } catch (const base::Error&) {
+    // The next daemon reads the log.
+  }
 }
 
 void SaveQueue::put(std::optional<Save> save, Callback then) {

@@ -37,11 +37,14 @@ class Usage(ProgramTest):
                       ["direct", request, "-o", self.path("a.h5"), "--threads", "0"],
                       ["direct", request, "-o", self.path("a.h5"), "--time-limit", "soon"],
                       ["direct", request, "-o", self.path("a.h5"), "--seed", "-1"],
+                      ["direct", request, "-o", self.path("a.h5"), "--seed", "010"],
+                      ["direct", request, "-o", self.path("a.h5"), "--seed", "0x10"],
                       ["keys", "no_such_world"], ["plot", self.path("a.h5"), "--what", "smoke"]]:
             result = sleight(*wrong)
             self.assertEqual(result.returncode, 2, (wrong, result.stderr))
             self.assertEqual(result.stdout, "", wrong)
         self.assertIn("'lst'; did you mean 'list'?", sleight("lst").stderr)
+        self.assertIn("'--wat'", sleight("--wat").stderr)
 
     def test_a_bad_request_is_code_3_with_every_error_placed(self):
         request = self.path("bad.toml")

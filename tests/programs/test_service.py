@@ -3,6 +3,7 @@ submit, watch, wait, fetch, cancel, resume, extend, delete. A daemon that is kil
 Method: run a daemon in its own folder and the commands of `sleight`, and compare digests with `sleight
 direct`."""
 
+import contextlib
 import json
 import shutil
 import subprocess
@@ -187,6 +188,10 @@ class Service(ServiceTest):
         stopped = self.succeed(self.ask("server", "stop", "--json"))
         self.assertEqual(json.loads(stopped.stdout), {"pid": self.daemon.pid, "stopped": True})
         self.daemon.wait(timeout=30)
+        # A clean stop leaves all jobs in jobs.sqlite, so that a copy of this file is enough.
+        alone = shutil.copy(self.state / "jobs.sqlite", self.path("alone.sqlite"))
+        with contextlib.closing(sqlite3.connect(alone)) as store:
+            self.assertEqual(store.execute("SELECT count(*) FROM job").fetchone(), (2,))
         for store in self.state.glob("jobs.sqlite*"):
             store.unlink()
         self.serve()

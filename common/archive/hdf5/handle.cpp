@@ -7,6 +7,8 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
+constexpr std::size_t k_start_bytes = 32U << 20U;
+
 /// Returns the innermost message of HDF5's error stack, which names the cause, and clears the
 /// stack. Throws std::bad_alloc if the cause is lack of memory.
 std::string innermost_reason() {
@@ -29,7 +31,9 @@ std::string innermost_reason() {
   return found.reason.empty() ? "HDF5 reported no reason" : found.reason;
 }
 
+/// With too little memory, H5open() can crash, so this function first checks that some is left.
 bool start_library() {
+  ::operator delete(::operator new(k_start_bytes));
   return H5dont_atexit() >= 0 && H5open() >= 0 &&
          H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0 && H5PLset_loading_state(0) >= 0;
 }
