@@ -141,7 +141,7 @@ struct AnimationsWriter::Columns {
                               "true: a draw in the model's proportions; false: a find")),
         proportion(is_in_proportion ? 1 : 0),
         densities(maker.sink, maker.group, k_animation),
-        segments(maker, "segment", "segment of a motion, ordered by animation") {
+        segments(maker, "segment", "segments of motions, animation by animation") {
     const WorldLayout& layout = reader.layout();
     Dims written{k_axis, k_quaternion};
     write_own_coordinates(maker.sink, maker.group, layout.variables, written);

@@ -43,7 +43,8 @@ inline constexpr std::string_view k_finds_warning =
     "in the model's proportions; do not compute averages or odds from them";
 inline constexpr std::string_view k_relax_scans = "relax_scans";
 inline constexpr std::string_view k_takes_warning =
-    "relaxed from a search: proportions are the search's; do not compute averages or odds";
+    "relaxed from a search: the proportions are those of the search; do not compute averages or "
+    "odds from these animations";
 /// Number of blind throws whose log densities are stored beside the finds' log densities.
 inline constexpr std::size_t k_throws = 100;
 inline constexpr std::string_view k_request = "request";

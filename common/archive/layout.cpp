@@ -54,7 +54,7 @@ class PosteriorWriter {
 Column<std::int64_t> lineage_column(Sink& sink, std::string_view group, const Dims& dims) {
   return {sink, group,
           spec_of("lineage", ElementType::i64, dims,
-                  "identifies the chain's visit to the prior from which the state descends")};
+                  "number of the visit to the prior from which the state descends")};
 }
 
 void write_kinds(Sink& sink, std::string_view group, const Dimension& dim,
@@ -81,7 +81,7 @@ class ProposalColumns {
     rate_.emplace(
         sink, k_sample_stats,
         spec_of("acceptance_rate", ElementType::f64, leading,
-                "ratio of accepted to proposed, over all kinds; NaN if nothing was proposed"));
+                "accepted share of proposals of all kinds; NaN if there were no proposals"));
     kinds_ = kinds.size();
   }
 
@@ -291,8 +291,7 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
   sink.set_attribute(k_animations, {"min_distance", options.min_distance});
   constexpr std::array k_addresses{
       Address{"chain", "chain of the animation"}, Address{"draw", "scan of the animation"},
-      Address{"lineage",
-              "identifies the chain's visit to the prior from which the state descends"}};
+      Address{"lineage", "number of the visit to the prior from which the state descends"}};
   AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
                               in_proportion, sink);
   // The writer requests each kept animation's motion a second time (remembering_reader.h).
@@ -334,7 +333,8 @@ void write_finds(const RunView& view, const StateReader& reader, const ArchiveOp
     log_prior.push(value);
   log_prior.flush();
 
-  constexpr std::array k_addresses{Address{"start", "start of the search that built the find"}};
+  constexpr std::array k_addresses{
+      Address{"start", "number of the search start that led to the find"}};
   AnimationsWriter animations(reader, k_finds, "find, by start", k_addresses, false, sink);
   std::uint64_t kept = 0;
   Counted written(hear, WritingProgress::Part::animations,

@@ -33,10 +33,11 @@ void write_features(const scene::Scene& scene, Sink& sink) {
   for (const scene::Feature& one : scene.features)
     names.push_back(one.name);
   write_words(sink, k_scene, "feature_name", feature, "name of the feature", names);
-  auto kind = small(sink, "feature_kind", feature, "kind of the feature, an index along kind");
+  auto kind = small(sink, "feature_kind", feature,
+                    "kind of the feature, as an index along the dimension kind");
   auto twin = small(sink, "feature_twin_of", feature,
-                    "first of the bodies that are interchangeable with this one; the feature "
-                    "itself if there is none");
+                    "first body that is interchangeable with this body; the body itself if there "
+                    "is no such body");
   auto body =
       small(sink, "feature_body", feature, "body to which the goal applies; -1: any body, or none");
   for (const scene::Feature& one : scene.features) {
@@ -59,8 +60,9 @@ void write_parts(const scene::Scene& scene, Sink& sink) {
       metres(sink, "part_size_m", vectors,
              "lengths of the sides; sphere and disc: x is the diameter; surface: x and y are "
              "the sides and z is the spacing of the control points");
-  auto position = metres(sink, "part_position_m", vectors,
-                         "middle of the part, in the frame of its body, or of the scene if fixed");
+  auto position =
+      metres(sink, "part_position_m", vectors,
+             "middle of the part, in the body's frame; in the scene's frame if the part is fixed");
   Column<double> orientation(
       sink, k_scene,
       spec_of("part_orientation", ElementType::f64, {part[0], k_quaternion},
@@ -91,7 +93,8 @@ void write_meshes(const scene::Scene& scene, Sink& sink) {
   write_coordinate(sink, k_scene, vertex[0], "vertex of a mesh");
   auto place = metres(sink, "vertex_m", {vertex[0], k_axis}, "vertex, in the frame of its part");
   auto offset = small(sink, "vertex_offset", vertex,
-                      "row of the variable named by offset_variable that is added; -1: none");
+                      "row of the variable named by offset_variable whose value is added to the "
+                      "vertex; -1: no value is added");
   for (const scene::Vertex& one : scene.vertices) {
     push_vector(place, one.place_m);
     offset.push(one.offset);
@@ -102,7 +105,8 @@ void write_meshes(const scene::Scene& scene, Sink& sink) {
   write_coordinate(sink, k_scene, triangle[0], "triangle of a mesh");
   write_coordinate(sink, k_scene, triangle[1],
                    "corner of a triangle, counter-clockwise when seen from outside");
-  auto corner = small(sink, "triangle_vertex", triangle, "corner as an index along vertex");
+  auto corner = small(sink, "triangle_vertex", triangle,
+                      "corner of the triangle, as an index along the dimension vertex");
   for (const auto& one : scene.triangles) {
     for (const std::uint32_t index : one)
       corner.push(small_of(index));
@@ -126,7 +130,8 @@ void write_normal_priors(Sink& sink, const std::vector<Variable>& variables) {
     write("_prior_mean", variable.prior_mean,
           "mean under the prior; NaN if not normally distributed");
     write("_prior_sd", variable.prior_sd,
-          "standard deviation under the prior; NaN if not normally distributed, 0 if fixed");
+          "standard deviation under the prior; NaN if the distribution is not normal, 0 if the "
+          "value is fixed");
   }
 }
 

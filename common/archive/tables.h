@@ -21,16 +21,16 @@ inline constexpr std::tuple k_part_fields{
     motion::Field{"part_feature", &scene::Part::feature,
                   "feature of /scene that the part belongs to"},
     motion::Field{"part_shape", &scene::Part::shape,
-                  "shape of the part, an index along shape of /scene"},
+                  "shape of the part, as an index along the dimension shape of /scene"},
     motion::Field{"part_size_m", &scene::Part::size_m, "sizes, as part_size_m of /scene", "m"},
     motion::Field{"part_position_m", &scene::Part::position_m,
                   "middle of the part, in the feature's frame", "m"},
     motion::Field{"part_orientation", &scene::Part::orientation,
-                  "rotation from the part's frame to the feature's"}};
+                  "rotation from the part's frame to the feature's frame"}};
 
 inline constexpr std::tuple k_point_fields{
     motion::Field{"point_i", &scene::ControlPoint::i,
-                  "column of the control point: x = point_i times the spacing"},
+                  "column of the control point; its x is point_i times the spacing"},
     motion::Field{"point_j", &scene::ControlPoint::j,
                   "row of the control point: y = point_j times the spacing"},
     motion::Field{"point_height_m", &scene::ControlPoint::height_m, "height of the control point",

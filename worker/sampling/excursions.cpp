@@ -47,7 +47,8 @@ void Excursions::consume(base::ReplicaId replica, std::uint64_t first_scan,
 std::vector<ChainPart::Row> Excursions::rows() const {
   const auto made = static_cast<double>(draws());
   return {{"excursion_inverse_temperature",
-           "inverse temperatures of a tempered transition, descending", "excursion_level", below_},
+           "inverse temperatures of a tempered transition, in descending order", "excursion_level",
+           below_},
           {"excursion_acceptance",
            "fraction of tempered transitions that were accepted",
            "",

@@ -56,14 +56,13 @@ plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint6
   };
   if (odds.first) {
     add_number("odds_from_island",
-               "first island of the chain that counts towards the odds; the islands before it "
-               "determined the number of islands",
+               "number of the first island used for the odds; the chain's earlier islands were "
+               "used to choose the number of islands",
                *odds.first);
   }
   if (odds.end) {
     add_number("odds_until_island",
-               "number of the chain's islands, from its first, that count towards the odds; these "
-               "islands determined whether more were computed",
+               "number of islands used for the odds, counted from the chain's first island",
                *odds.end);
   }
   return report;

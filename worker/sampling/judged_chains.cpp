@@ -209,7 +209,7 @@ plan::Report JudgedChains::report() const {
       [](const Tour& tour, std::size_t, std::size_t) {
         return static_cast<double>(tour.judged_from);
       });
-  add("tour_end", "end of the tour: one past its last scan", 1,
+  add("tour_end", "number of the scan that follows the tour's last scan", 1,
       [](const Tour& tour, std::size_t, std::size_t) { return static_cast<double>(tour.end); });
   add("tour_r_hat",
       "split R-hat of the quantity that judges the burn-in; NaN if that quantity is constant",

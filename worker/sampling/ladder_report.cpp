@@ -155,7 +155,7 @@ void write_levels(Tables& tables) {
                    [](const RoundReport& round) {
                      return local_barrier(round.statistics.ladder(), round.statistics.rejections());
                    });
-  tables.per_kind("acceptance", "ratio of accepted to proposed, by level and kind",
+  tables.per_kind("acceptance", "accepted share of proposals, by level and kind",
                   [](const RoundReport& round, std::size_t level, std::size_t kind) {
                     const KindCounts& counts = round.counts[level];
                     if (kind >= counts.proposed.size()) return k_nan;

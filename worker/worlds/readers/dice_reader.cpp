@@ -106,12 +106,12 @@ std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
       {.name = "offset_squares",
        .dims = {},
        .unit = "1",
-       .meaning = "sum of squares of those control points' heights, in standard deviations"},
+       .meaning = "sum of the squared heights of these control points, in standard deviations"},
       {.name = "offsets",
        .dims = {{.name = "offset_bin", .size = k_offset_bins}},
        .unit = "1",
-       .meaning = fmt::format("histogram of those control points' heights: below {} standard "
-                              "deviations, in steps of {} from there, above the last",
+       .meaning = fmt::format("histogram of the heights of these control points, in standard "
+                              "deviations; bins: below {}, steps of {}, above the last step",
                               k_offset_first_sd, k_offset_step_sd)}};
   for (std::size_t i = 0; i < parameters.goals.size(); ++i) {
     const Goal& goal = parameters.goals[i];

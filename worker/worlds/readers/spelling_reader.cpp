@@ -41,25 +41,24 @@ archive::WorldLayout make_layout(const Spelling& world) {
                      .unit = "m",
                      .meaning = "place where the ball is dropped, relative to the middle of the "
                                 "box; 0 if inactive"}},
-      .outcomes =
-          {{.name = "filled",
-            .dims = {},
-            .unit = "1",
-            .meaning =
-                "number of designated bins that hold a ball at rest, or one that cannot leave"},
-           {.name = "elsewhere",
-            .dims = {},
-            .unit = "1",
-            .meaning = "number of active balls that fill no designated bin"},
-           {.name = "end_s",
-            .dims = {},
-            .unit = "s",
-            .meaning = "time at which the simulation ended"},
-           {.name = "end",
-            .dims = {},
-            .unit = "1",
-            .meaning = "why the simulation ended: 0 all balls at rest or unable to leave their "
-                       "bins, 1 time limit, 2 no room to start, 3 the simulator failed"}},
+      .outcomes = {{.name = "filled",
+                    .dims = {},
+                    .unit = "1",
+                    .meaning = "number of designated bins with a ball that rests or cannot leave"},
+                   {.name = "elsewhere",
+                    .dims = {},
+                    .unit = "1",
+                    .meaning = "number of active balls that fill no designated bin"},
+                   {.name = "end_s",
+                    .dims = {},
+                    .unit = "s",
+                    .meaning = "time at which the simulation ended"},
+                   {.name = "end",
+                    .dims = {},
+                    .unit = "1",
+                    .meaning =
+                        "why the simulation ended: 0 all balls at rest or unable to leave their "
+                        "bins, 1 time limit, 2 no room to start, 3 the simulator failed"}},
       .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
                          "enable_balls", "aim_ball", "scatter_ball", "solo_walk", "solo_step"}};
 }
