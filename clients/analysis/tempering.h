@@ -52,7 +52,7 @@ struct Ladder {
 std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains,
                              std::optional<std::uint64_t> draws);
 
-/// Returns the draws of a round outside a burn-in. REQUIRES: a valid round.
+/// Returns the draws of a round that is not part of a burn-in. REQUIRES: a valid round.
 Round draws_of_round(std::span<const Round> rounds, std::size_t round);
 
 /// REQUIRES: rounds isn't empty.

@@ -86,13 +86,13 @@ void check(const ExportAnimationsOptions& options) {
   const std::string& format = options.format;
   const ExportChoice& choice = options.choice;
   if (!choice.ids.empty() && (!choice.select.empty() || choice.representatives))
-    terminal::refuse_usage("--ids excludes --select and --representatives");
+    terminal::refuse_usage("--ids can't be combined with --select or --representatives");
   for (const std::string& id : choice.ids) {
     if (id.empty() || id.starts_with('-'))
       terminal::refuse_usage(fmt::format("--ids: expected the id of an animation, found '{}'", id));
   }
   if (choice.all && !choice.ids.empty())
-    terminal::refuse_usage("--all and --ids exclude each other");
+    terminal::refuse_usage("--all and --ids can't be combined");
   if (format != "csv" && options.table != "animations")
     terminal::refuse_usage("--table requires --format csv");
   if (format != "csv" && options.output.empty()) {

@@ -311,7 +311,7 @@ rpc::FetchAsk fetch_ask_of(const FetchOptions& options) {
   const int kinds = int{options.so_far} + int{!options.recordings.empty()} + int{options.failures};
   if (kinds > 1) {
     throw base::Error(base::ExitCode::usage,
-                      "--so-far, --recordings and --failures exclude each other");
+                      "--so-far, --recordings and --failures can't be combined");
   }
   rpc::FetchAsk ask;
   if (options.so_far) ask.kind = rpc::FetchKind::so_far;

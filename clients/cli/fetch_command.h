@@ -37,7 +37,7 @@ int fetch(const std::string& socket, const FetchOptions& options, const ArchiveC
 /// text or more than rpc::k_fetch_ids_max numbers.
 std::optional<std::vector<std::uint64_t>> recording_ids_of(std::string_view text);
 
-/// Throws base::Error(usage) if two options exclude each other.
+/// Throws base::Error(usage) if two options can't be combined.
 rpc::FetchAsk fetch_ask_of(const FetchOptions& options);
 
 /// Returns where a job's result is stored: a file for an archive, otherwise a folder. `several`:

@@ -141,7 +141,7 @@ int find_animations(const FindOptions& options) {
   if (options.descending && options.sort.empty())
     throw base::Error(base::ExitCode::usage, "--descending requires --sort NUMBER");
   if (options.ids && options.json)
-    throw base::Error(base::ExitCode::usage, "--ids and --json exclude each other");
+    throw base::Error(base::ExitCode::usage, "--ids and --json can't be combined");
   return terminal::with_results([&] {
     browse::Browsed browsed = browse::browse_archives(options.paths);
     std::vector<browse::Picked> found =

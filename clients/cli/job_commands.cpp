@@ -143,7 +143,7 @@ rpc::ListAsk list_ask_of(const ListOptions& options) {
     ask.states.push_back(state_of(state));
   if (options.mine) ask.user = ::getuid();
   if (!options.user.empty()) {
-    if (options.mine) terminal::refuse_usage("--mine and --user exclude each other");
+    if (options.mine) terminal::refuse_usage("--mine and --user can't be combined");
     ask.user = terminal::user_of(options.user);
     if (!ask.user)
       terminal::refuse_usage(

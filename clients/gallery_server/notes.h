@@ -69,7 +69,7 @@ class Notes {
 /// The folder for notes of this archive's run.
 std::string notes_folder(const std::string& archive);
 
-/// Whether `run` may be part of a file's name: only letters and digits.
+/// Whether `run` may be part of a file name: it has 1 to 128 letters and digits, nothing else.
 bool is_run_word(const std::string& run);
 
 }  // namespace sleight::gallery

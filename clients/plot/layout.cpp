@@ -18,8 +18,8 @@ constexpr double k_x_label_gap = 14;  // between neighbouring tick labels
 constexpr double k_label_gap = 7;     // between an axis label and the tick labels
 constexpr double k_legend_gap = 18;   // between entries
 
-// Margins between a cell and its frame. Panels of a column share left and right margins, panels of
-// a row upper and lower ones, so that axes line up both ways.
+// Margins between a cell and its frame. Panels of a column share left and right margins, and panels
+// of a row share upper and lower margins, so axes line up both ways.
 struct ColumnMargins {
   double left = 0;
   double right = 0;

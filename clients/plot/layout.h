@@ -2,8 +2,8 @@
 //
 // Nothing overlaps: margins follow the measured texts, the legend has its own rows above the frame,
 // tick labels are thinned until they fit, and long texts end in an ellipsis. Panels of a column
-// share left and right margins, and panels of a row share upper and lower ones. All frames have the
-// same width, so axes line up both ways. Pure.
+// share left and right margins, and panels of a row share upper and lower margins. All frames have
+// the same width, so axes line up both ways. Pure.
 #pragma once
 
 #include <string>

@@ -51,9 +51,9 @@ struct WorldLayout {
   /// Logarithm of a ratio: P(satisfied) under the prior, divided by P(satisfied) of natural throws,
   /// which a person could make blindly. The value is below 0 if only some draws are natural throws,
   /// and all satisfying draws are among them. For example, it is the log of the probability that a
-  /// draw drops all balls. The value is above 0 if a draw stands for several equally likely throws
-  /// and satisfies the constraint if one of them does. This is so for dice whose faces are numbered
-  /// afterwards.
+  /// draw drops all balls. The value is above 0 if a draw stands for several equally likely
+  /// throws, and one satisfying throw among them is enough. This is so for dice whose faces are
+  /// numbered afterwards.
   double log_natural_throw = 0;
 };
 

@@ -85,7 +85,7 @@ void visit(AnySettings& s, Visitor& visitor) {
   visitor.name("slurm.account", s.slurm.account, "default account of jobs");
   visitor.name("slurm.partition", s.slurm.partition, "default partition of jobs");
   visitor.name("slurm.qos", s.slurm.qos, "default quality of service of jobs");
-  visitor.name("slurm.time", s.slurm.time, "default time limit of each start of a job");
+  visitor.name("slurm.time", s.slurm.time, "default time limit of each attempt of a job");
   visitor.name("slurm.more", s.slurm.more, "further sbatch options, such as --exclusive");
   visitor.path("slurm.script", s.slurm.script,
                "batch script (absolute path); default: the installed direct.sbatch");

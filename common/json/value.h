@@ -2,7 +2,7 @@
 // source that includes it takes seconds longer to compile.
 //
 // Invariants
-//   1. An object has its keys in order of addition, each key once.
+//   1. An object keeps its keys in the order of their addition, and has each key once.
 //   2. Integers are stored as std::uint64_t from 0, as std::int64_t below 0. Other numbers are
 //      doubles.
 //   3. Parsed values are nested at most k_depth_max levels deep.

@@ -10,7 +10,7 @@
 // closed. All ends are different, so their order has no ties.
 //
 // Invariants
-//   1. From any entry on, entries ascend in forward distance around the circle of 2^61.
+//   1. The list, read from any entry, is in order of forward distance around the circle of 2^61.
 //   2. place(body, kind) is the index of the body's end in the list.
 // On a non-repeating axis, no travel crosses the seam between the greatest and the least float. The
 // list is then sorted, apart from a rotation. Thread safety: none.

@@ -314,7 +314,7 @@ class Export(ProgramTest):
                 (2, "--view and --scale require", [archive, "--view", "front", "-o", output]),
                 (2, "--scale 9", [archive, "--format", "png", "--scale", "9", "-o", self.path("f")]),
                 (2, "-o is required", [archive, "--format", "png"]),
-                (2, "--ids excludes --select", [archive, "--ids", "0.1", "--select", "draw < 3", "-o", output]),
+                (2, "--ids can't be combined", [archive, "--ids", "0.1", "--select", "draw < 3", "-o", output]),
                 (2, "column 13: ", [archive, "--select", "log_prior < low", "-o", output]),
                 (2, "no animation matches --select", [archive, "--select", "draw < 0", "-o", output]),
                 (2, "requires -o", [archive, "--format", "csv", "--json"]),

@@ -153,7 +153,8 @@ plan::Report BurntInChains::report() const {
   for (std::size_t r = 0; r < rows.front().size(); ++r) {
     const ChainPart::Row& first = rows.front()[r];
     const std::string dimension = first.dimension;
-    // Use the longest chain's length. For draws, use the number of draws that every chain has.
+    // The width is the length of the longest chain. For draws, it is the smallest number of draws
+    // of any chain.
     std::size_t width = 0;
     for (const std::vector<ChainPart::Row>& chain : rows)
       width = std::max(width, chain[r].values.size());

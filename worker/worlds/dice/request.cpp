@@ -452,7 +452,7 @@ void GoalBinder::bind_motion() {
                      {.minimum = 0,
                       .maximum = 100,
                       .unit = "s",
-                      .help = "latest time when the die comes to rest, after the first release"});
+                      .help = "maximum time from the first release until the die comes to rest"});
         table.number("sigma_s", keys.goal.sigma,
                      {.minimum = 1e-6, .maximum = 100, .unit = "s", .help = k_sigma_help});
         table.number("tolerance_s", keys.goal.tolerance,
