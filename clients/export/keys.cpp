@@ -16,7 +16,7 @@ using math::Quat;
 using math::Vec3;
 using motion::Segment;
 
-/// The factor 1 + |w| d in |phi''| <= |a| (1 + |w| d), where |w| d is at most k_turn_rad.
+/// Maximum of the factor 1 + |w| d in the bound of |phi''| (keys.h). |w| d is at most k_turn_rad.
 constexpr double k_bend = 1 + k_turn_rad;
 
 /// A segment with the time in which it is in effect.

@@ -3,7 +3,7 @@
 // a keeper's end at once. system_attempts.h is for batch systems, which it queries periodically.
 //
 //   `Launch` writes request.toml and starts a keeper, whose record leads to Launched.
-//   `Look` leads to a Sight, at once or soon.
+//   `Look` asks for the attempt's state, which is reported as a Sight.
 //   `Stop` sends a signal to the keeper.
 //
 // Thread safety: only the loop's thread makes calls. launch(), stop() and look() never call `hear`

@@ -9,8 +9,8 @@
 // Invariants
 //   1. A save is one transaction. A save is durable when `save` returns, and otherwise has no
 //      effect.
-//   2. Every row has a checksum that covers its key too. Reading refuses a row that a disk or a
-//      person changed, and leaves the store untouched. A store of another format is refused too.
+//   2. Every row has a checksum that also covers its key. If a checksum is wrong, reading throws
+//      and doesn't change the store. A store of another format is refused too.
 //   3. Erasing a job erases its requests.
 //
 // Thread safety: one thread at a time.

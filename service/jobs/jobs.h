@@ -83,7 +83,7 @@ enum class WhyNot {
   next,          ///< first in line: running jobs make room after their slices
   others_first,  ///< other jobs go first
   back_off,      ///< the last attempt failed; the job waits until next_start_s
-  limit_cores,   ///< its user's jobs use all cores of the limit
+  limit_cores,   ///< the user's limit leaves too few cores free
   limit_core_hours,
   too_large,  ///< for this machine as it is now
   draining,

@@ -341,7 +341,8 @@ Waiting Jobs::waiting(JobId id) const {
       accounts_.is_over_bytes(job.user, false))
     return because(WhyNot::limit_core_hours, "The user has reached a limit.");
   if (cores_max(job) < job.wishes.processes())
-    return because(WhyNot::limit_cores, "The user's jobs use all the cores that they are allowed.");
+    return because(WhyNot::limit_cores,
+                   "The job needs more cores than the user's limit leaves free.");
 
   const std::uint64_t rank = queue_.rank(id);
   const double standing = accounts_.standing_core_s(job.user, clock_s_);

@@ -198,9 +198,9 @@ void expect_kept(std::uint32_t first_chain,
 }
 
 TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
-  // Goal: conditional steps (particle Gibbs) leave the target invariant for two or more particles,
-  // each way of resampling and any temperature. Method: move exact draws by one step and by ten,
-  // and compare both sets of states with enumeration.
+  // Goal: conditional steps (particle Gibbs) leave the target invariant at any temperature, with
+  // any resampling threshold and at least two particles. Method: move exact draws by one step and
+  // by ten, and compare both sets of states with enumeration.
   expect_kept(20'000'000, [](const auto& islands, std::uint64_t number, ToyParticle& current) {
     const std::uint32_t ground = Toy::ground_of(current.sample.state);
     sampling::conditional_step(islands, number, current);

@@ -1,10 +1,10 @@
 // Computes when bodies that aren't spheres begin to stay on a fixed plane, and until when they
 // stay. response/plane_motion.h computes their motion, and contact_events.h has the rules.
 //
-// Idea. If a body bounces on a plane by micrometres and all points that carry it are near the
-// plane, the body stays in its current pose. The body isn't turned towards the plane, and hovers
-// above the plane by at most the height of a bounce, as resting bodies do. The body's motion is
-// projected onto the motions that the plane allows.
+// Idea. If a body's bounces on a plane are only micrometres high and all points that carry the body
+// are near the plane, the body stays in its current pose. The body isn't turned towards the plane,
+// and hovers above the plane by at most the height of a bounce, as resting bodies do. The body's
+// motion is projected onto the motions that the plane allows.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -4,8 +4,8 @@
 // Lists are ranges of a few shared arrays, so that the lists in use occupy few pages of memory. A
 // full list moves to a range of twice the capacity. Ids, ticks, change numbers and details are in
 // separate arrays. So a search for an id reads one cache line, and the two copies of an edge don't
-// store each other's position. For spheres in flight only the first three arrays exist: four cache
-// lines for sixteen neighbours.
+// store each other's position. If the world has only spheres in flight, there are no details, and
+// sixteen edges fill four cache lines.
 //
 // A pair's prediction is stored in the copy of the body whose motion changed last, because that
 // body made the prediction. The partner's copy may still hold an older prediction. With its

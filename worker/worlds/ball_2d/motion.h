@@ -20,8 +20,8 @@
 
 namespace sleight::worlds::ball_2d {
 
-/// The tilt of each collision's normal from the vertical, positive towards +x. Entries from
-/// WorldParameters::collisions on are unused and zero.
+/// The tilt of each collision's normal from the vertical, positive towards +x. Only the first
+/// WorldParameters::collisions entries are used; the others are zero.
 using NormalAngles = std::array<double, k_collisions_max>;
 
 /// One parabolic hop, from the start or a collision to the next collision.

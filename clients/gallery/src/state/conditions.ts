@@ -63,7 +63,7 @@ export function kindsOfBodies(names: readonly string[]): string[] {
 export function missingIn(condition: Condition): string {
   if (condition.kind === "number") {
     if (condition.name === "") return "Select a number.";
-    return missingInRange(condition.range) || (isOpen(condition.range) ? "Enter a limit of the range." : "");
+    return missingInRange(condition.range) || (isOpen(condition.range) ? "Enter a lower or an upper limit." : "");
   }
   if (condition.kind === "ends") return missingInBox(condition.box);
   if (condition.steps.length === 0) return "Add a step.";

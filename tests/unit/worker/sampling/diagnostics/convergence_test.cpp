@@ -89,7 +89,7 @@ TEST(Complaints, name_shifted_chains) {
 }
 
 TEST(Complaints, name_chains_that_never_move) {
-  // Goal: complaints() reports chains that never move, whether R-hat is infinite, about 1e15 or
+  // Goal: complaints() reports chains that never move, for any R-hat: infinite, about 1e15, or
   // smaller. Method: give each chain its own constant value, with numbers of draws for which means
   // are exact or rounded. Then make only one of four chains constant.
   const auto own = [](double, std::size_t chain) { return 0.1 * static_cast<double>(chain); };

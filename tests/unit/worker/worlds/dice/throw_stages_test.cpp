@@ -29,7 +29,7 @@ Parameters two_dice() {
 }
 
 std::vector<LoneThrow> throws_that_land_ahead(const DieStart& start, int count) {
-  // Each throw lands where its speed carries it in half a second, almost without error.
+  // Each throw moves at constant speed for half a second, then lands. The goal's sigma is small.
   std::vector<LoneThrow> throws;
   random::Stream stream = testing::stream_of(k_seed, 1);
   for (int i = 0; i < count; ++i) {
@@ -41,9 +41,9 @@ std::vector<LoneThrow> throws_that_land_ahead(const DieStart& start, int count) 
 
 TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
   // Goal: the map favours throws with small misses, and weighs each throw by p / q. Method: let a
-  // die land where its speed carries it in half a second. Only one speed, a standard deviation from
-  // the mean, reaches the goal. More than three quarters of the draws must have about this speed,
-  // and the mean of p / q must be 1.
+  // die move at constant speed for half a second, then land. Only one speed, a standard deviation
+  // from the mean, reaches the goal. More than three quarters of the draws must have about this
+  // speed, and the mean of p / q must be 1.
   const DieStart start;
   const ThrowMap map(start, throws_that_land_ahead(start, 200));
   ASSERT_FALSE(map.is_prior());
@@ -70,8 +70,8 @@ TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
 
 TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
   // Goal: if the map can learn nothing, it draws the same throws as the prior, with weight 1. It
-  // learns nothing without goals for places, from too few throws, or if only orientations are
-  // random.
+  // learns nothing if no goal has signed misses, if there are too few throws, or if only the
+  // orientation is random.
   const DieStart start;
   DieStart fixed;
   fixed.position_sd_m = fixed.velocity_sd_mps = fixed.spin_sd_radps = {0, 0, 0};
