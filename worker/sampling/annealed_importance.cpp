@@ -112,7 +112,7 @@ std::uint64_t AnnealedImportance::draws() const {
 }
 
 std::vector<ChainPart::Row> AnnealedImportance::rows() const {
-  // Collect the ascents that all lanes have completed, in the order of draws.
+  // Collect the draws' weights. Draws are ordered by (ascent, lane).
   std::vector<double> weights;
   std::vector<double> satisfied;
   const std::uint64_t ascents = draws() / lanes_.size();

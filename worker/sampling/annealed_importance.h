@@ -1,5 +1,6 @@
 // Annealed importance sampling (Neal 2001, Annealed importance sampling): independent ascents from
-// the prior to inverse temperature 1, whose weights correct for their finite speed.
+// the prior to inverse temperature 1. The weight of an ascent corrects for the ascent's finite
+// speed.
 //
 // An ascent makes one scan at each inverse temperature 0 = beta_0 < beta_1 < ... < beta_K = 1. x_0
 // is a draw from the prior, and the kernel of beta_k makes x_k. The log of the ascent's weight w is
@@ -7,8 +8,8 @@
 //   log w = sum over k of (beta_k - beta_{k-1}) l(x_{k-1}),    l = log p_c.
 //
 // The mean of w is an unbiased estimate of Z. Weighted means over the ascents' last states estimate
-// means under the target. Each lane runs one ascent after another. The temperatures come from a
-// burn-in, with `steps_per_level` equal steps between neighbouring levels. Not thread-safe.
+// means under the target. Each lane runs one ascent after another. The levels come from a burn-in;
+// an ascent makes `steps_per_level` equal steps between neighbouring levels. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,8 @@
 
 namespace sleight::sampling {
 
-/// Log mean weight with its standard error (delta method), and effective size (sum w)^2 / sum w^2.
+/// Log of the mean weight, its standard error (delta method), and the effective size (sum w)^2 /
+/// sum w^2.
 struct WeightSummary {
   Estimate log_mean;
   double effective_size = 0;
@@ -38,7 +40,8 @@ class AnnealedImportance final : public ChainPart {
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
                std::span<const plan::ScanRecord> records) override;
   std::uint64_t scans() const override;
-  /// Draws of the ascents that all lanes have completed, ordered by (scan, lane).
+  /// Number of draws. A lane's n-th ascent yields a draw, which counts once all lanes have
+  /// completed n ascents.
   std::uint64_t draws() const override;
   const Solutions& solutions() const override { return solutions_; }
   std::vector<Row> rows() const override;

@@ -1,4 +1,4 @@
-// Blind throws, for comparison with found states.
+// Makes blind throws to compare with found states.
 #pragma once
 
 #include <cstddef>

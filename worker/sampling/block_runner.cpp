@@ -11,7 +11,8 @@ namespace {
 
 using plan::UnitResult;
 
-/// Runs a unit from the given state, or from the worker's held state. Empty if there is neither.
+/// Runs a unit from the given state. If none is given, uses the state that the worker holds. Empty
+/// if there is neither.
 std::optional<UnitResult> run_unit(const plan::UnitWorker& worker, const plan::Unit& unit,
                                    const plan::GivenState& state) {
   if (state) return worker.run(unit, *state);
@@ -28,7 +29,7 @@ FlowLevels levels_of(const plan::Block& block) {
           .inverse_temperatures = block.ladder->inverse_temperatures};
 }
 
-/// A running part of a ladder. Replica and level numbers start at 0 in the part.
+/// A running part of a ladder. Within the part, replicas and levels are numbered from 0.
 class PartRun {
  public:
   PartRun(const plan::UnitWorker& worker, const plan::Block& block)
@@ -64,7 +65,8 @@ class PartRun {
   }
 
  private:
-  /// Returns the level whose scan runs next; the hottest among equals.
+  /// Returns the level that runs next: the level that is furthest behind. Among several, the
+  /// hottest.
   std::optional<std::uint32_t> furthest_behind() const {
     std::optional<std::uint32_t> next;
     for (std::uint32_t level = 0; level < flow_.size(); ++level) {
@@ -124,7 +126,7 @@ std::vector<UnitResult> BlockRunner::run(const plan::Block& block,
     if (auto result = run_unit(worker_, block.members.front(), states.front()))
       results.push_back(*std::move(result));
   }
-  // Divide the block's cost in proportion to scans.
+  // Divide the block's cost among its members in proportion to their scans.
   std::uint64_t scans = 0;
   for (const UnitResult& result : results)
     scans += result.unit.scans;

@@ -1,8 +1,8 @@
-// Runs blocks (common/plan/block.h): a single unit, or a part of a ladder scan by scan, with the
-// swaps between its members (swap_flow.h).
-// Invariant: each member's records are the same as if its scans ran one at a time, at the levels
-// that the plan would choose. A member stops where only the plan can determine its next level.
-// Thread-safe if the worker is.
+// Runs blocks (common/plan/block.h). A block is a unit or a part of a ladder. In a part of a
+// ladder, scans run one at a time, and members swap (swap_flow.h).
+// Invariant: a member's records are the same if its scans run one at a time, at the levels that the
+// plan would choose. A member stops where only the plan can determine its next level. Thread-safe
+// if the worker is.
 #pragma once
 
 #include <cstdint>

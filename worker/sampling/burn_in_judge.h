@@ -2,13 +2,14 @@
 //
 // All these chains start without details that searches seldom produce, such as helped balls. So the
 // chains agree from the first scan on, and R-hat, which measures agreement, isn't a sufficient
-// test. The judge looks at the second half of a tour's scans, over all chains together, and
+// test. The judge looks at all chains together, in the second half of a tour's scans. The judge
 // excludes no chain for its values. The chains have burnt in if both conditions hold for each
 // value:
 //
-//   - Split R-hat is at most k_burnt_in_r_hat. The standard deviation of half chains' means is
-//     then at most 0.66 times that of a draw, as for means of 2.3 independent draws. Then the first
-//     half lasts 4.5 correlation times, so some 1% of the start's bias should be left.
+//   - Split R-hat is at most k_burnt_in_r_hat. Then the standard deviation of half chains' means is
+//     at most 0.66 times the standard deviation of a draw, as if a half had 2.3 independent draws.
+//     So the first half lasts 4.5 correlation times, and some 1% of the start's bias should be
+//     left.
 //   - If all chains start at one end of the value's range, at least one draw differs from the
 //     starts.
 //

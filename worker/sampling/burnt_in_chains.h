@@ -45,21 +45,22 @@ class BurntInChains final : public plan::Plan {
   }
   std::vector<plan::Solution> solutions_between(std::uint64_t after,
                                                 std::uint64_t until) const override;
-  /// The burn-in's rounds by ladder, then the stop rule's rounds, numbered consecutively.
+  /// First come the burn-in's rounds, ladder by ladder, then the stop rule's rounds. They are
+  /// numbered consecutively.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
                                                std::uint64_t until) const override;
   /// Round trips of the burn-in.
   std::optional<std::uint64_t> round_trips() const override;
   std::uint64_t scans_consumed() const override { return records_; }
   std::optional<std::uint64_t> scans_total() const override { return std::nullopt; }
-  /// The report of the burn-in's ladders and the rows of all parts.
+  /// Reports the burn-in's ladders and all parts' rows.
   plan::Report report() const override;
 
  private:
   struct Chain {
     LadderRun burn_in;
     std::unique_ptr<ChainPart> part;  ///< Null before the burn-in's end.
-    /// Results of later scans that a run store delivered before the burn-in had ended.
+    /// Before the burn-in ends, a run store may already deliver later scans. They wait here.
     std::map<std::uint32_t, std::pair<std::uint64_t, std::vector<plan::ScanRecord>>> waiting;
     std::uint64_t scans() const { return part ? part->scans() : burn_in.scans(); }
   };

@@ -1,4 +1,5 @@
-// One chain's part of a plan after its burn-in by parallel tempering (ladder_run.h).
+// A ChainPart continues one chain after the chain's burn-in. The burn-in is parallel tempering
+// (ladder_run.h).
 #pragma once
 
 #include <cstdint>
@@ -20,11 +21,11 @@ struct BurnIn {
   base::ReplicaId coolest;     ///< The replica at inverse temperature 1.
   base::ReplicaId first_free;  ///< The smallest unused replica id; all greater ids are unused too.
   std::uint64_t lineage = 0;   ///< The lineage of the coolest replica's state.
-  /// The last round's ascending levels, its proposal scales, and log Z_{i+1} - log Z_i.
+  /// From the last round: ascending levels, proposal scales, and log Z_{i+1} - log Z_i.
   std::vector<double> ladder;
   std::vector<std::vector<double>> scales;
   std::vector<double> log_z_steps;
-  /// Improved values that the last round suggests, for methods that need no log Z.
+  /// Improved values that the last round suggests. Only methods that need no log Z can use them.
   std::vector<double> next_ladder;
   std::vector<std::vector<double>> next_scales;
 };
@@ -32,11 +33,11 @@ struct BurnIn {
 class ChainPart {
  public:
   virtual ~ChainPart() = default;
-  /// Like Plan::next_unit, for scans below the horizon.
+  /// Like Plan::next_unit, but only for scans below the horizon.
   virtual std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max) = 0;
   virtual void consume(base::ReplicaId replica, std::uint64_t first_scan,
                        std::span<const plan::ScanRecord> records) = 0;
-  /// Scans that all replicas of the part have completed, burn-in included.
+  /// Number of scans that all replicas of the part have completed, including the burn-in's scans.
   virtual std::uint64_t scans() const = 0;
   /// Number of the part's records at inverse temperature 1.
   virtual std::uint64_t draws() const = 0;

@@ -12,7 +12,7 @@ Excursions::Excursions(const BurnIn& burn_in, std::uint32_t steps_per_level)
       below_(finer(burn_in.next_ladder, steps_per_level)),
       scan_(burn_in.scans),
       lineage_(burn_in.lineage) {
-  // Order the temperatures downwards from just below inverse temperature 1.
+  // Order the inverse temperatures from the highest below 1 down to the lowest.
   below_.pop_back();
   std::ranges::reverse(below_);
 }

@@ -1,4 +1,4 @@
-// A chain whose scans each end with a tempered transition (tempered_transition.h). Steps between
+// A chain in which each scan ends with a tempered transition (tempered_transition.h). Steps between
 // the burn-in's temperatures are added, because large steps are rarely accepted. Not thread-safe.
 #pragma once
 

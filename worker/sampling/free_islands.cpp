@@ -26,7 +26,8 @@ void FreeIslands::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                    IslandEstimate::of(records[i].method_values));
   }
   lanes_.consume(replica.chain, first_scan, records.size());
-  // A run store written under another stop rule may have islands beyond the end; ignore them.
+  // If a run store was written under another stop rule, it may have islands beyond the end; ignore
+  // them.
   while (!finished() && scans_common() < lanes_.done()) {
     const auto next = ahead_.extract(scans_common());
     CHECK(!next.empty());

@@ -1,10 +1,11 @@
-// A Plan of free islands alone, for runs that request only the odds. Islands share nothing, so any
-// number of workers can run them. OddsRule (odds_rule.h) decides how many islands to make.
+// A Plan that makes only free islands. Runs that request only the odds use it. Islands share
+// nothing, so any number of workers can run them. OddsRule (odds_rule.h) decides how many islands
+// to make.
 //
 // Archives store the islands as the scans of one chain. Each draw is an island's drawn state,
 // weighted by the island's estimate of Z. An island whose particles all died adds a prior draw of
-// weight 0. Invariant: the number of islands is a function of their estimates in the order of
-// island numbers. Not thread-safe.
+// weight 0. Invariant: the number of islands is a function of the islands' estimates, in order of
+// island number. Not thread-safe.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// Selects the chain with the fewest scans to run next, so that all chains reach a common waiting
-// point together. A chain that had no work is not queried again until it moves or the query
-// changes. Not thread-safe.
+// Selects the chain that runs next: the chain with the fewest scans. So all chains reach a common
+// waiting point together. If a chain had no work, it is not queried again until it moves or the
+// query changes. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace sleight::sampling {
 
 class FurthestBehind {
  public:
-  /// The conditions on which a chain's work depends, besides the chain's own results.
+  /// A chain's work depends on these conditions and on the chain's own results.
   struct Asked {
     std::uint64_t horizon = 0;  ///< Scans below this number may begin.
     bool splits = false;        ///< Whether a chain with work in progress may hand out more.
@@ -25,7 +25,7 @@ class FurthestBehind {
 
   /// Number of scans that every chain has completed.
   std::uint64_t least() const { return by_scans_.begin()->first; }
-  /// Total scans over all chains, counting at most `end` scans of each.
+  /// Sum of min(scans, end) over all chains.
   std::uint64_t sum(std::uint64_t end) const;
   /// Number of chains with fewer scans than `horizon`.
   std::size_t going(std::uint64_t horizon);
@@ -33,9 +33,9 @@ class FurthestBehind {
   /// Reports that a chain now has `scans` scans. REQUIRES: no fewer than before.
   void moved(std::size_t chain, std::uint64_t scans);
 
-  /// Returns the first non-empty result of `next` over chains in order of (scans, chain). REQUIRES:
-  /// if `next` returns nothing for a chain, the chain has work in progress, or gets work only with
-  /// another `asked`.
+  /// Calls `next` for chains in order of (scans, chain), and returns the first non-empty result.
+  /// REQUIRES: if `next` returns nothing for a chain, the chain has work in progress, or gets work
+  /// only if `asked` changes.
   template <class Next>
   auto first(const Asked& asked, const Next& next) -> decltype(next(std::size_t{0})) {
     if (asked != asked_) {

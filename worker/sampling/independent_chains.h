@@ -22,7 +22,7 @@ struct IndependentChainsOptions {
   std::uint64_t seed = 0;
   std::uint32_t chains = 1;
   std::uint64_t round_scans = 64;  ///< Length of the first round.
-  /// Number of initial scans of simulated annealing, in equal steps; they belong to no round.
+  /// Number of initial scans, which anneal the chain in equal steps. They belong to no round.
   std::uint64_t anneal_scans = 0;
   /// Number of burn-in scans after the annealing. Burn-in scans yield no draws or solutions and
   /// belong to no round.
@@ -54,8 +54,8 @@ class IndependentChains final : public plan::Plan {
   }
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
-  /// Report of the islands, if any. If solutions end the run, only islands up to the end of the
-  /// first round count towards the odds, because these islands are made in any case.
+  /// Reports the islands, if there are any. If solutions end the run, only islands up to the end of
+  /// the first round count towards the odds, because these islands are made in any case.
   plan::Report report() const override;
   bool learns() const override { return has_islands_ || scans_before_draws_ > 0; }
 

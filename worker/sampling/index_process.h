@@ -1,6 +1,6 @@
-// The level of each replica in each scan, for display alone (the index process of Syed et al.,
-// "Non-reversible parallel tempering", 2022). Replicas that travel from the hottest to the coolest
-// level bring new draws there.
+// The level of each replica in each scan: the index process of Syed et al., "Non-reversible
+// parallel tempering", 2022. Only displays use it. Replicas that travel from the hottest to the
+// coolest level bring new draws there.
 //
 // The stored scans are the multiples of a stride, which doubles when the number of stored scans
 // exceeds a bound. So the set of stored scans depends only on the scans added. Not thread-safe.
@@ -21,7 +21,7 @@ class IndexProcess {
 
   struct Moment {
     std::uint64_t scan = 0;
-    /// Each replica's level, up to the last replica with a level. Level 0 is the hottest;
+    /// Level by replica, up to the last replica that has a level. Level 0 is the hottest;
     /// k_no_level marks a replica without a level.
     std::vector<std::uint16_t> level;
   };

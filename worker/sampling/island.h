@@ -1,11 +1,11 @@
 // Islands: sequential Monte Carlo along the animation.
 //
 // An island's particles are prefixes of one ground. Each stage extends every particle by a choice,
-// and multiplies its weight by the choice's importance weight and by the change of potential.
-// Unequal weights cause resampling.
+// and multiplies the particle's weight by the choice's importance weight and by the change of
+// potential. Unequal weights cause resampling.
 //
 //   Island on a given ground:
-//     Each particle starts as the prefix without stages, with weight 1.
+//     Each particle starts as the prefix without stages. Its weight is 1.
 //     For each stage:
 //       Extend each particle; weight *= p / q * psi after / psi before.
 //       Before the next stage, if the effective size is below a share of the particles:
@@ -27,21 +27,21 @@
 // current state's Z.
 //
 // If a target can list its choices, an island's particles may choose together (joint). Each new
-// particle extends an old particle by an alternative. This pair is drawn from all such pairs, with
-// probability proportional to weight times the choice's density q. The draws are systematic, over
-// pairs in order of their sort.
+// particle extends an old particle by an alternative. The pair (old particle, alternative) is drawn
+// from all such pairs, with probability proportional to weight times the choice's density q. The
+// draws are systematic, over pairs in order of their sort.
 //
 //     Resample and extend:
 //       mass = sum of weight * q over pairs; draw pairs in proportion to weight * q / mass.
 //       Z *= mass / particles; weight = p / q * psi after / psi before.
 //
 // The expected number of draws of each pair is the same as for independent draws, so Z stays
-// unbiased. But the number of particles of each sort differs from its expectation by at most one,
-// and rare sorts with large weights make Z vary less.
+// unbiased. But for each sort, the number of particles differs from its expectation by at most one.
+// So rare sorts with large weights make Z vary less.
 //
 // Invariants
 //   1. Random numbers are addressed by (seed, chain, island, stage, particle). An island is a pure
-//      function of its streams, its number and, if conditional, the state.
+//      function of its streams, its number and, if conditional, the retained state.
 //   2. A particle of weight 0 is dead and is not extended. If all particles are dead, Z is 0.
 // Memory: one prefix per particle, and two during resampling.
 // Sources: Andrieu, Doucet, Holenstein, Particle Markov chain Monte Carlo methods (Journal of the
@@ -68,7 +68,7 @@ namespace sleight::sampling {
 struct IslandOptions {
   std::uint32_t particles = 64;
   double inverse_temperature = 1;
-  /// Particles are resampled when their effective size is below this share of their number.
+  /// If the particles' effective size is below this share of their number, they are resampled.
   double resample_below = 0.5;
 };
 
@@ -84,7 +84,7 @@ struct Island {
   bool is_unreachable = false;
 };
 
-/// Makes the islands of one chain. REQUIRES: target and guide outlive it.
+/// Makes the islands of one chain. REQUIRES: target and guide outlive this object.
 template <ActsInStages T>
 class Islands {
  public:
@@ -104,14 +104,15 @@ class Islands {
     CHECK_GE(options.particles, 1U);
   }
 
-  /// Stream for accepting or rejecting an island, distinct from the streams of local moves.
+  /// Stream for accepting or rejecting an island. Local moves use other streams.
   random::Stream acceptance_of(std::uint64_t number) const {
     return stream_of(random::Purpose::particle, number, 1);
   }
 
   /// Makes the `number`-th island.
   Island<T> free(std::uint64_t number) const { return made(number, nullptr); }
-  /// Makes the `number`-th island. The island's particles choose together if choices can be listed.
+  /// Makes the `number`-th island. If choices can be listed, the island's particles choose
+  /// together.
   Island<T> joint(std::uint64_t number) const {
     if constexpr (ListsChoices<T>) {
       Making making = begun(number, nullptr);
@@ -124,8 +125,8 @@ class Islands {
       return free(number);
     }
   }
-  /// Makes a conditional island, with `state` as particle 0. REQUIRES: at least two particles, and
-  /// p_w p_c^beta > 0 at `state`.
+  /// Makes a conditional island. `state` is particle 0. REQUIRES: at least two particles, and p_w
+  /// p_c^beta > 0 at `state`.
   Island<T> given(std::uint64_t number, const State& state) const {
     CHECK_GE(options_.particles, 2U);
     return made(number, &state);

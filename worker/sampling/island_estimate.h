@@ -1,4 +1,4 @@
-// A free island's estimates (island.h), without its states. Each estimate occupies four
+// A free island's estimates (island.h), without the island's states. Each estimate occupies four
 // `method_values` of a scan's record. The record has one estimate per free island of the scan.
 #pragma once
 

@@ -12,7 +12,7 @@
 
 namespace sleight::sampling {
 
-/// The free islands of one chain's scans, in order. Scan 0, the start, has no islands.
+/// One chain's free islands, ordered by scan. Scan 0, the start, has no islands.
 class IslandsOfChain {
  public:
   /// Adds the next scan's islands.
@@ -20,7 +20,8 @@ class IslandsOfChain {
   /// Adds the next scan's only island.
   void add(const IslandEstimate& island);
   const std::vector<IslandEstimate>& estimates() const { return estimates_; }
-  /// Number of islands in the first `scans` scans. REQUIRES: these scans have been added.
+  /// Number of islands in the first `scans` scans. REQUIRES: islands of these scans have been
+  /// added.
   std::size_t count_of(std::uint64_t scans) const { return scans == 0 ? 0 : ends_[scans - 1]; }
   std::uint64_t scans() const { return ends_.size(); }
 
@@ -29,8 +30,8 @@ class IslandsOfChain {
   std::vector<std::size_t> ends_;  ///< By scan: number of estimates up to and including the scan's.
 };
 
-/// The scans of each chain whose islands count towards the odds. `first` is set if earlier islands
-/// determined the number of islands. `end` is set if islands decide on later scans.
+/// Scans first <= scan < end count towards the odds. `first` is set if earlier islands determined
+/// the number of islands. `end` is set if islands decide on later scans.
 struct OddsScans {
   std::optional<std::uint64_t> first{};
   std::optional<std::uint64_t> end{};

@@ -31,7 +31,7 @@ class IslandWeights {
   /// After resampling: multiplies Z by the mean weight and sets all weights to 1. REQUIRES: at
   /// least one particle was live.
   void start_again();
-  /// Like start_again(), with this factor of Z instead of the mean weight.
+  /// Like start_again(), but multiplies Z by exp(log_factor).
   void start_again(double log_factor);
 
   double log_mean() const;

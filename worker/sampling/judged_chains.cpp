@@ -78,7 +78,7 @@ void JudgedChains::judge_rounds() {
     if (options_.independent_solutions && solutions_ >= *options_.independent_solutions)
       end_ = std::min(end_, round_end);
 
-    // Begin the next tour. A run store may have delivered the tour's first values already.
+    // Begin the next tour. A run store may already have delivered the next tour's first values.
     for (Chain& chain : chains_) {
       const auto done = static_cast<std::ptrdiff_t>(round_end - tour_begin_);
       for (auto& values : chain.values)

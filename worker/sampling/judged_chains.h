@@ -2,18 +2,18 @@
 //
 //   Until there are enough independent solutions:
 //     Each chain starts from a search of its own.
-//     Each chain makes rounds of round_scans, 2 round_scans, 4 round_scans, ... scans, until the
-//       last round, judged over all chains, is independent of the starts (burn_in_judge.h).
-//     Each chain with scans that satisfy in that round has one solution: one of these scans, drawn
-//     by seed.
+//     Each chain makes rounds of round_scans, 2 round_scans, 4 round_scans, ... scans. Rounds end
+//       when the last round of all chains is independent of the starts (burn_in_judge.h).
+//     If scans of a chain satisfy in that round, one of them is drawn by seed and is the chain's
+//       solution.
 //
 // The scans of the rounds that passed are the draws. Earlier scans and unfinished tours yield no
 // draws.
 //
 // Invariants
 //   1. A tour's result is a function of its scans. All chains wait for each other at round ends.
-//   2. No chain is excluded or restarted for its own values. Draws come from the round that
-//      passed, so its R-hat is subject to selection.
+//   2. No chain is excluded or restarted for its own values. Draws come from the round that passed
+//      the test. So the R-hat of that round is subject to selection.
 // Memory: the judged values of a tour's scans, until the tour ends. Not thread-safe.
 #pragma once
 
@@ -33,9 +33,9 @@ struct JudgedChainsOptions {
   std::uint32_t chains = 1;
   std::uint64_t round_scans = 64;     ///< Length of a tour's first round.
   std::vector<BurnInValue> judged{};  ///< The judged values, in the order of method_values.
-  /// Number of scans per chain after which the run ends.
+  /// The run ends after this number of scans per chain.
   std::optional<std::uint64_t> scans{};
-  /// Number of solutions at which the run ends, judged at the ends of tours.
+  /// The run ends at this number of solutions. Solutions are counted at the ends of tours.
   std::optional<std::uint64_t> independent_solutions{};
 };
 
@@ -62,7 +62,7 @@ class JudgedChains final : public plan::Plan {
                                                std::uint64_t until) const override;
   std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
-  /// Tables by tour: begin, end, first judged scan, and R-hat of each judged value.
+  /// Tables by tour: begin, end, first judged scan, and each judged value's R-hat.
   plan::Report report() const override;
 
  private:
@@ -78,7 +78,7 @@ class JudgedChains final : public plan::Plan {
     std::uint64_t judged_from = 0;
     std::uint64_t end = 0;
     std::vector<double> r_hats{};                         ///< R-hat by judged value.
-    std::vector<std::optional<std::uint64_t>> counted{};  ///< By chain: the scan of its solution.
+    std::vector<std::optional<std::uint64_t>> counted{};  ///< By chain: the solution's scan.
     std::vector<double> log_ps{};                         ///< By chain: log p_w + log p_c.
   };
 

@@ -9,7 +9,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// Minimum rejection rate, so that levels stay distinct even if no swap is rejected.
+/// Minimum rejection rate. This minimum keeps levels distinct even if no swap is rejected.
 constexpr double k_rejection_min = 1e-3;
 
 /// A monotone cubic through points. The slopes are harmonic means (Fritsch and Carlson).

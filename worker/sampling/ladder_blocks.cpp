@@ -14,7 +14,8 @@ bool LadderRun::may_run(std::uint32_t id, std::uint64_t horizon) const {
   return !replica.handed_out && replica.next_scan < horizon;
 }
 
-/// Returns the lowest id among the runnable replicas that are furthest behind, or k_nobody.
+/// Returns the runnable replica that is furthest behind; among several, the lowest id. If no
+/// replica can run, returns k_nobody.
 std::uint32_t LadderRun::furthest_behind(std::uint64_t horizon) const {
   std::uint32_t chosen = k_nobody;
   for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
@@ -41,7 +42,7 @@ plan::Unit LadderRun::anneal(std::uint32_t id, std::uint32_t scans_max) const {
           .excursion = {}};
 }
 
-/// Returns the next scan of a replica whose level is known.
+/// Returns a replica's next scan. REQUIRES: the replica's level is known.
 plan::Unit LadderRun::scan_of(std::uint32_t id) const {
   const Replica& replica = replicas_[id];
   return {.replica = {options_.chain, base::ReplicaId{id}},
@@ -65,7 +66,7 @@ std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon, std::uint3
   return anneal(chosen, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, scans_max)));
 }
 
-/// Returns the end scan of a block of the whole ladder. All levels end at the same scan, so that
+/// Returns the scan at which a block of the whole ladder ends. All its levels end at this scan, so
 /// they can continue together. The block has as many rows as the limit allows, but at least one new
 /// row.
 std::uint64_t LadderRun::whole_rows_end(std::span<const std::uint32_t> ready,
@@ -80,7 +81,7 @@ std::uint64_t LadderRun::whole_rows_end(std::span<const std::uint32_t> ready,
   return std::min(end_scan, std::max(begin + 1, most));
 }
 
-/// Returns each level's replica that can run, or k_nobody if that level has none.
+/// Returns the runnable replica at each level, or k_nobody if that level has no such replica.
 std::vector<std::uint32_t> LadderRun::ready_by_level(std::uint64_t horizon) const {
   std::vector<std::uint32_t> ready(levels(), k_nobody);
   for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
@@ -89,8 +90,8 @@ std::vector<std::uint32_t> LadderRun::ready_by_level(std::uint64_t horizon) cons
   return ready;
 }
 
-/// Returns a stretch of at most `wanted` levels. Begins with `level`, and adds ready neighbours on
-/// both sides in turn.
+/// Returns a stretch of at most `wanted` levels. The stretch begins as `level`; then ready
+/// neighbours are added, alternating between both sides.
 LadderRun::Stretch LadderRun::joined(std::span<const std::uint32_t> ready, std::uint32_t level,
                                      std::uint64_t wanted) {
   Stretch stretch{.first = level, .end = level + 1};
@@ -123,8 +124,9 @@ std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
   if (waits_for_all && !is_whole && std::ranges::any_of(replicas_, &Replica::handed_out))
     return std::nullopt;
 
-  // Add neighbours. Take the whole ladder if the limit allows a scan of each level. Otherwise take
-  // as many levels as fit a triangle of scans, which loses a level on each side with each scan.
+  // Add neighbours. Take the whole ladder if the limit allows a scan of each level. Otherwise the
+  // scans form a triangle: each further scan has one level fewer on each side. Take as many levels
+  // as fit.
   const auto root = static_cast<std::uint64_t>(std::sqrt(2.0 * limits.block_scans_max));
   const std::uint64_t share =
       ladders >= limits.threads ? levels() : ladders * levels() / (2 * limits.threads);

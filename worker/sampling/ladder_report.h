@@ -1,5 +1,5 @@
-// Results of ladders, as tables of an archive's group /tempering. Each table has the dimensions of
-// the largest round and ladder, padded with NaN.
+// Reports results of ladders as tables of an archive's group /tempering. Tables have space for the
+// largest round and ladder; NaN fills the rest.
 #pragma once
 
 #include <cstdint>

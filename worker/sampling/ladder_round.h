@@ -1,7 +1,7 @@
-// The adaptation of parallel tempering, which happens only between rounds. Each round respaces the
-// ladder by the last round's rejection rates, with as many levels as the barrier requires, and sets
-// proposal scales from acceptance rates. So each round's kernel leaves its distribution invariant.
-// Thread safety: pure functions and values.
+// Adapts parallel tempering, but only between rounds. The last round's rejection rates respace the
+// ladder, and the barrier sets the number of levels. Acceptance rates set the proposal scales.
+// Within a round, the kernel is fixed and leaves its distribution invariant. Thread safety: pure
+// functions and values.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@ struct LadderOptions {
   bool levels_chosen = true;         ///< By the barrier; otherwise as in first_ladder.
   std::uint32_t levels_max = 64;
   bool ladder_adapts = true;
-  /// By kind of proposal: whether it has a tuned scale (target.h).
+  /// By kind of proposal: whether the kind has a tuned scale (target.h).
   std::vector<bool> has_scale;
-  std::uint64_t round_scans = 64;  ///< Of the first round; each later one is twice as long.
-  /// Number of annealing scans before the first round. Their inverse temperatures rise in equal
-  /// steps to the replica's own.
+  std::uint64_t round_scans = 64;  ///< First round's length. Each later round is twice as long.
+  /// Number of annealing scans before the first round. Over these scans, a replica's inverse
+  /// temperature rises in equal steps to its level's inverse temperature.
   std::uint64_t anneal_scans = 0;
   /// Whether the first replicas, except the hottest, start from searches. Requires anneal_scans =
   /// 0.
   bool starts_by_search = false;
 };
 
-/// Results of one round, partial for the current round.
+/// Results of a round. The current round's results are partial.
 struct RoundReport {
   std::uint64_t first_scan = 0;
   RoundStatistics statistics;
@@ -49,7 +49,7 @@ struct RoundReport {
 
 RoundReport first_round(const LadderOptions& options);
 
-/// Returns the round after a completed round, with twice its length.
+/// Returns the round after `last`, which is completed. The new round is twice as long.
 RoundReport next_round(const LadderOptions& options, const RoundReport& last);
 
 }  // namespace sleight::sampling

@@ -133,7 +133,7 @@ void LadderRun::consume(base::ReplicaId id, std::uint64_t first_scan,
   settle(ready);
 }
 
-/// Consumes results as far as levels are known, and makes the swaps that follow.
+/// Consumes results as long as their levels are known, and makes the swaps that become possible.
 void LadderRun::settle(std::vector<std::uint32_t>& ready) {
   while (!ready.empty()) {
     const std::uint32_t id = ready.back();
@@ -179,7 +179,7 @@ bool LadderRun::began_by_search(std::uint64_t lineage) const {
   return options_.starts_by_search && lineage != 0 && plan::scan_of_lineage(lineage) == 0;
 }
 
-/// Counts the scans that all levels have completed, in order.
+/// Counts, in order, the scans that all levels have completed.
 void LadderRun::retire() {
   while (!rows_.empty() && retired_ < round_end() &&
          std::ranges::all_of(rows_.front().result, [](const auto& r) { return r.has_value(); })) {

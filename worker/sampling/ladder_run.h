@@ -1,5 +1,6 @@
-// One running ladder of parallel tempering, whose replicas run on any number of workers, some ahead
-// of others. tests/tempering/tempering_loop.cpp computes the same results in a few lines.
+// One running ladder of parallel tempering. The ladder's replicas run on any number of workers, and
+// some replicas are ahead of others. tests/tempering/tempering_loop.cpp computes the same results
+// in a few lines.
 //
 // Idea. Replicas keep their states and exchange temperatures. A swap (swap.h) needs only its two
 // replicas, so rounds have no internal barrier (swap_flow.h). All replicas wait at a round's end
@@ -41,12 +42,13 @@ class LadderRun {
  public:
   explicit LadderRun(const LadderOptions& options);
 
-  /// Returns a unit of a replica that is furthest behind. Empty if no more replicas can run.
+  /// Returns a unit of the replica that is furthest behind, or nothing if no more replicas can run.
   /// `horizon`: scans below this number may begin.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
-  /// Returns a block: the unit that next_unit() would return and, within the limits, runnable units
-  /// of neighbouring levels. With at least one ladder per thread, a block has a whole ladder, so no
-  /// swap waits and no state travels. Otherwise a block has half a thread's share of the levels.
+  /// Returns a block. The block has the unit that next_unit() would return, and runnable units of
+  /// neighbouring levels as the limits allow. With at least one ladder per thread, a block has a
+  /// whole ladder, so no swap waits and no state travels. Otherwise a block has half a thread's
+  /// share of the levels.
   std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits,
                                         std::size_t ladders = 1);
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
@@ -55,25 +57,24 @@ class LadderRun {
   /// Number of scans that every level has completed.
   std::uint64_t scans() const;
   std::uint64_t records_consumed() const { return records_; }
-  /// Number of records of all levels, in the scans that every level has completed.
+  /// Number of all levels' records. Scans count only if every level has completed them.
   std::uint64_t records_counted() const;
   std::uint64_t round_trips() const;
   const Solutions& solutions() const { return solutions_.front().since; }
   /// The lineages' solutions in scans from `first_scan` on. REQUIRES: replicas start from searches;
   /// a round that has begun starts at `first_scan`.
   const Solutions& solutions_since(std::uint64_t first_scan) const;
-  /// The first scan at which the states of all levels descend from prior draws, and none from a
-  /// find. Equals scans() while some state descends from a find.
+  /// The first scan at which all levels' states descend from prior draws. While a state descends
+  /// from a find, this is scans().
   std::uint64_t searched_until() const { return searched_until_; }
-  /// Rounds that end after more than `after` and at most `until` scans. REQUIRES: every level has
-  /// `until` scans.
+  /// Rounds with after < end <= until, in scans. REQUIRES: every level has `until` scans.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
   /// All rounds; the last is the current one.
   const std::vector<RoundReport>& rounds() const { return rounds_; }
-  /// The index process over the scans that every level has, annealing excluded.
+  /// The index process of the scans that every level has completed. Annealing scans are excluded.
   const IndexProcess& index_process() const { return index_process_; }
   std::uint32_t replicas() const { return static_cast<std::uint32_t>(replicas_.size()); }
-  /// Input for the method that follows the burn-in. REQUIRES: a round has just ended.
+  /// Result of the burn-in. The next method starts from it. REQUIRES: a round has just ended.
   BurnIn burn_in() const;
 
  private:
@@ -147,7 +148,8 @@ class LadderRun {
     std::uint64_t first_scan = 0;
     Solutions since{};
   };
-  /// Solutions since the start and, if replicas start from searches, since the start of each round.
+  /// Solutions since the start. If replicas start from searches, solutions since each round's start
+  /// are stored too.
   std::vector<SolutionsSince> solutions_{1};
   std::uint64_t searched_until_ = 0;
 };

@@ -1,4 +1,4 @@
-// Sums of exponentials as logarithms, for numbers beyond the range of double.
+// Logarithms of sums of exponentials. The sums may exceed the range of double.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace sleight::sampling {
 
 inline constexpr double k_log_zero = -std::numeric_limits<double>::infinity();
 
-/// The sum of exp(x) over numbers x added one by one. Equal sequences yield equal bits.
+/// The sum of exp(x) over numbers x, which are added one by one. Equal sequences yield equal bits.
 class LogSum {
  public:
   /// REQUIRES: not NaN, not +infinity.

@@ -1,11 +1,11 @@
-// Metropolis-Hastings: Algorithm 2.1 of the thesis, for any target and inverse temperature.
+// Metropolis-Hastings: Algorithm 2.1 of the thesis. Target and inverse temperature are arbitrary.
 //
 // Random numbers are addressed by (seed, chain, replica, purpose, iteration), so an iteration is a
 // pure function of the state before it. Proposal and acceptance use separate streams, so the count
 // of random numbers in a proposal affects nothing else.
 //
-// Simulations dominate the cost, so the step skips simulations whose effect is known: a candidate
-// that equals the current state, and a candidate that would be rejected even at its greatest
+// Simulations dominate the cost, so the step skips a simulation if its effect is known: if the
+// candidate equals the current state, or if the candidate would be rejected even at its greatest
 // possible constraint density (BoundsConstraint). Early rejection is exact, because the acceptance
 // number is drawn first and the ratio is monotone in that density, even in rounded arithmetic.
 //
@@ -27,7 +27,7 @@
 
 namespace sleight::sampling {
 
-/// The address of a chain's random numbers: a stream's address without purpose and iteration.
+/// The address of a chain's random numbers. A stream's address also has a purpose and an iteration.
 struct ChainStreams {
   std::uint64_t seed = 0;
   base::ChainId chain;
@@ -49,10 +49,11 @@ struct StepReport {
 /// Maximum number of consecutive failed draws from the prior.
 inline constexpr std::uint32_t k_draws_max = 1000;
 
-/// Draws from the prior until a simulation succeeds, for a replica's start or a scan at inverse
-/// temperature 0. Repeated draws use the next numbers of the same stream, so the draw is exact for
-/// the prior conditioned on success. Calls `told` for each simulation. Throws base::Error after
-/// k_draws_max consecutive failures. REQUIRES: each scan of a replica at most once.
+/// Draws from the prior until a simulation succeeds. A replica's start and a scan at inverse
+/// temperature 0 use this draw. Repeated draws use the next numbers of the same stream, so the
+/// result is exactly a draw from the prior conditioned on success. Calls `told` for each
+/// simulation. Throws base::Error after k_draws_max consecutive failures. REQUIRES: each scan of a
+/// replica at most once.
 template <Target T, class Told>
 Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_t scan,
                       const Told& told) {
@@ -74,7 +75,7 @@ Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_
   return draw_afresh(target, streams, scan, [](const SimulationReport&) {});
 }
 
-/// Lines 1 and 2 of Algorithm 2.1: the start of a chain.
+/// Starts a chain: lines 1 and 2 of Algorithm 2.1.
 template <Target T>
 Sample<T> initialize(const T& target, const ChainStreams& streams) {
   return draw_afresh(target, streams, 0);
@@ -105,7 +106,7 @@ inline StepStreams step_streams(const ChainStreams& streams, std::uint64_t itera
           .acceptance = streams.at(random::Purpose::acceptance, iteration)};
 }
 
-/// Lines 4 to 10 of Algorithm 2.1: one iteration. `scales`: by kind (ScalesProposals).
+/// Makes one iteration: lines 4 to 10 of Algorithm 2.1. `scales`: by kind (ScalesProposals).
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     StepStreams& streams, Sample<T>& current,
@@ -148,8 +149,8 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
   return report;
 }
 
-/// Like the overload above, with the streams of `iteration`. REQUIRES: each iteration of a replica
-/// is used at most once.
+/// Like the overload above, but uses the streams of `iteration`. REQUIRES: each iteration of a
+/// replica is used at most once.
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     const ChainStreams& streams, std::uint64_t iteration,

@@ -19,7 +19,8 @@ std::optional<plan::Unit> NumberedLanes::next_unit(std::uint64_t end, std::uint3
   const auto [scan, id] = *idle_.begin();
   // Count the lane's numbers below the end.
   const std::uint64_t scans_of_lane = (end + scans_.size() - 1 - id) / scans_.size();
-  // This lane has the least unfinished number, so no other lane has work below the end either.
+  // This lane has the least unfinished number. If this lane has no work below the end, no other
+  // lane has.
   if (scan >= scans_of_lane) return std::nullopt;
   idle_.erase(idle_.begin());
   const std::uint64_t scans = std::min<std::uint64_t>(scans_of_lane - scan, scans_max);

@@ -15,10 +15,11 @@ namespace sleight::sampling {
 
 class NumberedLanes {
  public:
-  /// Lanes are chains with one replica, numbered from `first_lane` on. REQUIRES: at least one lane.
+  /// A lane is a chain with one replica. Lanes are numbered from `first_lane` on. REQUIRES: at
+  /// least one lane.
   NumberedLanes(std::uint32_t first_lane, std::uint32_t lanes, std::uint64_t seed);
 
-  /// Returns the next numbers below `end` of one lane. Each unit has `starts` set.
+  /// Returns some lane's next numbers below `end`. Each unit has `starts` set.
   std::optional<plan::Unit> next_unit(std::uint64_t end, std::uint32_t scans_max);
   /// Marks the lane's next numbers as done. REQUIRES: the lane's earlier numbers are done.
   void consume(base::ChainId lane, base::ScanIndex first_scan, std::size_t records);

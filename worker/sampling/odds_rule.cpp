@@ -46,7 +46,8 @@ std::uint64_t OddsRule::needed() const {
   const std::uint64_t pilot = pilot_islands();
   if (is_sized()) return pilot + batch_islands_;
   if (is_over_) return pilot;
-  // A batch usually follows the pilot, so count the pilot's next part and the smallest batch.
+  // After the pilot's next part, a batch usually follows. So count that part and the smallest
+  // batch.
   return pilot / k_pilot_islands * k_pilot_islands + k_pilot_islands + math::k_islands_min;
 }
 

@@ -4,12 +4,12 @@
 //           |-- pilot, p --|-- batch, n: estimates P --|-- extended by n / 2 ...
 //                     sizes the batch
 //
-// The pilot has 32 islands. The pilot grows by 32 islands at a time, up to 1,024, as long as one
-// island exceeds a third of the sum, because the spread is then unreliable. If all estimates are 0,
+// The pilot has 32 islands. As long as one island exceeds a third of the sum, the spread is
+// unreliable. So the pilot then grows by 32 islands at a time, up to 1,024. If all estimates are 0,
 // the run ends.
 //
-// The batch is large enough for the requested error of log P even if the batch's relative variance
-// is 1.5 times the pilot's, because small pilots mostly miss the largest islands. The batch has at
+// Small pilots mostly miss the largest islands. So the batch is large enough for the requested
+// error of log P even if the batch's relative variance is 1.5 times the pilot's. The batch has at
 // least math::k_islands_min islands.
 //
 // If one island exceeds a tenth of the batch's sum, there is no error estimate. The batch then
@@ -17,8 +17,8 @@
 //
 // The pilot determines the number of islands, so its islands must not count. If a run stopped as
 // soon as its own estimate looked good, it would miss the rare large islands and underestimate P.
-// Extensions have a small bias of this kind: a batch with a large island grows and dilutes it,
-// while a batch without one stops. docs/MEASUREMENTS quantifies the bias.
+// Extensions have a small bias of this kind: a batch that has a large island grows and dilutes that
+// island, but a batch that has no large island stops. docs/MEASUREMENTS quantifies the bias.
 // Invariant: the rule's results are a function of the estimates in order. A value type.
 #pragma once
 
@@ -36,14 +36,14 @@ class OddsRule {
   static constexpr double k_variance_lacking = 1.5;
   static constexpr std::uint64_t k_batch_growth_max = 32;
 
-  /// `log_error`: requested standard error of log P, in nats. REQUIRES: above 0.
+  /// `log_error` is the requested standard error of log P, in nats. REQUIRES: above 0.
   explicit OddsRule(double log_error) : log_error_(log_error) {}
 
   /// Adds the next island's log P(satisfied). REQUIRES: !is_over().
   void add(double log_satisfied);
 
   bool is_over() const { return is_over_; }
-  /// Number of islands known to be needed so far. Once is_over(), the total number.
+  /// Number of islands that are needed as far as known. Once is_over(), the total number.
   std::uint64_t needed() const;
   bool is_sized() const { return batch_islands_ > 0; }
   /// Number of the batch's first island. REQUIRES: is_sized().

@@ -1,10 +1,11 @@
-// Parallel tempering as a Plan: independent ladders (ladder_run.h), each of which is a chain of the
+// Parallel tempering as a Plan. Ladders (ladder_run.h) are independent; each is a chain of the
 // archive. The draws are the states at inverse temperature 1.
 //
 // If replicas start from searches, the first rounds already contain solutions. The ladders then
 // burn in until each replica has been redrawn from the prior: in the last scan of a round, no state
 // descends from a search. Earlier scans yield no draws, and their solutions and rounds are not
-// reported. A ladder whose swaps fail to bring all replicas to the hottest level never burns in.
+// reported. If a ladder's swaps don't bring all replicas to the hottest level, the ladder never
+// burns in.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +51,8 @@ class ParallelTempering final : public plan::Plan {
   std::uint64_t scans_consumed() const override;
   /// An estimate that assumes the current numbers of levels.
   std::optional<std::uint64_t> scans_total() const override;
-  /// Tables of rounds (barrier, round trips, log Z, log P(satisfied)) and of their levels.
+  /// Tables of rounds (barrier, round trips, log Z, log P(satisfied)) and tables of the rounds'
+  /// levels.
   plan::Report report() const override;
 
   const std::vector<LadderRun>& ladders() const { return ladders_; }

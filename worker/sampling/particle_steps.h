@@ -1,18 +1,19 @@
 // Markov chain steps by islands (island.h), for a world that acts in stages. Both steps leave p_w
-// p_c^beta invariant for any potentials and any number of particles, which only affect mixing.
+// p_c^beta invariant. Potentials and the number of particles only affect mixing.
 //
-//   Independence step: accepts a free island with probability min(1, Z' / Z), where Z is from the
-//     island that the current state was drawn from. An accepted island's draw is the next state.
+//   Independence step: accepts a free island with probability min(1, Z' / Z). Z' is the free
+//     island's estimate. The current state was drawn from an island; Z is that island's estimate.
+//     An accepted island's draw is the next state.
 //   Conditional step: makes an island with the current state's path. The island's draw is the next
 //     state.
 //
 // If no path of prefixes with positive potentials leads to a state, both steps leave that state
-// unchanged and never produce it. Only local moves can reach a state without such a path.
+// unchanged and never produce it. Only local moves can reach such a state.
 //
 // An accepted local move makes the island's Z stale, because this Z belongs to another state. The
 // next independence step then draws a conditional island, and uses only its Z. The step must not
-// use that island's draw. Staleness depends on the state, and steps chosen by the state don't leave
-// the target invariant (a test shows this).
+// use that island's draw. Staleness depends on the state. If the state chooses the step, the target
+// isn't invariant (a test shows this).
 // Source: Andrieu, Doucet, Holenstein (island.h), sections 2.4.2 and 2.4.3.
 #pragma once
 
@@ -26,7 +27,8 @@
 
 namespace sleight::sampling {
 
-/// A chain's current state, and log Z of the island that it was drawn from. Empty log Z: stale.
+/// A chain's current state, and log Z of the island from which the state was drawn. Empty log Z:
+/// stale.
 template <ActsInStages T>
 struct ParticleSample {
   Sample<T> sample;
@@ -35,7 +37,7 @@ struct ParticleSample {
 
 struct ParticleStepReport {
   bool accepted = false;  ///< Always true for a conditional step whose state is reachable.
-  /// Estimates of the step's free island, or of the conditional island.
+  /// Estimates of the step's island, which is free or conditional.
   double log_z = k_log_zero;
   double log_satisfied = k_log_zero;
   double effective_size = 0;
@@ -65,7 +67,7 @@ ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t num
 template <ActsInStages T>
 ParticleStepReport independence_step(const Islands<T>& islands, std::uint64_t number,
                                      ParticleSample<T>& current) {
-  // If Z is stale, estimate it from an island given the current state.
+  // If Z is stale, estimate it from an island that is conditioned on the current state.
   bool stays = false;
   if (!current.log_z) {
     const Island<T> given = islands.given(number, current.sample.state);

@@ -60,7 +60,7 @@ class WithPriorDraws final : public plan::Plan {
 
  private:
   bool is_drawn() const { return prior_.done() >= draws_; }
-  /// Returns the next work of the plan or of the prior, in turns.
+  /// Returns the plan's next work or the prior's next work. The two alternate.
   template <class OfPlan, class OfPrior>
   std::invoke_result_t<OfPlan> in_turn(const OfPlan& of_plan, const OfPrior& of_prior);
 

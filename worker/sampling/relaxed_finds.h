@@ -1,4 +1,4 @@
-// A Plan that relaxes each find of a search by a chain of its own, and then ends:
+// A Plan that searches, and relaxes each find by the find's own chain:
 //
 //   Search for one find per requested take.
 //   Relax each find: a chain runs a fixed number of scans from the find.
@@ -36,7 +36,7 @@ struct RelaxedOptions {
 
 class RelaxedFinds final : public plan::Plan {
  public:
-  /// REQUIRES: the lanes request as many finds as takes; takes >= 1, scans >= 1.
+  /// REQUIRES: the lanes request one find for each take; takes >= 1, scans >= 1.
   RelaxedFinds(SearchLanes lanes, const RelaxedOptions& options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;

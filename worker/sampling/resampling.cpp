@@ -10,8 +10,8 @@
 namespace sleight::sampling {
 namespace {
 
-/// Returns the particles whose arcs contain the points offset, offset + 1, ... on a circle as long
-/// as the number of particles. `offset`: from 0 to 1.
+/// Puts points at offset, offset + 1, ... on a circle whose length is the number of particles.
+/// Returns the particles whose arcs contain the points. `offset`: from 0 to 1.
 std::vector<std::uint32_t> ancestors_by_points(std::span<const double> shares, double offset) {
   const std::size_t count = shares.size();
   std::vector<std::uint32_t> ancestors;
@@ -59,7 +59,7 @@ std::vector<std::uint32_t> resampled_with_first(std::span<const double> shares,
   const double offset = stream.uniform() < with_more ? fraction * stream.uniform()
                                                      : fraction + (1 - fraction) * stream.uniform();
   std::vector<std::uint32_t> ancestors = ancestors_by_points(shares, offset);
-  // The first arc's points come first; if rounding moved the arc's end, add a point.
+  // The first arc's points come first. If rounding left no point in this arc, add a point.
   const auto points = static_cast<std::uint64_t>(std::ranges::count(ancestors, 0U));
   if (points == 0) {
     ancestors[0] = 0;

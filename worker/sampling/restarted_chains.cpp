@@ -23,7 +23,7 @@ RestartedChains::RestartedChains(const RestartedChainsOptions& options)
 
 std::optional<plan::Unit> RestartedChains::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  // The run decides whether another tour is needed once all chains have ended the current tour.
+  // Once all chains have ended the current tour, the run decides whether it needs another tour.
   const std::uint64_t horizon =
       options_.independent_solutions ? std::min(end_, end_of_tour(tours_)) : end_;
   return behind_.first({.horizon = horizon}, [&](std::size_t id) -> std::optional<plan::Unit> {

@@ -1,9 +1,9 @@
-// A Plan of chains of islands that restart, for the sequential method with `tour_scans`. Each chain
-// makes tours of a fixed number of scans, one after another:
+// A Plan for the sequential method with `tour_scans`. The plan's chains run islands and restart.
+// Each chain makes tours of a fixed number of scans, one after another:
 //
 //   The first scan is the draw of a free island.
-//   The scans after it, local moves and islands (worker/run/island_scan.h), burn the chain in.
-//   The last scan alone is a draw, and an independent solution if it satisfies.
+//   The later scans burn the chain in by local moves and islands (worker/run/island_scan.h).
+//   Only the last scan is a draw. If this draw satisfies, it is also an independent solution.
 //
 // First visits to solutions would be biased, because a chain stays long at states of large weight
 // but counts each of them once. At a scan fixed beforehand, a burnt-in chain has the model's
@@ -27,9 +27,10 @@ struct RestartedChainsOptions {
   std::uint64_t seed = 0;
   std::uint32_t chains = 1;
   std::uint64_t tour_scans = 2;
-  /// Number of scans per chain after which the run ends.
+  /// The run ends after this number of scans per chain.
   std::optional<std::uint64_t> scans{};
-  /// Number of solutions at which the run ends, judged when all chains have ended a tour.
+  /// The run ends at this number of solutions. Solutions are counted when all chains have ended a
+  /// tour.
   std::optional<std::uint64_t> independent_solutions{};
 };
 
@@ -53,8 +54,8 @@ class RestartedChains final : public plan::Plan {
                                                 std::uint64_t until) const override;
   std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
-  /// Reports the free islands of all scans except the first scan of each tour. If solutions end the
-  /// run, only the first tour's islands count towards the odds.
+  /// Reports the free islands of all scans except the tours' first scans. If solutions end the run,
+  /// only the first tour's islands count towards the odds.
   plan::Report report() const override;
 
  private:
@@ -62,7 +63,7 @@ class RestartedChains final : public plan::Plan {
     std::uint64_t consumed = 0;
     std::uint64_t lineage = 0;
     bool is_out = false;            ///< Whether a unit is handed out.
-    std::vector<bool> satisfied{};  ///< By tour, at its last scan.
+    std::vector<bool> satisfied{};  ///< By tour: whether the last scan satisfies.
     std::vector<double> log_ps{};   ///< log p_w + log p_c by tour, at its last scan.
     IslandsOfChain islands{};
   };

@@ -33,7 +33,7 @@ void RoundStatistics::add(std::span<const LevelScan> levels) {
     batch.steps[i].add(stone_log_weight(ladder_, i, l));
   }
   const LevelScan& coolest = levels.back();
-  // A start outside a hard constraint's support is no draw from the target, so it doesn't count.
+  // A start that breaks a hard constraint isn't a draw from the target, so it doesn't count.
   const bool counts = coolest.satisfied && coolest.log_constraint != k_log_zero;
   batch.inverse.add(counts ? -coolest.log_constraint : k_log_zero);
   ++scans_;

@@ -1,7 +1,7 @@
-// Statistics of one round of a ladder: swap rejection rates, and estimates of log Z and of the
-// probability that a throw satisfies the constraint.
+// Statistics of a ladder's round: swap rejection rates, log Z, and the probability P(satisfied)
+// that a throw satisfies the constraint.
 //
-// With l = log p_c and E_beta the mean at beta (stepping stones, Xie et al. 2011):
+// Stepping stones (Xie et al. 2011). Let l = log p_c, and let E_beta be the mean at beta:
 //
 //   log Z = sum over levels of log E_{beta_i}[exp((beta_{i+1} - beta_i) l)]
 //   log P(satisfied) = log Z + log E_1[1{satisfied} / p_c].
@@ -22,7 +22,7 @@ namespace sleight::sampling {
 
 inline constexpr std::size_t k_batches = 20;
 
-/// A number and its standard error. The error is NaN if the round is too short to estimate it.
+/// A number and its standard error. If the round is too short for an error, the error is NaN.
 struct Estimate {
   double value = 0;
   double error = 0;
@@ -57,7 +57,7 @@ class RoundStatistics {
     std::vector<LogSum> steps;  ///< Sums of exp((beta_{i+1} - beta_i) l) by level.
     LogSum inverse;             ///< Sum of 1{satisfied} / p_c at the coolest level.
   };
-  /// Estimates log Z without batch `left_out`; k_batches leaves out none.
+  /// Estimates log Z without batch `left_out`. If `left_out` is k_batches, all batches count.
   double log_z_without(std::size_t left_out) const;
   template <class Value>
   Estimate jackknife(const Value& value) const;

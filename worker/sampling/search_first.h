@@ -1,4 +1,4 @@
-// A search followed by an optional plan, so that people see examples before the first draws in the
+// A search, and an optional plan after it. So people see examples before the first draws in the
 // model's proportions. Not thread-safe.
 #pragma once
 

@@ -31,10 +31,10 @@ std::optional<plan::Unit> SearchLanes::next_unit(std::uint32_t scans_max) {
   // Starts in progress are expected to succeed as often as earlier starts.
   const std::uint64_t finds = finds_.found + found_ahead_;
   const std::uint64_t expected = out_ * (finds + 1) / (starts_ + 1) + found_ahead_;
-  // Hand out no further starts if those in progress are expected to yield all missing finds.
+  // If the starts in progress are expected to yield all missing finds, hand out no further starts.
   if (expected >= missing && out_ > 0) return std::nullopt;
 
-  // A lane gets several starts at once only if every lane gets as many.
+  // A lane gets several starts at once only if every lane could get this number of starts.
   const std::uint64_t each = expected >= missing ? 0 : (missing - expected) / k_search_lanes;
   const auto [scan, id] = *idle_.begin();
   idle_.erase(idle_.begin());

@@ -1,8 +1,8 @@
-// The starts of a search (stage_search.h) as units of work, their finds, and the search's end.
+// Hands out a search's starts (stage_search.h) as units of work, counts finds, and ends the search.
 //
 // Starts are numbered (plan::k_search_lanes). A find is counted only when all earlier starts are
-// done, so the counted finds don't depend on workers. No further starts are handed out if those in
-// progress are expected to yield the missing finds, at the success rate so far. Not thread-safe.
+// done, so the counted finds don't depend on workers. If the starts in progress would yield the
+// missing finds at the success rate so far, no further starts are handed out. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@
 
 namespace sleight::sampling {
 
-/// Number of consecutive starts without a find after which the search gives up.
+/// The search gives up after this number of consecutive starts without a find.
 inline constexpr std::uint64_t k_starts_in_vain_max = 64;
 
 class SearchLanes {
  public:
-  /// `wanted`: number of finds to search for. `stage_names`: the world's stages, for messages.
+  /// `wanted` is the number of finds to search for. Messages use `stage_names`, the world's stages.
   SearchLanes(std::uint64_t seed, std::uint64_t wanted, std::vector<std::string> stage_names = {});
 
   static bool has(base::ChainId chain) { return plan::is_search_lane(chain); }

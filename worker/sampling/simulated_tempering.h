@@ -2,9 +2,9 @@
 // applications to ancestral inference): the temperature is itself a coordinate.
 //
 // The chain samples (level i, x) with density proportional to w_i p_w(x) p_c(x)^beta_i. With w_i =
-// 1 / Z_i the chain visits all levels equally often. The weights come from a burn-in, relative to
-// the coolest level's weight of 1. They are then fixed, so the chain keeps its distribution even if
-// the weights are inaccurate. After each scan the chain proposes one level up or down, each with
+// 1 / Z_i the chain visits all levels equally often. The weights come from a burn-in. The coolest
+// level has weight 1. All weights are then fixed, so the chain keeps its distribution even if the
+// weights are inaccurate. After each scan the chain proposes one level up or down, each with
 // probability 1/2, and accepts with probability
 //
 //   min(1, exp((beta_j - beta_i) l + log w_j - log w_i)),    l = log p_c(x).
@@ -44,7 +44,7 @@ class SimulatedTempering final : public ChainPart {
   std::uint64_t lineage_ = 0;
   bool handed_out_ = false;
   std::vector<std::uint64_t> visits_;    ///< Number of scans by level.
-  std::vector<std::uint64_t> proposed_;  ///< Moves between a level and the next, both ways.
+  std::vector<std::uint64_t> proposed_;  ///< By gap: moves in both directions.
   std::vector<std::uint64_t> accepted_;
   std::vector<double> draw_scans_;
   bool was_hot_ = false;  ///< Whether the chain has been hottest since it was last coolest.

@@ -1,5 +1,5 @@
-// Independent solutions of one chain: each lineage that has satisfied the constraint at inverse
-// temperature 1, with the first scan in which it did so. Not thread-safe.
+// Independent solutions of one chain. A lineage's solution is its first scan at inverse temperature
+// 1 that satisfies the constraint. Not thread-safe.
 #pragma once
 
 #include <compare>
@@ -35,8 +35,8 @@ class Solutions {
   std::vector<First> firsts_;            ///< By (scan, lineage).
 };
 
-/// Returns the chains' solutions that are decided with after < decided <= until, ordered by
-/// (decided, chain). A solution is decided once all chains have its scan. Null chains are skipped.
+/// Returns the chains' solutions with after < decided <= until, ordered by (decided, chain). A
+/// solution is decided once all chains have completed its scan. Null chains are skipped.
 std::vector<plan::Solution> solutions_between(std::span<const Solutions* const> chains,
                                               std::uint64_t after, std::uint64_t until);
 

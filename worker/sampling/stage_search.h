@@ -36,7 +36,7 @@ struct SearchEffort {
 
 struct SearchLimits {
   std::uint32_t tries_of_stage = 200;  ///< Then the previous stage is taken back.
-  std::uint32_t turns_per_stage = 40;  ///< Tries and steps back, on average; then it gives up.
+  std::uint32_t turns_per_stage = 40;  ///< The limit of tries and steps back is this * stages.
 };
 
 template <class B>
@@ -45,10 +45,10 @@ concept StageBuilder = std::copyable<typename B::Prefix> &&
              SearchEffort& effort, random::Stream& stream) {
   { builder.stages() } -> std::same_as<std::uint32_t>;
   { builder.limits() } -> std::same_as<SearchLimits>;
-  /// Returns a prefix without stages, on a ground drawn from the prior.
+  /// Returns a prefix without stages. The prefix's ground is drawn from the prior.
   { builder.start(stream) } -> std::same_as<typename B::Prefix>;
-  /// Tries to extend a prefix of `stage` stages by the next stage. Empty if the try isn't
-  /// promising.
+  /// Tries to extend a prefix of `stage` stages by the next stage. If the try isn't promising, the
+  /// result is empty.
   {
     builder.attempt(prefix, stage, effort, stream)
     } -> std::same_as<std::optional<typename B::Prefix>>;

@@ -1,17 +1,18 @@
-// Worlds that act in stages, such as balls that drop one after another, or dice that are thrown one
-// by one before they are thrown together. An outcome may have a probability of 1e-52 in one blind
-// throw, but be a sequence of easy choices stage by stage.
+// Worlds that act in stages. For example, balls drop one after another, or dice are thrown one by
+// one before they are thrown together. An outcome's probability in one blind throw may be 1e-52,
+// although each stage's choice is easy.
 //
-// A state consists of its ground, which no stage chooses (a box's offsets), and of one choice for
-// each stage. A prefix is the ground with the choices of the first stages, and the result of
-// simulating them. Extending a prefix draws the next stage's choice from a density q that the world
-// defines and that may depend on the prefix, and continues the simulation. The prior is the product
+// A state consists of its ground (such as a box's offsets), which no stage chooses, and of one
+// choice for each stage. A prefix consists of the ground, the choices of the first stages, and the
+// result of simulating these choices. To extend a prefix, the world draws the next stage's choice
+// and continues the simulation. The choice's density q may depend on the prefix. The prior is the
+// product
 //
 //   p_w(A) = p(ground) prod_i p(choice i | ground, choices before i).
 //
 // A potential psi_i >= 0 rates how promising a prefix of i stages is. The potential replaces p_c
-// before the last stage; after the last stage p_c itself counts. So weights are exact for any psi
-// wherever psi is positive. A state with a prefix of psi = 0 is never reached, and islands ignore
+// before the last stage; after the last stage p_c itself counts. So weights are exact wherever psi
+// is positive. If a prefix of a state has psi = 0, the state is never reached, and islands ignore
 // it.
 //
 // The guide is information that a world collects about itself (where lone balls land, how often a
@@ -22,12 +23,12 @@
 //      log p(x | ground, prefix) - log q(x | guide, ground, prefix), or -infinity if no
 //      choice is left or the simulation failed. The density q is positive wherever p and psi are
 //      positive.
-//   2. `draw_ground` draws a ground from p, possibly with auxiliary random numbers for `extend`
-//      (such as drops that an island's particles share). Invariant 1 then holds on average over
-//      these numbers: the mean product of weights over numbers and choices stays the same.
-//   3. `ground_given` and `extend_as` are the versions of `draw_ground` and `extend` for a given
-//      state. `ground_given` draws the auxiliary numbers conditional on the state being the path of
-//      one particle. `extend_as` returns the same weights as `extend`.
+//   2. `draw_ground` draws a ground from p, and maybe auxiliary random numbers for `extend` (such
+//      as drops that an island's particles share). Invariant 1 then holds on average over these
+//      numbers: averaged over numbers and choices, the product of weights stays the same.
+//   3. `ground_given` is `draw_ground` for a given state, and `extend_as` is `extend` for a given
+//      state. `ground_given` draws the auxiliary numbers on the condition that the state is a
+//      particle's path. `extend_as` returns the same weights as `extend`.
 //   4. Every function is a pure function of its arguments. Randomness comes from the stream.
 // Source: Chopin and Papaspiliopoulos, An introduction to sequential Monte Carlo (2020), chapters
 // 10 and 16. Thread safety: as for a target (target.h).
@@ -44,7 +45,8 @@
 
 namespace sleight::sampling {
 
-/// Maximum number of stages, because random numbers are addressed by (island, stage).
+/// Maximum number of stages. A limit exists because random numbers are addressed by (island,
+/// stage).
 inline constexpr std::uint32_t k_stages_max = 4096;
 
 /// Result of extending a prefix in place.
@@ -53,11 +55,11 @@ struct Extension {
   SimulationReport simulation{};
 };
 
-/// One of a particle's alternatives at a stage, for targets that can list them.
+/// A particle's alternative at a stage. Only some targets can list alternatives.
 struct Alternative {
   std::size_t number = 0;
-  double mass = 0;    ///< Probability of the choice up to a common factor. Above 0.
-  double weight = 0;  ///< Probability density under the model, divided by the mass.
+  double mass = 0;    ///< Proportional to the choice's probability. Above 0.
+  double weight = 0;  ///< The model's probability density / mass.
 };
 
 template <class T>
@@ -94,7 +96,7 @@ concept ListsChoices = ActsInStages<T> &&
   { target.sorts() } -> std::same_as<std::size_t>;
   /// Total mass of all alternatives, by sort.
   { target.masses(guide, ground, stage, prefix) } -> std::same_as<std::vector<double>>;
-  /// The alternatives of a sort with positive mass.
+  /// A sort's alternatives that have positive mass.
   {
     target.alternatives(guide, ground, stage, prefix, /*sort=*/number)
     } -> std::same_as<std::vector<Alternative>>;

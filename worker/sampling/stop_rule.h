@@ -16,7 +16,7 @@
 
 namespace sleight::sampling {
 
-/// The first rule that holds ends the run. At least one is set.
+/// The first rule that holds ends the run. At least one rule is set.
 struct StopRule {
   std::optional<std::uint64_t> scans;  ///< Scans of each chain, the start (scan 0) included.
   std::optional<std::uint32_t> rounds;
@@ -35,21 +35,21 @@ class StopJudge {
 
   using SolutionsBefore = std::function<std::uint64_t(std::uint64_t scan)>;
 
-  /// Advances over round ends that all chains have reached. `solutions_before(scan)`: number of
-  /// lineages, over all chains, that have a solution before that scan.
+  /// Advances over round ends that all chains have reached. `solutions_before(scan)` returns the
+  /// number of all chains' lineages that have a solution before that scan.
   void judge(std::uint64_t reached_by_all, const SolutionsBefore& solutions_before);
 
-  /// Scans of each chain below this number can be handed out.
+  /// Scans below this number can be handed out.
   std::uint64_t horizon() const { return horizon_; }
-  /// Scan at which the run stops; k_no_end while the rules leave it open.
+  /// Scan at which the run stops. k_no_end as long as the rules haven't decided it.
   std::uint64_t end() const { return end_; }
   std::optional<std::uint64_t> solutions_wanted() const { return rule_.independent_solutions; }
 
-  /// Common rounds of all chains. Each round's end, in scans, is above `after` and at most `until`.
+  /// Rounds with after < end <= until, in scans. All chains share these rounds.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
 
-  /// Minimum number of scans of each chain if solutions end the run: the first round, or fewer if
-  /// `scans` ends the run earlier. Empty if solutions don't end the run.
+  /// If solutions end the run, returns each chain's minimum number of scans: the first round's
+  /// length, or `scans` if that is less. Otherwise, returns nothing.
   std::optional<std::uint64_t> scans_in_any_case() const;
 
  private:

@@ -1,21 +1,22 @@
-// Surrogate transitions (Liu 2001, Monte Carlo Strategies in Scientific Computing, 9.4.3): some
-// steps of a cheap target, then one simulation. With one step, the transition is the delayed
+// Surrogate transitions (Liu 2001, Monte Carlo Strategies in Scientific Computing, 9.4.3): several
+// steps on a cheap target and then one simulation. If there is one step, this is the delayed
 // acceptance of Christen and Fox (2005, Markov chain Monte Carlo using an approximation).
 //
-// Idea. A surrogate (target.h) guesses l = log p_c of a state as l*, far more cheaply than a
-// simulation. From the current state x, some Metropolis-Hastings steps that sample p_w p_c*^beta
-// lead to a candidate y. The candidate is simulated, and accepted with probability min(1, ratio),
+// Idea. For a state's l = log p_c, a surrogate (target.h) guesses l*. The guess is far cheaper than
+// a simulation. From the current state x, Metropolis-Hastings steps on p_w p_c*^beta lead to a
+// candidate y. The candidate is simulated, and accepted with probability min(1, ratio),
 //
 //   log ratio = beta ((l(y) - l*(y)) - (l(x) - l*(x))).
 //
-// The steps are reversible, so only the surrogate's error remains in the ratio. Candidates that the
-// surrogate already rejects cost no simulation, and a walk of several steps costs only one.
+// The steps are reversible, so only the surrogate's error remains in the ratio. If the surrogate
+// rejects a candidate, no simulation is needed. A walk of several steps costs only one simulation.
 //
 // Anchors. If the surrogate is wrong about x, its steps would try to "mend" parts of x that are
-// already right. Let F(x) be the parts of x that only the simulation gets right (for example balls
-// that reach their place because other balls push them). Each part is kept with some probability.
-// The kept parts are the anchor A. The surrogate treats these parts as right as long as its steps
-// don't change them. The reverse move must have the same anchor. With P an anchor's probability,
+// already right. Let F(x) be the parts of x that only the simulation gets right. An example of such
+// a part is a ball that reaches its place because other balls push it. Each part is kept with some
+// probability. The kept parts are the anchor A. The surrogate treats these parts as right as long
+// as its steps don't change them. The reverse move must have the same anchor. If P is an anchor's
+// probability, then
 //
 //   log ratio += log P(A | y) - log P(A | x),
 //
@@ -24,8 +25,8 @@
 // either all parts, or each part with probability 1/2.
 //
 // Exactness requires three things. The surrogate has the target's p_w. If l(x) > -infinity, then
-// l*(x) > -infinity with any anchor that x may have. F and P are computed from the surrogate's
-// outcome, but don't depend on the anchor with which that outcome was made.
+// l*(x) > -infinity for each anchor that x may have. F and P are computed from the surrogate's
+// outcome, but don't depend on that outcome's anchor.
 #pragma once
 
 #include <cstdint>
@@ -39,9 +40,9 @@
 
 namespace sleight::sampling {
 
-/// Share of iterations that are walks, for targets with walks.
+/// Share of iterations that are walks, if the target has walks.
 inline constexpr double k_walk_share = 0.25;
-/// Share of one-step transitions that keep all of F. The other transitions keep each part with
+/// Share of one-step transitions that keep all of F. Other one-step transitions keep each part with
 /// probability k_keep.
 inline constexpr double k_keep_all_share = 0.7;
 inline constexpr double k_keep = 0.5;
@@ -74,9 +75,9 @@ struct SurrogateTransition {
   std::span<const double> scales;  ///< Proposal scales by kind.
 };
 
-/// Makes one transition of `current`. Calls `count` with the report of each surrogate step (marked
-/// as not simulated), and with the transition's report if the walk ended at another state.
-/// REQUIRES: an inverse temperature above 0.
+/// Makes one transition of `current`. Calls `count` with each surrogate step's report, which is
+/// marked as not simulated. If the walk ended at another state, also calls `count` with the
+/// transition's report. REQUIRES: an inverse temperature above 0.
 template <HasSurrogate T, class Count>
 void surrogate_transition(const T& target, const SurrogateTransition& transition,
                           StepStreams& streams, Sample<T>& current, const Count& count) {
@@ -135,8 +136,9 @@ void surrogate_transition(const T& target, const SurrogateTransition& transition
   count(report);
 }
 
-/// Makes one iteration: a walk of the target's surrogate, several one-step transitions, or
-/// otherwise a step of Algorithm 2.1. REQUIRES: each iteration of a replica at most once.
+/// Makes one iteration: a walk on the target's surrogate, or several one-step transitions. If no
+/// surrogate step is possible, makes a step of Algorithm 2.1. REQUIRES: each iteration of a replica
+/// at most once.
 template <Target T, class Count>
 void iterate(const T& target, double inverse_temperature, const ChainStreams& streams,
              std::uint64_t iteration, Sample<T>& current, std::span<const double> scales,

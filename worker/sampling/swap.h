@@ -1,15 +1,16 @@
-// The swap of two neighbouring levels of a ladder: partners, ratio and random number.
+// Decides whether two neighbouring levels of a ladder swap.
 //
 //   1. After scan s, levels i and i+1 with i + s even are partners. (Deterministic even-odd swaps
 //      carry states through the ladder like a conveyor.)
 //   2. The log ratio is (beta' - beta) (l - l'). beta' is the cooler level's inverse temperature,
 //      and l and l' are log p_c of the hotter and the cooler level's state.
-//   3. Partners swap if log u < log ratio, with u uniform from (seed, chain, hotter level, scan).
+//   3. Partners swap if log u < log ratio. u is uniform, and a function of (seed, chain, hotter
+//      level, scan).
 //
-// A swap depends only on two densities and its place, so plan and worker make the same decision.
+// A swap depends only on two densities and the swap's place, so plan and worker decide alike.
 // swap_flow.h defines which replicas wait for each other.
-// Thread safety: pure functions. swap.cpp contains the formulas alone, so that a test program can
-// link wrong formulas instead (tests/unit/worker/sampling/replaced_formulas.h).
+// Thread safety: pure functions. swap.cpp contains only formulas, so a test program can link wrong
+// formulas instead (tests/unit/worker/sampling/replaced_formulas.h).
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,7 @@ struct SwapPair {
   double log_constraint_cooler = 0;
 };
 
-/// Returns the level that swaps with `level` after a scan. Empty if an end level has no partner.
+/// Returns the level that swaps with `level` after a scan. An end level may have no partner.
 std::optional<std::uint32_t> even_odd_partner(std::uint32_t level, std::uint64_t scan,
                                               std::uint32_t levels);
 

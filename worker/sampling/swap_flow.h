@@ -6,7 +6,7 @@
 //
 //   1. Without a partner, the replica continues at its level.
 //   2. If the partner is outside this part, the replica leaves. The replica's next level isn't
-//      known.
+//      known here.
 //   3. If the partner has not made its scan, the replica waits.
 //   4. If the partner has made its scan, the two swap or don't (swap.h), and both continue.
 //
@@ -14,11 +14,11 @@
 //        s+1     a b c d         b and c swap; a leaves, d waits for the level that e has left
 //        s+2       b c
 //
-// So each replica waits for at most one other, and replicas on both sides of a slow replica can run
-// ahead. After a replica has left, later partners of its level wait until the end. Plans apply
-// these rules to whole ladders (ladder_run.h), workers to the part in their block (block_runner.h).
-// Invariant: the flow is a function of the reported densities, not of the order of levels' reports.
-// Not thread-safe.
+// So each replica waits for at most one other replica, and replicas on both sides of a slow replica
+// can run ahead. After a replica has left a level, later partners of that level wait until the end.
+// Plans apply these rules to whole ladders (ladder_run.h). Workers apply these rules to the part in
+// their block (block_runner.h). Invariant: the flow depends on the reported densities, but not on
+// the order of the reports. Not thread-safe.
 #pragma once
 
 #include <array>
@@ -43,9 +43,10 @@ struct FlowLevels {
 class SwapFlow {
  public:
   struct Seat {
-    std::optional<std::uint32_t> replica;  ///< Empty if the replica has left, or none ever came.
+    std::optional<std::uint32_t> replica;  ///< Empty if the replica left or never came.
     std::uint64_t scan = 0;
-    /// log p_c of the state after the scan. While this is set, the replica waits for its partner.
+    /// log p_c of the state after the scan. While log p_c is set, the replica waits for its
+    /// partner.
     std::optional<double> log_constraint;
 
     bool may_run() const { return replica && !log_constraint; }

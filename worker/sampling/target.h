@@ -1,5 +1,5 @@
-// A sampler's entire interface to a world: a prior that can be sampled, a simulation, the
-// constraint on its outcome, and a proposal.
+// A sampler's entire interface to a world. The interface has a prior, a simulation, a constraint on
+// the simulation's outcome, and a proposal.
 //
 // The sampled distribution p_beta(A) is proportional to p_w(A) p_c(A)^beta (thesis equation 2.1 at
 // beta = 1). p_w is the world model over the random variables (State). p_c judges only the
@@ -8,7 +8,7 @@
 // Invariants of a target
 //   1. `draw_prior` is exact: its density is exp(log_prior), normalised.
 //   2. The `log_q_ratio` of `propose` is log q(current|candidate) - log q(candidate|current), so
-//      that Algorithm 2.1's acceptance is right for the mixture over all kinds.
+//      Algorithm 2.1's acceptance is right for the mixture of all kinds.
 //   3. Every function is a pure function of its arguments. All randomness comes from the stream.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -48,15 +48,15 @@ concept Target = std::copyable<typename T::State> && std::copyable<typename T::O
   { target.proposal_kinds() } -> std::convertible_to<std::uint32_t>;
 };
 
-/// A target with an upper bound for log_constraint that needs no simulation (early rejection).
+/// A target that bounds log_constraint from above without a simulation (early rejection).
 template <class T>
 concept BoundsConstraint = Target<T> && requires(const T& target, const typename T::State& state) {
   { target.log_constraint_at_most(state) } -> std::same_as<double>;
 };
 
-/// A target whose simulation may fail (common/plan/failure.h). A failed state is never a sample,
-/// and `log_constraint` and `satisfied` of its outcome mean nothing. If bodies overlap at the
-/// start, p_c is 0.
+/// A target whose simulation may fail (common/plan/failure.h). A failed state is never a sample.
+/// In a failed state's outcome, `log_constraint` and `satisfied` mean nothing. If bodies overlap at
+/// the start, p_c is 0.
 template <class T>
 concept MayFail = Target<T> && requires(const T& target, const typename T::Outcome& outcome) {
   { target.failure(outcome) } -> std::same_as<plan::FailurePointer>;
@@ -68,7 +68,7 @@ concept MayFail = Target<T> && requires(const T& target, const typename T::Outco
 template <class T>
 concept GuessesOnFailure = MayFail<T> && T::k_guesses_on_failure;
 
-/// Facts about one simulation besides its outcome.
+/// Facts about a simulation other than the outcome.
 struct SimulationReport {
   bool starts_overlap = false;
   plan::FailurePointer failure{};
@@ -90,7 +90,7 @@ bool is_refused(const SimulationReport& report) {
 }
 
 /// A target with tunable proposals. `scales` has a factor for each kind, or is empty if all factors
-/// are 1. Kinds without a scale ignore their factor. Proposals must be correct for any constant
+/// are 1. A kind without a scale ignores its factor. Proposals must be correct for any constant
 /// factors.
 template <class T>
 concept ScalesProposals = Target<T> &&
@@ -111,16 +111,16 @@ concept ProposesByOutcome = ScalesProposals<T> &&
   { target.log_q_ratio(state, outcome, proposal, outcome) } -> std::same_as<double>;
 };
 
-/// A target that can derive a candidate's outcome from the previous state's outcome at lower cost,
-/// with the same result as `simulate`.
+/// A target that can derive a candidate's outcome from the previous state's outcome. To derive it
+/// is cheaper than `simulate` and has the same result.
 template <class T>
 concept SimulatesChanges = Target<T> &&
     requires(const T& target, const typename T::State& state, const typename T::Outcome& outcome) {
   { target.simulate_from(state, state, outcome) } -> std::same_as<typename T::Outcome>;
 };
 
-/// The surrogate's steps in one iteration (surrogate_transition.h). `walk_kind` and `single_kind`
-/// are the kinds under which the steps are counted.
+/// The surrogate's steps in one iteration (surrogate_transition.h). The steps are counted under
+/// `walk_kind` and `single_kind`.
 struct SurrogateSteps {
   std::uint32_t walk = 0;    ///< Steps of a walk without anchor; 0: no walks.
   std::uint32_t single = 0;  ///< Number of one-step transitions.
@@ -128,9 +128,10 @@ struct SurrogateSteps {
   std::uint32_t single_kind = 0;
 };
 
-/// A target with a surrogate: another target over the same states with the same p_w, whose much
-/// cheaper simulation predicts most of an outcome. `Anchor{}` anchors nothing. `simulate_from`
-/// accepts outcomes made with another anchor. States are equality-comparable.
+/// A target with a surrogate: another target over the same states, with the same p_w. The
+/// surrogate's simulation is much cheaper and predicts most of an outcome. `Anchor{}` anchors
+/// nothing. `simulate_from` accepts outcomes made with another anchor. States are
+/// equality-comparable.
 template <class T>
 concept HasSurrogate = Target<T> && SimulatesChanges<typename T::Surrogate> &&
     std::same_as<typename T::State, typename T::Surrogate::State> &&
@@ -159,8 +160,8 @@ struct SurrogateOutcome<T> {
   using type = std::optional<typename T::Surrogate::Outcome>;
 };
 
-/// A state with everything computed from it. `log_prior` and `log_constraint` always belong to this
-/// state, so no stale density survives an acceptance.
+/// A state and everything that is computed from it. `log_prior` and `log_constraint` always belong
+/// to this state, so no stale density survives an acceptance.
 template <Target T>
 struct Sample {
   typename T::State state;
@@ -180,7 +181,7 @@ typename T::Outcome simulate_from(const T& target, const typename T::State& cand
   }
 }
 
-/// Proposes a candidate, with the given scales if the target has any.
+/// Proposes a candidate. If the target has scales, `scales` applies.
 template <Target T>
 Proposal<typename T::State> propose_from(const T& target, const Sample<T>& current,
                                          std::span<const double> scales, random::Stream& stream) {

@@ -1,8 +1,8 @@
-// Weights of a step from one inverse temperature to another, for each method with such steps. The
-// log weight is always (beta' - beta) l with l = log p_c, the log ratio of a state's densities at
-// beta' and beta. Methods differ in the state whose l they use, and in additional terms.
-// Thread safety: pure functions. temperature_steps.cpp contains the formulas alone, so that a test
-// program can link wrong formulas instead (tests/unit/worker/sampling/replaced_formulas.h).
+// Weights of a step from inverse temperature beta to beta', for several methods. With l = log p_c,
+// the log weight is always (beta' - beta) l: the log of a state's density at beta' divided by its
+// density at beta. Methods differ in the state whose l they use, and in additional terms.
+// Thread safety: pure functions. temperature_steps.cpp contains only formulas, so a test program
+// can link wrong formulas instead (tests/unit/worker/sampling/replaced_formulas.h).
 #pragma once
 
 #include <cstddef>
@@ -11,23 +11,23 @@
 
 namespace sleight::sampling {
 
-/// Returns the log weight of a level's draw at the next cooler level (round_statistics.h).
+/// Returns the log weight that a level's draw has at the next cooler level (round_statistics.h).
 double stone_log_weight(std::span<const double> ladder, std::size_t level, double l);
 
-/// A step of an ascent, to temperature number `to` of the schedule.
+/// An ascent's step to the schedule's temperature number `to`.
 struct AscentStep {
   std::span<const double> schedule;
   std::size_t to = 1;
-  double l_before = 0;  ///< l of the state sampled one temperature below.
-  double l_after = 0;   ///< l of the state sampled at `to`.
+  double l_before = 0;  ///< l of the state at temperature `to` - 1.
+  double l_after = 0;   ///< l of the state at temperature `to`.
 };
 /// Returns the log of the step's weight (annealed_importance.h, Neal 2001, equation 3).
 double ascent_log_weight(const AscentStep& step);
 
-/// Returns the level that a simulated-tempering chain proposes; `level` itself at an end.
+/// Returns the level that a simulated-tempering chain proposes. At an end, this is `level`.
 std::uint32_t proposed_level(std::uint32_t level, bool up, std::uint32_t levels);
 
-/// A proposal of simulated tempering to change its level.
+/// Simulated tempering's proposal to change the level.
 struct LevelMove {
   std::span<const double> ladder;
   std::span<const double> log_weights;

@@ -1,10 +1,10 @@
 // Tempered transitions (Neal 1996, Sampling from multimodal distributions using tempered
-// transitions): one Metropolis-Hastings step whose candidate results from moving down through
-// hotter distributions and up again.
+// transitions): one Metropolis-Hastings step. The candidate moves down through hotter distributions
+// and up again.
 //
-// With beta_0 > beta_1 > ... > beta_K, kernels that each leave their own distribution invariant
-// move x through beta_1 ... beta_K and back through beta_K ... beta_1. The final state is accepted
-// with probability min(1, ratio), where
+// Let beta_0 > beta_1 > ... > beta_K. Each beta has a kernel that leaves beta's distribution
+// invariant. Kernels move x through beta_1 ... beta_K and back through beta_K ... beta_1. The final
+// state is accepted with probability min(1, ratio), where
 //
 //   log ratio = sum over k of (beta_{k+1} - beta_k) (l(x_k) - l(x'_k)),    l = log p_c.
 //
@@ -26,8 +26,8 @@
 
 namespace sleight::sampling {
 
-/// Maximum number of steps of one excursion. Each scan reserves this many iteration numbers, so the
-/// numbers of excursions are disjoint.
+/// Maximum number of steps of one excursion. Each scan reserves this many iteration numbers, so no
+/// two excursions share a number.
 inline constexpr std::uint64_t k_excursion_steps_max = std::uint64_t{1} << 20U;
 
 struct Excursion {
@@ -72,7 +72,7 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                 told(step.simulation);
               });
   };
-  // Weigh a step. From a start of zero density (one that breaks a hard constraint), the excursion
+  // Weigh a step. If the start breaks a hard constraint, its density is 0, and the excursion
   // accepts any candidate of positive density.
   const auto weighs = [&](double above, double below, bool down) {
     log_ratio += excursion_log_weight(

@@ -8,7 +8,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// The factors for acceptance rates 1 and 0 have a ratio of exp(3), about 20.
+/// The factor at acceptance rate 1 is exp(3), about 20, times the factor at rate 0.
 constexpr double k_gain = 3;
 
 }  // namespace

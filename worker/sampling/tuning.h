@@ -1,8 +1,8 @@
-// Adaptation of proposal scales, by level and kind of proposal, from acceptance rates.
+// Adapts proposal scales to acceptance rates. Each level has one scale for each kind of proposal.
 //
-// Between rounds, a kind's scale is multiplied by exp(gain (acceptance - target)), bounded per
-// round and in total. Kinds with few proposals stay unchanged. Scales are constant within a round,
-// so each scan leaves its distribution invariant. Thread safety: pure functions.
+// Between rounds, a kind's scale is multiplied by exp(gain (acceptance - target)). The change is
+// bounded per round and in total. Kinds with few proposals stay unchanged. Scales are constant
+// within a round, so each scan leaves its distribution invariant. Thread safety: pure functions.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace sleight::sampling {
 
-/// Target acceptance rate, between the optima for one dimension (0.44) and for many (0.234).
+/// Target acceptance rate. The optimum is 0.44 in one dimension and 0.234 in many dimensions.
 /// Source: Roberts and Rosenthal 2001.
 inline constexpr double k_acceptance_target = 0.3;
 /// Kinds with fewer proposals in a round are not tuned.

@@ -48,7 +48,7 @@ void transform(std::vector<Complex>& z, const std::vector<Complex>& roots) {
     reversed ^= bit;
     if (i < reversed) std::swap(z[i], z[reversed]);
   }
-  // Join transforms of `half` values into transforms of twice as many values.
+  // Join each pair of transforms of `half` values into a transform of 2 * half values.
   for (std::size_t half = 1; half < size; half *= 2) {
     const std::size_t stride = size / (2 * half);
     for (std::size_t begin = 0; begin < size; begin += 2 * half) {
@@ -69,7 +69,7 @@ std::vector<double> mean_autocovariances(const Chains& draws) {
   const std::size_t size = std::bit_ceil(2 * draws.draws);
   const std::vector<Complex> roots = unit_roots(size);
 
-  // Add up the squared moduli, two chains per transform.
+  // Add up the squared moduli. Each transform handles two chains.
   std::vector<Complex> power(size);
   std::vector<Complex> z(size);
   for (std::size_t first = 0; first < draws.chains; first += 2) {

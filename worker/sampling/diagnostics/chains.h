@@ -1,4 +1,4 @@
-// Input of the diagnostics: the draws of one scalar by several chains of equal length.
+// Input of the diagnostics: several chains' draws of one scalar. The chains are equally long.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Judges from one scalar whether chains have mixed, with explanations for people. Example:
+// Judges from one scalar whether chains have mixed, and tells people the reasons. Example:
 //
 //   const Convergence height = convergence_of({.values = draws, .chains = 4, .draws = 1000});
 //   for (const std::string& line : complaints("height", height)) print(line);
@@ -16,16 +16,16 @@
 
 namespace sleight::sampling {
 
-/// R-hat above this limit of Vehtari et al. 2021 (transforms.h) means that chains have not mixed.
-/// The paper shows that the older limit of 1.1 accepts chains that are far from mixed.
+/// If R-hat is above this limit, chains have not mixed (Vehtari et al. 2021, see transforms.h). The
+/// paper shows that the older limit of 1.1 accepts chains that are far from mixed.
 constexpr double k_r_hat_max = 1.01;
 
-/// Minimum bulk and tail effective sample size (Vehtari et al. 2021). At this minimum, the standard
-/// error of a mean is 1/20 of the standard deviation.
+/// Minimum of the effective sample size, both bulk and tail (Vehtari et al. 2021). At this minimum,
+/// the standard error of a mean is 1/20 of the standard deviation.
 constexpr double k_ess_min = 400;
 
 /// Minimum effective sample size per chain, if there are more than four chains. The paper requires
-/// 400 for four chains, which is 50 for each half of a chain. Below 50, R-hat and sample sizes are
+/// 400 for four chains, so 50 for each half of a chain. Below 50, R-hat and sample sizes are
 /// unreliable.
 constexpr double k_ess_per_chain_min = 100;
 
@@ -51,13 +51,14 @@ struct Convergence {
 /// REQUIRES: `draws` meets the requirements of Chains.
 Convergence convergence_of(const Chains& draws);
 
-/// Returns the greater of k_ess_min and k_ess_per_chain_min times the number of chains.
+/// Returns max(k_ess_min, chains * k_ess_per_chain_min).
 double ess_wanted(std::size_t chains);
 
 /// Returns the reasons to believe that chains have not mixed. Each sentence opens with the
-/// quantity's name and has no line break. Empty if there is no reason, or if the quantity is
-/// constant. If r_hat is NaN because all distances from the median are equal, r_hat_bulk decides.
-/// If ess_tail is NaN, it is ignored, because the quantity then has few values and no tail.
+/// quantity's name and has no line break. The result is empty if there is no reason, or if the
+/// quantity is constant. If r_hat is NaN because all distances from the median are equal,
+/// r_hat_bulk decides. If ess_tail is NaN, it is ignored, because the quantity then has few values
+/// and no tail.
 std::vector<std::string> complaints(std::string_view name, const Convergence& convergence);
 
 }  // namespace sleight::sampling

@@ -13,10 +13,11 @@ namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t k_draws_min = 3;
-// Sums of two autocorrelations below this limit count as 0, because their errors are some 1e-15.
+// If the sum of two autocorrelations is below this limit, it counts as 0: its error is some 1e-15.
 constexpr double k_zero_pair = 1e-12;
 
-/// Autocorrelations at lags 0, 1, 2, ..., in pairs (0, 1), (2, 3), ..., and the first omitted lag.
+/// Autocorrelations by lag. The lags form pairs (0, 1), (2, 3), ...; `end` is the first omitted
+/// lag.
 struct Autocorrelations {
   std::vector<double> at_lag;
   std::size_t end = 0;  ///< Even. at_lag[end] has half a pair: 0 unless positive.
@@ -45,7 +46,7 @@ Autocorrelations positive_pairs(const AtLag& rho, std::size_t draws) {
   return kept;
 }
 
-/// Geyer's initial monotone sequence: no pair's sum exceeds the previous one.
+/// Geyer's initial monotone sequence: no pair's sum exceeds the previous pair's sum.
 void make_monotone(Autocorrelations& kept) {
   std::vector<double>& rho = kept.at_lag;
   for (std::size_t t = 2; t + 2 <= kept.end; t += 2) {

@@ -9,7 +9,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// Returns the variance about a given mean, with n - 1. NaN for a single draw.
+/// Returns the variance about a given mean. The divisor is n - 1. NaN for a single draw.
 double variance_about(double mean, std::span<const double> draws) {
   if (draws.size() == 1) return std::numeric_limits<double>::quiet_NaN();
   double sum = 0;

@@ -1,5 +1,5 @@
-// Monte Carlo standard errors: the error of an estimate that is due to the finite number of draws.
-// Errors shrink as 1 / sqrt(ESS) and have the unit of the draws.
+// A Monte Carlo standard error is an estimate's error due to the finite number of draws. Errors
+// shrink as 1 / sqrt(ESS) and have the unit of the draws.
 // Source: Vehtari et al. 2021 (transforms.h). Results agree with those of the R package posterior
 // 1.4.0 to a relative error of 1e-10 (tests/posterior).
 //
@@ -12,7 +12,8 @@
 
 namespace sleight::sampling {
 
-/// Returns the standard error of the mean: the standard deviation of all draws over sqrt(ess_mean).
+/// Returns the standard error of the mean: the standard deviation of all draws, divided by
+/// sqrt(ess_mean).
 double mcse_mean(const Chains& draws);
 
 }  // namespace sleight::sampling

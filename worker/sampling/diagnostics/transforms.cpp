@@ -68,7 +68,7 @@ double median_of(std::span<const double> values) {
 double quantile_of(std::span<const double> values, double probability) {
   CHECK(!values.empty());
   CHECK(probability >= 0 && probability <= 1);
-  // Interpolate in exactly R's arithmetic, because draws are compared with the result.
+  // Interpolate exactly as R does, because draws are compared with the result.
   const double place = 1 + static_cast<double>(values.size() - 1) * probability;
   const double floor = std::floor(place);
   const double share = place - floor;

@@ -15,19 +15,20 @@
 
 namespace sleight::sampling {
 
-/// Returns the mean, exact if all values are equal. REQUIRES: values not empty.
+/// Returns the mean. If all values are equal, it is exact. REQUIRES: values not empty.
 double mean_of(std::span<const double> values);
 
-/// Returns each chain's mean, rounded as in posterior: the sum in index order divided by the
-/// length. The rounding matters if means are large compared with the variance between them.
+/// Returns each chain's mean: the sum in index order, divided by the length. The mean is rounded as
+/// in posterior. The rounding matters if means are large compared with the variance between them.
 std::vector<double> chain_means(const Chains& draws);
 
-/// Returns the sum of squared distances from the mean, divided by n - 1. NaN for a single value; 0
-/// only if all values are equal (or their squared distances underflow). REQUIRES: values not empty.
+/// Returns the sum of squared distances from the mean, divided by n - 1. The result is NaN for a
+/// single value. The result is 0 only if all values are equal, or if the squares underflow.
+/// REQUIRES: values not empty.
 double variance_of(std::span<const double> values);
 
-/// Returns whether a value is NaN or infinite, or all values are within 2.2e-16 of each other,
-/// posterior's absolute tolerance.
+/// Returns whether a value is NaN or infinite, or all values are within 2.2e-16 of each other. This
+/// absolute tolerance is posterior's.
 bool is_degenerate(std::span<const double> values);
 
 /// Returns NaN if a value is NaN. REQUIRES: values not empty.
@@ -35,12 +36,12 @@ double median_of(std::span<const double> values);
 
 /// Returns the quantile by linear interpolation between order statistics (definition 7 of Hyndman
 /// and Fan, "Sample quantiles in statistical packages", American Statistician 50 (1996) 361-365).
-/// REQUIRES: values not empty and without NaN, probability in [0, 1].
+/// REQUIRES: values are not empty and have no NaN; probability is in [0, 1].
 double quantile_of(std::span<const double> values, double probability);
 
-/// Cuts each chain into two halves of draws/2, without the middle draw of an odd number. A single
-/// draw stays unchanged. Two or three draws per chain are split as in the R package posterior: into
-/// one chain of all first draws and one chain of all last draws.
+/// Cuts each chain into two halves of draws/2. If `draws` is odd, omits the middle draw. A single
+/// draw stays unchanged. If chains have two or three draws, the result has one chain of all first
+/// draws and one chain of all last draws, as in the R package posterior.
 OwnedChains split_in_halves(const Chains& draws);
 
 /// Returns the normal score of each value's rank among all chains: the normal quantile of (rank -

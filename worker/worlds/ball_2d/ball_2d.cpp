@@ -52,8 +52,8 @@ sampling::Proposal<Ball2d::State> Ball2d::propose(const State& normals,
       candidate[j] += offset.draw(stream);
     }
   }
-  // The proposal density is the same in both directions: the same normals are chosen, with offsets
-  // of equal density.
+  // The proposal density is the same in both directions: the reverse changes the same normals, and
+  // its offsets have the same density.
   return {.candidate = candidate, .log_q_ratio = 0, .kind = 0};
 }
 

@@ -3,11 +3,11 @@
 //
 //   `random variables`: normals theta_1 .. theta_n, independent N(0, sd) tilts from the vertical.
 //   `log p_w`: sum of the normals' log densities, normalised.
-//   `outcome`: where and when the ball lands, which is its collision n + 1.
+//   `outcome`: where and when the ball lands. The landing is collision n + 1.
 //   `log p_c`: -1/2 ((x - target) / sigma)^2, so p_c is at most 1.
 //   `satisfied`: |x - target| <= tolerance.
-//   `proposal`: Algorithm 2.2 changes each normal with some probability, by a uniform number
-//     in (-w, w).
+//   `proposal`: Algorithm 2.2. Each normal changes with some probability, by a uniform number in
+//     (-w, w).
 // Thread-safe: immutable after construction.
 #pragma once
 

@@ -15,7 +15,7 @@ math::Vec2 reflected(const math::Vec2& velocity, const math::Vec2& normal, doubl
 
 namespace {
 
-/// Throws the ball and passes each hop to `keep`, in order.
+/// Throws the ball. Passes the hops to `keep` in order.
 template <class Keep>
 Landing fly(const WorldParameters& world, const NormalAngles& normals, const Keep& keep) {
   const double g = world.gravity_mps2;
@@ -33,7 +33,7 @@ Landing fly(const WorldParameters& world, const NormalAngles& normals, const Kee
     const math::SinCos tilt = math::sincos(normals[i]);
     velocity = reflected(velocity, math::Vec2{tilt.sin, tilt.cos}, world.restitution);
 
-    // Hop to the next collision, which is immediate for a ball that doesn't rise.
+    // Hop to the next collision. If the ball doesn't rise, it collides at once.
     const double hop_s = velocity.y() > 0 ? 2 * velocity.y() / g : 0;
     keep(Flight{
         .start_s = now_s, .duration_s = hop_s, .position_m = {x_m, 0}, .velocity_mps = velocity});

@@ -1,14 +1,15 @@
-// The 2D ball's simulation (thesis 2.4.1): closed-form hops on a table whose normal differs from
-// collision to collision.
+// The 2D ball's simulation (thesis 2.4.1): closed-form hops on a table. The table's normal differs
+// from collision to collision.
 //
 // Frame: x to the right, z up. The origin is the ball's centre when the ball touches the table
-// below its start. The ball falls from (0, drop height). Each collision reflects the ball about
-// that collision's normal, with the normal component scaled by the restitution. There is one
-// collision per normal, and the next collision is the landing. There is no spin, as in the thesis.
+// below its start. The ball falls from (0, drop height). Each collision has a normal. The collision
+// reflects the ball's velocity about this normal, and scales the normal component by the
+// restitution. After one collision per normal, the next collision is the landing. There is no spin,
+// as in the thesis.
 //
 // The thesis leaves two cases open. A table only pushes, so a ball that already moves away from the
-// tilted table keeps its velocity. A ball that doesn't leave the table (vertical velocity not above
-// zero after a collision) collides again at once, in the same place, with the next normal.
+// tilted table keeps its velocity. If the vertical velocity after a collision isn't above zero, the
+// ball doesn't leave the table: it collides again at once, in the same place, with the next normal.
 #pragma once
 
 #include <array>
@@ -20,11 +21,11 @@
 
 namespace sleight::worlds::ball_2d {
 
-/// The tilt of each collision's normal from the vertical, positive towards +x. Only the first
-/// WorldParameters::collisions entries are used; the others are zero.
+/// By collision: the normal's tilt from the vertical. Positive tilts are towards +x. Entries from
+/// WorldParameters::collisions on are unused and zero.
 using NormalAngles = std::array<double, k_collisions_max>;
 
-/// One parabolic hop, from the start or a collision to the next collision.
+/// One parabolic hop. A hop begins at the start or at a collision, and ends at the next collision.
 struct Flight {
   double start_s = 0;
   double duration_s = 0;
@@ -43,12 +44,12 @@ struct Motion {
   Landing landing;
 };
 
-/// A pure function with the same bits on every machine. REQUIRES: finite angles.
+/// A pure function. It yields the same bits on every machine. REQUIRES: finite angles.
 Landing simulate_landing(const WorldParameters& world, const NormalAngles& normals);
 
 Motion simulate_motion(const WorldParameters& world, const NormalAngles& normals);
 
-/// Returns the velocity after a collision with a fixed surface of the given unit normal.
+/// Returns the velocity after a collision with a fixed surface. `normal` has length 1.
 math::Vec2 reflected(const math::Vec2& velocity, const math::Vec2& normal, double restitution);
 
 }  // namespace sleight::worlds::ball_2d

@@ -1,5 +1,5 @@
-// The 2D ball's parameters (thesis 2.2, 2.4.1), with the thesis's values as defaults. Lengths are
-// in ball diameters D where the thesis uses D; angles are in radians.
+// The 2D ball's parameters (thesis 2.2, 2.4.1). Defaults are the thesis's values. Lengths are in
+// ball diameters D where the thesis uses D; angles are in radians.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The 2D ball's keys in a direction request, with the thesis's values as defaults. The file's
-// angles are in degrees and its lengths in ball diameters D.
+// The 2D ball's keys in a direction request. Defaults are the thesis's values. The file's angles
+// are in degrees and its lengths in ball diameters D.
 #pragma once
 
 #include "common/request/direction_request.h"

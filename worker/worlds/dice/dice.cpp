@@ -24,7 +24,7 @@ physics::Tick tick_of(double time_s) {
   return physics::Tick{} + physics::ticks_after(time_s);
 }
 
-/// Whether a candidate has the same table key as a state, and at least one die with the same start.
+/// Whether a candidate and a state have the same table key, and at least one die that starts alike.
 bool resembles(const State& candidate, const State& state) {
   if (candidate.table_key != state.table_key) return false;
   for (std::size_t die = 0; die < state.dice.size(); ++die) {
@@ -179,8 +179,8 @@ void Dice::look_at_contacts(const State& state, const physics::Scene& scene,
   outcome.collisions = static_cast<std::uint32_t>(touches.size());
   if (touches.empty()) return;
 
-  // The mean weight of each control point, summed in the order of collisions. A collision's weight
-  // is the duration of the die's flight to it, because most collisions are small bounces of a
+  // Compute each control point's mean weight. Sum in the order of collisions. A collision's weight
+  // is the duration of the die's preceding flight, because most collisions are small bounces of a
   // settling die.
   std::map<GridIndex, double> sums;
   std::vector<physics::Tick> before;
@@ -188,7 +188,7 @@ void Dice::look_at_contacts(const State& state, const physics::Scene& scene,
     before.push_back(body.start_tick);
   double flown_s = 0;
   for (const physics::SurfaceTouch& touch : touches) {
-    // A collision in the same tick as the previous one counts as a flight of one tick.
+    // If a collision is in the same tick as the previous collision, the flight counts as one tick.
     const double flight_s =
         physics::seconds(std::max<physics::TickCount>(1, touch.tick - before[touch.body]));
     before[touch.body] = touch.tick;

@@ -1,10 +1,11 @@
 // The world of dice on a random table (thesis 2.4.4): which tables and throws bring dice to rest as
 // the goals demand?
 //
-//   `random variables`: the table's control points (random_table.h), and the components of each
-//     die's start that aren't fixed (state.h).
+//   `random variables`: the table's control points (random_table.h), and each die's start (state.h)
+//     except fixed components.
 //   `log p_w`: see state.h.
-//   `outcome`: the dice at rest or at the time limit, and at the times of the goals.
+//   `outcome`: the dice at the end (at rest or at the time limit), and the dice at the times of the
+//     goals.
 //   `log p_c`: at most 0 (goals.h); -infinity if there is no simulation.
 //   `satisfied`: all goals are met, and all dice rest.
 //   `proposal`: see proposals.h.
@@ -41,12 +42,13 @@
 
 namespace sleight::worlds::dice {
 
-/// Bins of a histogram of control-point heights, in standard deviations: one bin below
-/// k_offset_first_sd, then bins of width k_offset_step_sd, and a last bin for all greater heights.
+/// Number of bins in a histogram of control points' heights. Heights are in standard deviations.
+/// The first bin is below k_offset_first_sd. Further bins have width k_offset_step_sd. The last bin
+/// has all greater heights.
 inline constexpr std::size_t k_offset_bins = 14;
 inline constexpr double k_offset_first_sd = -3;
 inline constexpr double k_offset_step_sd = 0.5;
-/// Returns the bin of a standard score.
+/// Returns the number of a standard score's bin.
 std::size_t offset_bin_of(double score);
 
 enum class End : std::uint8_t {
@@ -62,29 +64,30 @@ struct Outcome {
   Judgement judgement{};         ///< empty if there is no animation
   ContactShares contacts{};      ///< weights of the table's control points in collisions
   std::uint32_t collisions = 0;  ///< collisions of dice with the table
-  /// Normalised log p_w of the control points that influenced collisions: the plausibility of the
-  /// visible part of the table.
+  /// Normalised log p_w of the control points that influenced collisions. This log p_w tells how
+  /// plausible the visible part of the table is.
   double log_plausibility = 0;
-  /// Histogram of these control points' heights, and the sum of the squared heights, in standard
-  /// deviations. Zero if heights aren't random.
+  /// For these control points: a histogram of heights, and the sum of squared heights, both in
+  /// standard deviations. Zero if heights aren't random.
   std::array<std::uint32_t, k_offset_bins> offsets{};
   double offset_squares = 0;
   std::vector<DieView> at_end{};   ///< unnumbered; the judgement has numberings
   plan::FailurePointer failure{};  ///< reason if End is failed
-  /// Input for `simulate_from`, which also creates histories. Null if no history was requested, or
-  /// if the candidate had nothing in common with the state.
+  /// `simulate_from` uses this history, and also creates histories. Null if no history was
+  /// requested, or if simulate_from's candidate had nothing in common with its state.
   std::shared_ptr<const physics::History> history{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
 
-/// A simulation's outcome, and the input of the goals. Views are empty if there is no animation.
+/// A simulation's outcome, and the views that goals judge. Views are empty if there is no
+/// animation.
 struct ViewedOutcome {
   Outcome outcome;
   Views views;
 };
 
-/// A simulation with its motion. The recording is empty if there is no animation.
+/// A simulation's outcome and motion. The recording is empty if there is no animation.
 struct Animation {
   Outcome outcome;
   physics::Recording recording;
@@ -107,12 +110,13 @@ class Dice {
   double log_prior(const State& state) const { return log_density_of(parameters_.world, state); }
   Outcome simulate(const State& state) const;
   ViewedOutcome simulate_and_view(const State& state) const;
-  /// Returns the signed misses of all goals (goals.h). REQUIRES: views of an animation of this
-  /// world.
+  /// Returns the signed misses of all goals (goals.h). REQUIRES: the views are of an animation of
+  /// this world.
   std::vector<Miss> signed_misses(const Views& views) const {
     return dice::signed_misses(parameters_.goals, views, times_s_);
   }
-  /// Simulates a candidate, faster if it resembles a state whose outcome is known.
+  /// Simulates a candidate. If the candidate resembles `state`, the simulation reuses the outcome's
+  /// history and is faster.
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
   double log_constraint(const Outcome& outcome) const;
   plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
@@ -125,8 +129,7 @@ class Dice {
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
     return propose(state, std::span<const double>{}, stream);
   }
-  /// Without an outcome, change_contact has no collisions to choose from and proposes the present
-  /// state.
+  /// Without an outcome, change_contact knows no collisions, so it proposes the present state.
   sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
                                     random::Stream& stream) const {
     return dice::propose(parameters_, state, {}, scales, stream);

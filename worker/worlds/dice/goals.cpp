@@ -50,7 +50,7 @@ double log_density(double distance, double sigma) {
   return -0.5 * z * z;
 }
 
-/// The region in which the goal requires the centre. Nothing for other goals.
+/// The region in which a goal requires the die's centre. Empty if the goal requires no region.
 std::optional<Region> area_of(const Goal& goal) {
   if (const auto* region = std::get_if<Region>(&goal.wanted)) return *region;
   if (const auto* place = std::get_if<Place>(&goal.wanted))
@@ -58,7 +58,7 @@ std::optional<Region> area_of(const Goal& goal) {
   return std::nullopt;
 }
 
-/// Distances between two regions, from the nearest and from the farthest points along each axis.
+/// Distances between two regions: between their nearest points, and between their farthest points.
 struct Apart {
   double least_m = 0;
   double most_m = 0;
@@ -71,8 +71,8 @@ Apart apart(const Region& a, const Region& b) {
   return {.least_m = math::norm(least), .most_m = math::norm(most)};
 }
 
-/// Returns the angle by which two goals contradict each other for any orientation of the die.
-/// Nothing for other goals.
+/// Returns a lower bound on the sum of the angles by which an orientation misses two goals. If the
+/// goals aren't both about orientations, returns nothing.
 std::optional<double> turn_difference(const Goal& a, const Goal& b) {
   const auto* turn = std::get_if<Turn>(&a.wanted);
   const auto* face = std::get_if<FaceDirection>(&b.wanted);

@@ -16,7 +16,7 @@ constexpr bool is_even(const std::array<std::uint8_t, 3>& p) {
   return (p[0] == 0 && p[1] == 1) || (p[0] == 1 && p[1] == 2) || (p[0] == 2 && p[1] == 0);
 }
 
-/// Permutations in lexicographic order, with the signs that make the determinant 1.
+/// Permutations in lexicographic order. Signs make the determinant 1.
 constexpr std::array<Images, k_numberings> all_rotations() {
   constexpr std::array<std::array<std::uint8_t, 3>, 6> k_permutations{
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
@@ -81,7 +81,7 @@ Quat rotation_of_numbering(std::uint32_t numbering) {
 
 Quat orientation_with_face_up(std::uint32_t face, double yaw_rad) {
   constexpr double k_quarter = 0.5 * math::k_pi;
-  // The turns that bring faces 1 to 6 to the top. For example, face 1 (+x) turns about -y.
+  // For each face, a turn that brings it to the top. For example, face 1 (+x) turns about -y.
   const std::array<Vec3, k_faces> turns{Vec3(0, -k_quarter, 0), Vec3(k_quarter, 0, 0),
                                         Vec3(0, 0, 0),          Vec3(math::k_pi, 0, 0),
                                         Vec3(-k_quarter, 0, 0), Vec3(0, k_quarter, 0)};

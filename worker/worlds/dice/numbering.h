@@ -4,9 +4,9 @@
 // faces add up to 7: face 4 is on -z, face 5 on -y and face 6 on -x. Seen from outside, faces 1, 2
 // and 3 are anticlockwise round their common corner.
 //
-// Idea. A cube that is turned by one of its 24 rotations before a throw moves in the same way and
-// shows other faces. So one motion of an unnumbered cube stands for 24 throws of a die. Numbering s
-// is a die that was turned by rotation s in the cube's frame; rotation 0 is the identity.
+// Idea. If a cube is first turned by one of its 24 rotations, a throw moves it in the same way, but
+// it shows other faces. So one motion of an unnumbered cube stands for 24 throws of a die. For
+// numbering s, rotation s turned the die in the cube's frame; rotation 0 is the identity.
 // Thread safety: pure functions.
 #pragma once
 
@@ -38,8 +38,8 @@ Quat rotation_of_numbering(std::uint32_t numbering);
 
 Vec3 vector_of(AxisDirection direction);
 
-/// Returns an orientation with this face up: the smallest turn from the identity that brings the
-/// face up, followed by a turn by yaw_rad about the vertical.
+/// Returns an orientation that has this face up. The orientation results from the identity by two
+/// turns: the smallest turn that brings the face up, and then a turn by yaw_rad about the vertical.
 Quat orientation_with_face_up(std::uint32_t face, double yaw_rad);
 
 }  // namespace sleight::worlds::dice

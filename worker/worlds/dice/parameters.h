@@ -1,5 +1,5 @@
-// Parameters of the dice on a random table (thesis 2.4.4). SI units, z up, the table around the
-// origin at height 0.
+// Parameters of the dice on a random table (thesis 2.4.4). Units are SI. The z axis points up. The
+// table is at height 0, around the origin.
 //
 // The thesis gives no values. The die, its throw and the table's bumps come from the dice scene in
 // the project's speed comparison.
@@ -30,8 +30,8 @@ struct TableParameters {
   double spacing_m = 0.021;  ///< distance between control points
   std::uint32_t columns = 64;
   std::uint32_t rows = 64;
-  /// Standard deviation of a control point's height. The surface's heights have 0.48 times this
-  /// standard deviation, 0.6 mm by default.
+  /// Standard deviation of a control point's height. The surface's heights have a standard
+  /// deviation of 0.48 times this, which is 0.6 mm by default.
   double height_sd_m = 0.00125;
   Range restitution{0.5, 0.5};
   Range friction{0.4, 0.4};
@@ -58,12 +58,13 @@ struct WorldParameters {
   double dice_restitution = 0.5;  ///< between dice
   double dice_friction = 0.4;
   double gravity_mps2 = 9.81;
-  double time_max_s = 6;  ///< time limit if the dice don't come to rest before
+  double time_max_s = 6;  ///< time limit for dice that don't come to rest
   TableParameters table;
   std::vector<DieStart> dice{DieStart{}};
 };
 
-/// Probabilities of the kinds of proposals, which add up to 1, and step sizes (proposals.h).
+/// Probabilities and step sizes of the kinds of proposals (proposals.h). The probabilities add up
+/// to 1.
 struct ProposalParameters {
   double change_all = 0.02;
   double change_die = 0.03;

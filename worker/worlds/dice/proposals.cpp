@@ -21,7 +21,7 @@ Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
   return static_cast<Kind>(random::draw_by_share(shares, stream));
 }
 
-/// Returns the factor of steps: the scale times 2 to a power between -halvings and 0.
+/// Returns a step's factor, scale * 2^-n. n is uniform from 0 to `halvings`.
 double drawn_factor(const ProposalParameters& p, double scale, random::Stream& stream) {
   const std::uint64_t halvings =
       random::UniformInteger{.count = std::uint64_t{p.halvings} + 1}.draw(stream);
@@ -131,7 +131,7 @@ double share_of(const ContactShares& contacts, GridIndex index) {
 double reflected(double x, const Range& range) {
   const double width = range.high - range.low;
   CHECK_GT(width, 0);
-  // Map to a ring of twice the width, whose second half runs backwards.
+  // Map x to a ring of twice the width. The ring's second half runs backwards.
   double along = x - range.low;
   along -= 2 * width * std::floor(along / (2 * width));
   if (along > width) along = 2 * width - along;
@@ -179,8 +179,8 @@ sampling::Proposal<State> propose(const Parameters& parameters, const State& sta
 
 double contact_log_q_ratio(const State& state, const ContactShares& contacts,
                            const State& candidate, const ContactShares& candidate_contacts) {
-  // An override equal to the key's own value would also count as a difference, but doesn't occur
-  // here.
+  // If an override equalled the key's own value, it would also count as a difference. This doesn't
+  // occur here.
   const std::vector<GridIndex> changed = differences(state.overrides, candidate.overrides);
   CHECK_EQ(changed.size(), 1U);
   const double back = share_of(candidate_contacts, changed.front());

@@ -7,10 +7,10 @@
 // table's density is relative to the control points that its key draws. Each override adds its log
 // density minus the log density of the key's point at the same index. So a freshly drawn table has
 // log density 0, whatever its size. Relative densities suffice because Metropolis-Hastings uses
-// only ratios. If two tables have the same key, this ratio is their true ratio. A proposal that
-// draws a new key has the q ratio of two draws: the present table's density over the new table's
-// density. The product of this ratio and the target's ratio is 1 for any reference densities,
-// because both ratios contain the same densities. Thread safety: values and pure functions.
+// only ratios. If two tables have the same key, the ratio of relative densities is the true ratio.
+// If a proposal draws a new key, the q ratio is the present table's density divided by the new
+// table's density. The q ratio times the target's ratio is 1 for any reference densities, because
+// both ratios contain the same densities. Thread safety: values and pure functions.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// Number of draws from the map before the walk, and number of the walk's steps.
+/// k_draws is the number of draws from the map before the walk; k_walk_steps is the walk's length.
 constexpr std::uint32_t k_draws = 8;
 constexpr std::uint32_t k_walk_steps = 60;
 

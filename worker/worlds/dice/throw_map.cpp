@@ -10,14 +10,15 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// Maximum number of misses that the map uses. More misses would tell little more about the place.
+/// Maximum number of misses that the map uses. Further misses would tell little more about the
+/// place.
 constexpr std::size_t k_misses_max = 8;
 /// Minimum throws per number. With fewer, covariances are noise.
 constexpr std::size_t k_throws_per_number = 3;
-/// Factor by which g is widened to cover what the few throws don't show.
+/// Factor by which g is widened, because few throws don't show all of g.
 constexpr double k_widened = 1.2;
 constexpr double k_variance_min = 1e-4;
-/// Relative to a component's mean. A smaller standard deviation counts as 0.
+/// A standard deviation below this multiple of the component's mean counts as 0.
 constexpr double k_sd_min = 1e-9;
 
 double& at(DieThrow& one, std::size_t place) {
@@ -60,8 +61,8 @@ Normals normals_of(const std::vector<std::vector<double>>& rows) {
   return n;
 }
 
-/// Conditions the numbers on this event: the k-th number plus noise of the given standard deviation
-/// is 0.
+/// Conditions the numbers on an event: the k-th number plus noise is 0. `noise_sd` is the noise's
+/// standard deviation.
 void condition_on_zero(Normals& n, std::size_t k, double noise_sd) {
   const double variance = n.cov(k, k) + noise_sd * noise_sd;
   if (!(variance > 0)) return;
@@ -161,7 +162,8 @@ DieThrow ThrowMap::draw(random::Stream& stream) const {
 }
 
 double ThrowMap::log_g_over_p(const Scores& scores) const {
-  // Both densities are standard normal, in the scores and in g's coordinates; other terms cancel.
+  // p is standard normal in the scores, and g is standard normal in its own coordinates; other
+  // terms cancel.
   double squares_in_p = 0;
   double squares_in_g = 0;
   Scores normals{};

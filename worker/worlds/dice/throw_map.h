@@ -1,16 +1,17 @@
-// A map of throws that bring a die to its goals, learnt from throws of that die alone.
+// A map of throws that bring a die to its goals. The map is learnt from throws of the die without
+// other dice.
 //
 // The result of a throw depends chaotically on its start orientation, but the final place depends
-// mostly on the throw's speed and position: nearly linearly, with noise. So the map treats a
-// throw's random components (as standard scores) and its signed misses as jointly normal. The map
-// draws throws from the density
+// mostly on the throw's speed and position. This dependence is nearly linear, but noisy. So the map
+// treats a throw's random components and its signed misses as jointly normal. Components are
+// standard scores. The map draws throws from the density
 //
 //   q = prior_share p + (1 - prior_share) g,
 //
-// where p is the prior's density and g the conditional density of the scores given that all misses
-// are 0. The start orientation keeps its prior. A throw drawn from q has the weight v = p / q,
-// which is at most 1 / prior_share. So a bad map gives correct results and costs no more than this
-// factor.
+// where p is the prior's density, and g is the scores' density on the condition that all misses are
+// 0. The start orientation keeps its prior. A throw drawn from q has the weight v = p / q, which is
+// at most 1 / prior_share. So even a bad map gives correct results, and it costs no more than a
+// factor of 1 / prior_share.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -27,7 +28,7 @@
 
 namespace sleight::worlds::dice {
 
-/// A throw of one die without the other dice. The die came to rest.
+/// A throw of one die without the other dice. The die comes to rest.
 struct LoneThrow {
   DieThrow thrown;
   std::vector<Miss> misses;  ///< of the same goals for every throw
@@ -45,10 +46,10 @@ class ThrowMap {
   /// Returns v = p / q. REQUIRES: fixed components have the start's values.
   double prior_over_q(const DieThrow& one) const;
   bool is_prior() const { return is_prior_; }
-  /// Returns false if fewer than one in 10,000 prior throws are as far from the start's means as
-  /// this throw. The squares of n scores add up to at least n + 2 sqrt(n t) + 2 t with probability
-  /// at most e^-t (Laurent and Massart, Adaptive estimation of a quadratic functional by model
-  /// selection, Annals of Statistics 28, 2000, lemma 1).
+  /// Returns false if fewer than one in 10,000 prior throws are this far from the start's means.
+  /// The squares of n scores add up to at least n + 2 sqrt(n t) + 2 t with probability at most e^-t
+  /// (Laurent and Massart, Adaptive estimation of a quadratic functional by model selection, Annals
+  /// of Statistics 28, 2000, lemma 1).
   bool is_plausible(const DieThrow& one) const;
 
  private:

@@ -1,29 +1,29 @@
 // Dice as a world that acts in stages (worker/sampling/stages.h). Stage i adds die i to the throw.
 // The die is simulated first alone, then with the dice before it.
 //
-// Ground: the table, and for each die a pool of n throws that an island's particles share. The
-// throws are drawn from the die's q (throw_map.h). Each throw is simulated once without other dice,
-// so a particle can compare all throws before it chooses.
+// The ground has the table, and a pool of n throws for each die. An island's particles share the
+// pools. The throws are drawn from the die's q (throw_map.h). Each throw is simulated once without
+// other dice, so a particle can compare all throws before it chooses.
 //
 // Choice. A particle chooses throw j of the die's pool with probability v_j g_j / S. Here v = p /
 // q, and S is the sum of v_j g_j over the pool. The guess g is p_c of the die's goals for the lone
-// throw, but at least e^log_floor, since the other dice may turn any throw into one that meets the
+// throw. The guess is at least e^log_floor, because the other dice may make any throw meet the
 // goals. The weight is
 //
 //   S / (n g_j).
 //
-// The estimate is unbiased over pools: the probability of throw j times its weight is v_j / n. The
-// sum over a pool drawn from q has mean p for any g. Each die has its own pool, so no throw is used
-// twice.
+// The estimate is unbiased over pools: the probability of throw j times the throw's weight is v_j /
+// n. For any g, the sum over a pool drawn from q has mean p. Each die has its own pool, so no throw
+// is used twice.
 //
-// Given a state (ground_given), the ground has the state's table, and the state's throws come first
-// in their pools. The other throws of the pools are drawn as usual. A throw's place in its pool
-// doesn't matter, since all throws of a pool are drawn alike. So conditional islands keep the
+// If a state is given (ground_given), the ground has the state's table, and the state's throws come
+// first in their pools. The other throws of the pools are drawn as usual. A throw's place in its
+// pool doesn't matter, since all throws of a pool are drawn alike. So conditional islands keep the
 // table; local moves change it.
 //
-// The potential is p_c of the goals of the dice added so far, but at least e^log_floor. So the
-// potential is above 0, and every state can be reached, even a state whose last die pushes another
-// die to its goal. Thread safety: const functions may be called from several threads at once.
+// The potential is p_c of the added dice's goals, but at least e^log_floor. So the potential is
+// above 0, and every state can be reached, even a state whose last die pushes another die to its
+// goal. Thread safety: const functions may be called from several threads at once.
 #pragma once
 
 #include <cstddef>
@@ -51,9 +51,9 @@ struct ThrowGuide {
   std::vector<ThrowMap> maps;                    ///< by die
   std::vector<plan::FailurePointer> failures{};  ///< of the throws for the maps
   std::uint32_t throws_of_pool = 64;             ///< per die
-  /// Minimum log guess and log potential. With a lower minimum, a die that another die pushes to
-  /// its goal weighs so much that few islands hold most of Z. Measured with two dice: the largest
-  /// of 300 islands held 18% of Z at -8 and 3% at -3.
+  /// Minimum log guess and log potential. If the minimum is lower, a die that another die pushes to
+  /// its goal weighs so much that few islands hold most of Z. Measured with two dice: among 300
+  /// islands, the largest held 18% of Z if the minimum was -8, and 3% if it was -3.
   double log_floor = -3;
 };
 
@@ -122,7 +122,7 @@ class StagedDice : public Dice {
     return ground.simulations;
   }
 
-  /// Worlds that contain only one die, or only the first dice, with the goals of these dice.
+  /// Worlds that contain only one die or only the first dice, and only their goals.
   const Dice& alone(std::size_t die) const { return die == 0 ? first_[0] : alone_[die - 1]; }
   const Dice& first(std::size_t dice) const { return first_[dice - 1]; }
 
@@ -139,9 +139,9 @@ class StagedDice : public Dice {
 
 static_assert(sampling::ActsInStages<StagedDice>);
 
-/// Builds throws die by die for search. Each die is first thrown alone until it meets its goals: by
-/// draws from its map, then by a walk from the best draw. Then the die is thrown with the dice
-/// before it.
+/// Builds throws die by die for search. Each die is first thrown alone until it meets its goals:
+/// draws from its map come first, then a walk from the best draw. Then the die is thrown with the
+/// dice before it.
 class ThrowBuilder {
  public:
   using Prefix = ThrowPrefix;
@@ -152,7 +152,7 @@ class ThrowBuilder {
   std::uint32_t stages() const { return world_->stages(); }
   /// Low limits, because each try is a walk of many simulations.
   sampling::SearchLimits limits() const { return {.tries_of_stage = 10, .turns_per_stage = 10}; }
-  /// Returns a table drawn from the prior, without dice.
+  /// Draws a table from the prior, and returns it without dice.
   Prefix start(random::Stream& stream) const;
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
                                 sampling::SearchEffort& effort, random::Stream& stream) const;
@@ -169,7 +169,7 @@ class ThrowBuilder {
   };
 
   Lone looked_at(std::size_t die, State state, sampling::SearchEffort& effort) const;
-  /// Returns a lone throw of the die that meets its goals. Nothing after too many tries.
+  /// Returns a lone throw that meets the die's goals. After too many tries, returns nothing.
   std::optional<Lone> promising_throw(const Prefix& prefix, std::size_t die,
                                       sampling::SearchEffort& effort, random::Stream& stream) const;
 

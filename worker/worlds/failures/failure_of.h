@@ -8,8 +8,8 @@
 
 namespace sleight::worlds {
 
-/// Returns the failure of a state's simulation. Null if bodies overlap at their start: that is a
-/// known outcome, not a failure.
+/// Returns the failure of a state's simulation. If bodies overlap at their start, returns null:
+/// that is a known outcome.
 plan::FailurePointer failure_of(const physics::SceneError& error, base::Bytes state);
 
 }  // namespace sleight::worlds

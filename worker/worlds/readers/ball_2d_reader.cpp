@@ -81,7 +81,7 @@ class Ball2dReader final : public archive::StateReader {
     return {normals.begin(), normals.begin() + collisions()};
   }
 
-  /// The landing place and the starts of flights, along x.
+  /// The x coordinates of the landing place and of the flights' starts.
   std::vector<double> likeness(base::BytesView state) const override {
     const Motion simulated = motion(state);
     std::vector<double> places_m{simulated.landing.x_m};
@@ -125,7 +125,7 @@ class Ball2dReader final : public archive::StateReader {
 
   const scene::Scene& scene() const override { return scene_; }
 
-  /// The table's pieces, each with the tilt of its collision.
+  /// The table's pieces. A piece has the tilt of its collision's normal.
   scene::Variation variation(base::BytesView state,
                              std::span<const motion::Segment> segments) const override {
     const NormalAngles normals = decoded(state);

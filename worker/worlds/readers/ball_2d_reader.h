@@ -1,7 +1,7 @@
 // The reader of 2D ball archives.
 //
-// Likeness distance of two animations: the greatest distance between the places of collisions with
-// the same number, landing included, in ball diameters.
+// Likeness distance of two animations: the greatest distance in ball diameters between collisions
+// that have the same number. The landing counts as a collision.
 // Thread safety: readers may be used from several threads.
 #pragma once
 

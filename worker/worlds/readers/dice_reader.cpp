@@ -234,8 +234,8 @@ scene::Scene make_scene(const Parameters& parameters) {
   return scene;
 }
 
-/// Caches the last requested animations: the choice of kept animations compares each new animation
-/// with the same few others. Thread-safe.
+/// Caches the last requested animations. The choice of kept animations compares each new animation
+/// with the same few animations. Thread-safe.
 class LastAnimations {
  public:
   std::shared_ptr<const Animation> of(const Dice& world, base::BytesView bytes) {
@@ -256,8 +256,8 @@ class LastAnimations {
   }
 
  private:
-  /// Number of cached animations, several times the number stored per lineage. With twenty dice,
-  /// the cache uses a few megabytes.
+  /// Number of cached animations. This number is several times the number stored per lineage. The
+  /// cache uses a few megabytes for twenty dice.
   static constexpr std::size_t k_held = 16;
   struct Held {
     base::Bytes bytes;
@@ -300,8 +300,8 @@ class DiceReader final : public archive::StateReader {
     return values_of(decoded(bytes));
   }
 
-  /// The number of collisions with the table, then all dice's places at each time and at the end.
-  /// Places are NaN before a die starts.
+  /// First the number of collisions with the table, then all dice's places at each time and at the
+  /// end. Before a die starts, its place is NaN.
   std::vector<double> likeness(base::BytesView state) const override {
     const auto animation = animations_.of(world_, state);
     CHECK(animation->outcome.is_animation());
@@ -325,7 +325,7 @@ class DiceReader final : public archive::StateReader {
 
   bool is_unlike(std::span<const double> a, std::span<const double> b,
                  double distance) const override {
-    // The distance is the largest over the compared moments, so the first moments may suffice.
+    // The distance is the maximum over the compared times, so the first times may suffice.
     const Likeness left(a, world_.dice());
     const Likeness right(b, world_.dice());
     double most_m = 0;
@@ -351,7 +351,7 @@ class DiceReader final : public archive::StateReader {
 
   const scene::Scene& scene() const override { return scene_; }
 
-  /// The table's control points around the places where dice touch the table.
+  /// The table's control points near places where dice touch the table.
   scene::Variation variation(base::BytesView bytes,
                              std::span<const motion::Segment> segments) const override {
     const State state = decoded(bytes);
@@ -416,7 +416,8 @@ class DiceReader final : public archive::StateReader {
     }
   }
 
-  /// Greatest distance at the nth time; 0 if no die has started in both animations.
+  /// Greatest distance of a die at the nth time. If no die has started in both animations, the
+  /// distance is 0.
   double most_apart_m(const Likeness& left, const Likeness& right, std::size_t nth) const {
     double most_m = 0;
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {

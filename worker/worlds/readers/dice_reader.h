@@ -3,10 +3,11 @@
 // Segments show each die with its shown numbering (numbering.h), so orientations refer to the
 // numbered die.
 //
-// Likeness distance of two animations: the greatest distance between a die's centres at the same
-// time (all dice, every sixtieth of a second), in sides of a die. The distance also includes the
-// difference between the numbers of collisions with the table, divided by the larger number. Thread
-// safety: readers may be used from several threads.
+// Likeness distance of two animations: the sum of two terms. The first term is the greatest
+// distance between a die's centres in the two animations, in sides of a die. This distance covers
+// all dice at every sixtieth of a second. The second term is the difference between the numbers of
+// collisions with the table, divided by the larger number. Thread safety: readers may be used from
+// several threads.
 #pragma once
 
 #include <memory>

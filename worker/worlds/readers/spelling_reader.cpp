@@ -63,7 +63,7 @@ archive::WorldLayout make_layout(const Spelling& world) {
                          "enable_balls", "aim_ball", "scatter_ball", "solo_walk", "solo_step"}};
 }
 
-/// A state without offsets, in which all balls are dropped at the first designated bin.
+/// A state without offsets. All balls are dropped at the first designated bin.
 State plain_state(const Spelling& world) {
   const auto vertices = world.bins().vertices_m().size();
   return {.offsets_m = std::vector<Vec3>(vertices, Vec3{0, 0, 0}),
@@ -128,7 +128,7 @@ class SpellingReader final : public archive::StateReader {
       : world_(parameters), layout_(make_layout(world_)) {
     if (parameters.proposal.kernel == Kernel::thesis)
       layout_.warning = "biased kernel: thesis (A.2.2 as printed)";
-    // A natural throw drops all balls. There are as many balls as designated bins, so all are
+    // A natural throw drops all balls. There are as many balls as designated bins, so all balls are
     // active in every solution.
     layout_.log_natural_throw = world_.balls() * math::log(0.5);
     const auto simulated = world_.scene(plain_state(world_));
@@ -144,7 +144,7 @@ class SpellingReader final : public archive::StateReader {
     return values_of(decoded(state));
   }
 
-  /// The balls of the designated bins.
+  /// For each designated bin, the ball that fills it.
   std::vector<double> likeness(base::BytesView state) const override {
     const std::vector<int> balls = world_.balls_of_bins(decoded(state));
     return {balls.begin(), balls.end()};

@@ -1,7 +1,7 @@
 // The reader of spelling archives.
 //
-// Likeness distance of two animations: the share of designated bins that aren't filled by the same
-// ball in both.
+// Likeness distance of two animations: the share of designated bins that don't have the same ball
+// in both animations.
 // Thread safety: readers may be used from several threads.
 #pragma once
 

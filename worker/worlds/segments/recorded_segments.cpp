@@ -19,7 +19,7 @@ motion::Mode mode_of(physics::MotionMode mode) {
   base::check_failed("the mode is known", "");
 }
 
-/// The cause of a segment's beginning, and the partner if the cause is a hit.
+/// Why a segment begins. If a hit is the cause, `partner` is set.
 struct Beginning {
   motion::Cause cause = motion::Cause::start;
   std::int32_t partner = motion::k_no_partner;

@@ -21,9 +21,9 @@ struct RecordedBody {
 /// Maps an index in the simulator's static geometry to a fixed scene feature.
 using FixedFeature = std::function<std::int32_t(std::uint32_t index)>;
 
-/// Returns all bodies' segments: body by body, each in the order of time.
-/// REQUIRES: `bodies` has one entry per body of the recording. Each body's moments of inertia are
-/// equal, so that it turns about a fixed axis in flight.
+/// Returns the segments of all bodies, ordered by (body, time).
+/// REQUIRES: `bodies` has one entry per body of the recording. A body's moments of inertia are
+/// equal, so the body turns about a fixed axis in flight.
 std::vector<motion::Segment> recorded_segments(const physics::Recording& recording,
                                                std::span<const RecordedBody> bodies,
                                                const FixedFeature& fixed);

@@ -38,7 +38,7 @@ double log_of(std::size_t count) {
   return math::log(static_cast<double>(count));
 }
 
-/// Returns the ball in which two states differ, or nothing if they don't.
+/// Returns the ball in which two states differ. If they don't differ, returns nothing.
 std::optional<std::size_t> changed_ball(const State& a, const State& b) {
   for (std::size_t ball = 0; ball < a.active.size(); ++ball) {
     if (a.active[ball] != b.active[ball] || a.drops_m[ball] != b.drops_m[ball]) return ball;

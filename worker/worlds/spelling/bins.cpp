@@ -29,8 +29,8 @@ physics::StaticConvex block(const char* name, const Vec3& low_m, const Vec3& hig
 
 }  // namespace
 
-/// Collects vertices and triangles. A crossing is where lines between bins meet, including the
-/// box's border. There are columns + 1 column lines (i) and rows + 1 row lines (j).
+/// Collects vertices and triangles. Lines run between bins and along the box's border. A crossing
+/// is where two lines meet. There are columns + 1 column lines (i) and rows + 1 row lines (j).
 struct Bins::Builder {
   const WorldParameters& world;
   const Bins& bins;
@@ -54,7 +54,7 @@ struct Bins::Builder {
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     triangles.push_back({a, b, c});
   }
-  /// Corners are anticlockwise, seen from outside.
+  /// Corners are anticlockwise as seen from outside.
   void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
     triangle(a, b, c);
     triangle(a, c, d);
@@ -77,13 +77,13 @@ struct Bins::Builder {
       }
     }
   }
-  /// Returns the corner of a crossing on the given side of each line. A border's line has only one
-  /// side.
+  /// Returns a crossing's corner. `x` and `y` tell the corner's side of each line. A border's line
+  /// has only one side.
   std::uint32_t top(std::uint32_t i, std::uint32_t j, std::uint32_t x, std::uint32_t y) const {
     return tops.at({i, j, inner_x(i) ? x : 0, inner_y(j) ? y : 0});
   }
 
-  /// Returns the corner, or k_no_vertex at a corner of the box.
+  /// Like top(), but returns k_no_vertex at a corner of the box.
   std::uint32_t corner(std::uint32_t i, std::uint32_t j, std::uint32_t x, std::uint32_t y) const {
     return inner_x(i) || inner_y(j) ? top(i, j, x, y) : k_no_vertex;
   }
@@ -140,9 +140,9 @@ struct Bins::Builder {
       below[vertex] = added;
       return added;
     };
-    // Triangles are slivers if the bottom vertex is in line with a partition's end, or nearly in
-    // line with a thin partition's end. So the bottom vertex is below the middle of a bin, and
-    // deeper below thin partitions.
+    // If the bottom vertex is in line with a partition's end, or nearly in line with a thin
+    // partition's end, triangles are slivers. So the bottom vertex is below the middle of a bin,
+    // and deeper below thin partitions.
     const auto middle = [&](std::uint32_t bins_along) {
       return bins_along % 2 == 0 ? 0.5 * bins.pitch_m_ : 0.0;
     };

@@ -1,18 +1,18 @@
 // The geometry of the box of bins (thesis A.2.1, figure A.1).
 //
-// Frame: the origin is in the middle of the box on the floor's rim. The x axis points right along
-// the columns, y upwards along the rows (row 0 of a pattern has the largest y), and z up.
+// Frame: the origin is in the middle of the box on the floor's rim. The x axis points right, from
+// column to column. The y axis points towards a pattern's row 0. The z axis points up.
 //
-// Idea. Floor domes, partition sides and partition tops form one closed surface, so that bodies
-// can't meet the surface from inside or meet an edge twice. At a crossing of two partitions, their
-// tops have four corners. Each corner is a separate vertex (a "partition vertex"). With one vertex
-// per crossing, the tops would always be level across, and balls would stay on them. A partition
-// that meets the box's wall ends in two vertices, half a thickness inside the wall's inner face.
-// The walls are blocks around the box.
+// Idea. Floor domes, partition sides and partition tops form one closed surface, so bodies can't
+// meet the surface from inside or meet an edge twice. Where two partitions cross, their tops have
+// four corners. Each corner is a separate vertex (a "partition vertex"). If a crossing had only one
+// vertex, the tops would always be level across, and balls would stay on them. A partition that
+// meets the box's wall ends in two vertices, half a thickness inside the wall's inner face. The
+// walls are blocks around the box.
 //
 // Invariants
 //   1. Vertices 0 to vertex_count() - 1 of the mesh are the partition vertices. Crossings are
-//      ordered row by row from the lowest y and x, and so are the corners within a crossing.
+//      ordered row by row from the lowest y and x. Corners within a crossing have the same order.
 // Thread safety: const after construction.
 #pragma once
 
@@ -58,8 +58,8 @@ class Bins {
   double pitch_m() const { return pitch_m_; }
   /// Half of the box's length and width, measured between its walls.
   const Vec2& half_m() const { return half_m_; }
-  /// Returns the bin below or above a place, or nothing outside the box. The middle of a partition
-  /// belongs to the bin with the larger coordinates.
+  /// Returns the bin at a place's x and y, or nothing if the place is outside the box. The middle
+  /// of a partition belongs to the bin with the larger coordinates.
   std::optional<Bin> bin_at(const Vec3& place_m) const;
   Vec3 floor_middle_m(const Bin& bin) const;
   /// Returns the partition vertices at a bin's corners; k_no_vertex at a corner of the box.
@@ -67,15 +67,15 @@ class Bins {
     return corners_[std::size_t{bin.row} * columns_ + bin.column];
   }
 
-  /// Returns the surface with moved partition vertices. Returns nothing if the offsets turn the
-  /// surface inside out.
+  /// Returns the surface with moved partition vertices. If the offsets turn the surface inside out,
+  /// returns nothing.
   std::shared_ptr<const physics::TriangleMesh> surface(std::span<const Vec3> offsets_m) const;
   /// Returns a copy of the surface without offsets.
   std::shared_ptr<physics::TriangleMesh> unmoved_surface() const {
     return std::make_shared<physics::TriangleMesh>(*mesh_);
   }
   std::span<const physics::StaticConvex> walls() const { return walls_; }
-  /// Returns the plane on which the box stands, at the lower end of its walls.
+  /// Returns the plane on which the box stands. The plane is at the walls' lower end.
   physics::StaticPlane ground() const;
 
  private:

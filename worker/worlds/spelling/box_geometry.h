@@ -1,5 +1,5 @@
-// The simulator's geometry of the box of bins, reused between simulations. Only moved partition
-// vertices are updated, since most proposals move few vertices or none.
+// The simulator's geometry of the box of bins. Simulations reuse the geometry. A simulation updates
+// only moved partition vertices, because most proposals move few vertices or none.
 // Thread safety: BoxGeometry isn't thread-safe; BoxGeometries is.
 #pragma once
 
@@ -20,20 +20,20 @@ namespace sleight::worlds::spelling {
 
 class BoxGeometry {
  public:
-  /// `with_bodies`: a scene of a box without offsets, with at least one body.
+  /// `with_bodies` is a scene of a box. The box has no offsets. REQUIRES: the scene has a body.
   BoxGeometry(const physics::Scene& with_bodies, std::shared_ptr<physics::TriangleMesh> mesh,
               std::uint32_t vertices);
 
-  /// Moves the partition vertices to these offsets. Returns false, without any change, if the
-  /// offsets turn the box inside out.
+  /// Moves the partition vertices to these offsets. If the offsets turn the box inside out, changes
+  /// nothing and returns false.
   [[nodiscard]] bool move_to(const Bins& bins, std::span<const Vec3> offsets_m);
 
-  /// Counts the vertices that would have to move, among a fixed selection of vertices.
+  /// Returns how many vertices of a fixed selection would have to move.
   std::size_t moves_to(std::span<const Vec3> offsets_m) const;
   /// The mesh stays unchanged until the next move.
   const std::shared_ptr<physics::TriangleMesh>& mesh() const { return mesh_; }
   const physics::NearFeatures& near() const { return near_; }
-  /// The simulator, which reuses its memory from one simulation to the next.
+  /// The simulator reuses its memory from one simulation to the next.
   physics::Marbles& marbles() { return marbles_; }
 
  private:
@@ -63,8 +63,8 @@ class BoxGeometries {
     std::unique_ptr<BoxGeometry> geometry_;
   };
 
-  /// Returns the free geometry that is nearest to these offsets, or a new one from `make`. So each
-  /// thread mostly gets the geometry of its last simulation again.
+  /// Returns the free geometry nearest to these offsets. If no geometry is free, returns what
+  /// `make` makes. So each thread mostly gets the geometry of its last simulation again.
   template <class Make>
   Loan borrow(std::span<const Vec3> offsets_m, const Make& make) {
     if (auto free = take(offsets_m)) return Loan(*this, std::move(free));

@@ -1,14 +1,13 @@
-// A map of where to drop a ball so that it comes to rest in a bin, learnt from balls that fall
-// alone.
+// A map that tells where to drop a ball so that it comes to rest in a bin. The map is learnt from
+// balls that fall alone.
 //
 // A lone ball that fills a designated bin was dropped at some displacement from the bin's middle.
-// Bins are alike and the box is nearly symmetric, so displacements of all bins are counted
-// together, each with its eight mirror images. The map has no data beyond k_reach bins, and little
-// data about rare displacements. So users of the map mix it with other draws.
+// Bins are alike, so displacements of all bins are counted together. The box is nearly symmetric,
+// so a displacement counts with its eight mirror images. The map has no data beyond k_reach bins,
+// and little about rare displacements. So users of the map also draw from other densities.
 //
 // Landings are counted in batches. Each batch is a pure function of the run's seed and the batch's
-// number, so that any number of workers learn the same map. Thread safety: values and pure
-// functions.
+// number, so any number of workers learn the same map. Thread safety: values and pure functions.
 #pragma once
 
 #include <cstddef>
@@ -23,11 +22,12 @@
 
 namespace sleight::worlds::spelling {
 
-/// Counts of lone balls by cell of a square grid. A ball's cell contains the displacement of its
-/// drop from the bin that it filled.
+/// Numbers of lone balls in the cells of a square grid. A ball's displacement from the filled bin
+/// to the drop is in the ball's cell.
 class Landings {
  public:
-  /// Cells per bin pitch, and the grid's reach to each side in bins.
+  /// k_cells is the number of cells per bin pitch. k_reach is the grid's reach to each side, in
+  /// bins.
   static constexpr std::uint32_t k_cells = 10;
   static constexpr double k_reach = 4.5;
   static constexpr std::uint32_t k_side = 90;  ///< cells per side: 2 k_reach k_cells
@@ -44,7 +44,7 @@ class Landings {
   std::uint64_t total() const { return total_; }
   std::uint64_t count(std::size_t cell) const { return counts_[cell]; }
   double pitch_m() const { return pitch_m_; }
-  /// Failed simulations. A ball whose simulation failed counts as landed nowhere.
+  /// Failed simulations. If a ball's simulation failed, the ball doesn't count as landed.
   const std::vector<plan::FailurePointer>& failures() const { return failures_; }
   void add_failure(plan::FailurePointer failure) { failures_.push_back(std::move(failure)); }
 
@@ -55,7 +55,7 @@ class Landings {
   std::vector<plan::FailurePointer> failures_{};
 };
 
-/// Balls per batch. Each ball is dropped anywhere. Each batch draws one box from the prior.
+/// Balls per batch. A batch draws a box from the prior. Each ball is dropped anywhere on the box.
 inline constexpr std::uint32_t k_landings_of_batch = 100;
 Landings landings_of_batch(const Spelling& world, std::uint64_t seed, std::uint64_t batch);
 /// Returns the sum of the first `batches` batches.
@@ -64,7 +64,7 @@ Landings landings_of(const Spelling& world, std::uint64_t seed, std::uint64_t ba
 /// A density of displacements, estimated from landings.
 class LandingMap {
  public:
-  /// Without any landing, all displacements within reach are equally likely.
+  /// If there are no landings, all displacements within reach are equally likely.
   explicit LandingMap(const Landings& landings);
 
   Vec2 draw(random::Stream& stream) const;
@@ -77,12 +77,12 @@ class LandingMap {
   std::vector<double> cumulative_;  ///< up to and including each cell; the last is 1
 };
 
-/// Share of a bin's drops that come from its window (Windows), which reaches places where the map
-/// has no landings.
+/// Share of a bin's drops that come from the bin's window (Windows). The window reaches places
+/// where the map has no landings.
 inline constexpr double k_window_share = 0.15;
 
-/// Drops for a designated bin, drawn from its window or from the map around its middle. Some of
-/// these drops are outside the drop region. REQUIRES: world and map outlive the drops.
+/// Drops for a designated bin. Drops are drawn from the bin's window, or from the map around the
+/// bin's middle. Some drops are outside the drop region. REQUIRES: world and map outlive the drops.
 class BinDrops {
  public:
   BinDrops(const Spelling& world, const LandingMap& map) : world_(&world), map_(&map) {}

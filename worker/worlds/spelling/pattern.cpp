@@ -174,7 +174,7 @@ base::Result<Pattern, std::string> pattern_of_word(std::string_view word, Font f
     glyphs.push_back(glyph);
     width += glyph->width + 1;
   }
-  // Characters are one column apart, with a ring of empty bins around the word.
+  // Characters are one column apart. A ring of empty bins surrounds the word.
   const auto height = static_cast<std::uint32_t>(font);
   Pattern pattern = empty_pattern(width + 1, height + 2);
   std::uint32_t left = 1;

@@ -1,5 +1,5 @@
-// A pattern is a picture of the bins that shall hold a ball, made from a word or from rows of '.'
-// and '#'.
+// A pattern is a picture of the bins that shall hold a ball. A pattern is made from a word, or from
+// rows of '.' and '#'.
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -27,16 +27,17 @@ struct Pattern {
 
 enum class Font : std::uint8_t { rows_5 = 5, rows_7 = 7 };
 
-/// Reads rows of '.' and '#' of equal length, one per line; ignores empty lines at both ends. An
-/// error names the faulty line and the reason.
+/// Reads rows of '.' and '#'. Each line is a row; all rows are equally long. Ignores empty lines at
+/// both ends. An error names the faulty line and the reason.
 base::Result<Pattern, std::string> pattern_of_rows(std::string_view rows);
 
-/// Draws upper- or lower-case letters, digits and spaces, one column apart, with a ring of empty
-/// bins around the word. An error names the first character without a picture.
+/// Draws upper- or lower-case letters, digits and spaces. Characters are one column apart. A ring
+/// of empty bins surrounds the word. If characters have no picture, the error names the first such
+/// character.
 base::Result<Pattern, std::string> pattern_of_word(std::string_view word, Font font);
 
-/// Returns the picture in the middle of a larger grid. If it can't be centred exactly, it is one
-/// bin nearer to the left or the top. REQUIRES: the picture fits.
+/// Returns the picture in the middle of a larger grid. If the exact middle is impossible, the
+/// picture is one bin nearer to the left or the top. REQUIRES: the picture fits.
 Pattern centred(const Pattern& pattern, std::uint32_t columns, std::uint32_t rows);
 
 /// Returns the thesis's HI: ten bins of seven by five (figure 2.7).

@@ -1,5 +1,5 @@
-// A pouring: balls that drop one after another, and the outcome of the balls dropped so far. Search
-// builds pourings (pouring_builder.h), and islands extend them (pouring_stages.h).
+// A pouring has balls that drop one after another, and the outcome of the balls dropped so far.
+// Search builds pourings (pouring_builder.h), and islands extend them (pouring_stages.h).
 // Thread safety: values and pure functions.
 #pragma once
 

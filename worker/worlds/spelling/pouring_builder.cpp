@@ -22,7 +22,7 @@ std::optional<Vec2> PouringBuilder::promising_drop(const Pouring& prefix,
     const Vec2 drop_m = drops_.draw(bin, stream);
     if (!world_->prior().may_drop_at(drop_m)) continue;
 
-    // A ball dropped above a full bin would hit the ball in that bin.
+    // If a ball is dropped above a full bin, it hits the ball in that bin.
     if (is_full(full, world_->number_below(drop_m))) continue;
 
     const Spelling::Alone alone = world_->fall_alone(prefix.state.offsets_m, drop_m);

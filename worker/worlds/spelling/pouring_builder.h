@@ -1,10 +1,10 @@
-// Pourings built ball by ball, for search (worker/sampling/stage_search.h).
+// Builds pourings ball by ball for search (worker/sampling/stage_search.h).
 //
-// Balls drop one after another, and later balls seldom move earlier ones. So ball i is dropped
-// where it would fill an empty bin alone: draw a drop from the map of landings or from a window
-// around the bin, then simulate the ball alone. The drop is kept if, after it, each of the balls 0
-// to i fills a bin. Balls that reach their bin only with another ball's push are never tried. So
-// finds are plausible, but don't occur in the model's proportions.
+// Balls drop one after another, and later balls seldom move earlier balls. So ball i is dropped
+// where it would fill an empty bin alone. For this, the builder draws a drop from the map of
+// landings or from a window around the bin, and simulates the ball alone. If each of the balls 0 to
+// i then fills a bin, the drop is kept. The search never tries a drop if the ball needs another
+// ball's push to reach its bin. So finds are plausible, but don't occur in the model's proportions.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace sleight::worlds::spelling {
 
-/// Number of lone balls that are simulated before a try counts as failed.
+/// A try fails after this number of simulated lone balls.
 inline constexpr std::uint32_t k_lone_tries_max = 200;
 
 class PouringBuilder {
@@ -32,7 +32,7 @@ class PouringBuilder {
 
   std::uint32_t stages() const { return world_->balls(); }
   sampling::SearchLimits limits() const { return {}; }
-  /// Returns a box drawn from the prior, without balls.
+  /// Draws a box from the prior, and returns it without balls.
   Prefix start(random::Stream& stream) const;
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
                                 sampling::SearchEffort& effort, random::Stream& stream) const;
@@ -41,8 +41,8 @@ class PouringBuilder {
   const Outcome& outcome_of(const Prefix& prefix) const { return prefix.outcome; }
 
  private:
-  /// Returns a drop with which the next ball would fill an empty bin alone. Nothing after
-  /// k_lone_tries_max tries.
+  /// Returns a drop from which the next ball would fill an empty bin if it fell alone. After
+  /// k_lone_tries_max tries, returns nothing.
   std::optional<Vec2> promising_drop(const Prefix& prefix, sampling::SearchEffort& effort,
                                      random::Stream& stream) const;
 

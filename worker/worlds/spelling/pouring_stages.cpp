@@ -15,20 +15,20 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Each bin's share is averaged with the mean share, which has the weight of this number of drops.
-/// So a bin has a share above 0 even if no drop of the pool fills the bin.
+/// A bin's share is averaged with the mean share, which counts like this number of drops. So even
+/// if no drop of the pool fills a bin, the bin's share is above 0.
 constexpr double k_drops_of_the_mean = 3;
-/// Minimum mean share, for pools without any landing.
+/// Minimum mean share. This minimum matters if no drop of a pool fills a bin.
 constexpr double k_mean_share_min = 1e-5;
 
 constexpr std::size_t k_ranges = std::tuple_size_v<DropOdds::ByDistance>;
 
-/// Returns the index in DropOdds::ByDistance of a distance in bins.
+/// Returns the index of a distance, in bins, in DropOdds::ByDistance.
 std::uint8_t range_of(double bins) {
   return bins < 1 ? 0 : bins < 1.5 ? 1 : bins < 2.5 ? 2 : 3;
 }
 
-/// Kinds of drops. The sorts are numbers for the values of DropOdds: `own_bin` is sort 0, kind k at
+/// Kinds of drops. A sort is the number of a value in DropOdds. `own_bin` is sort 0. Kind k at
 /// range r is sort 1 + (k - 1) k_ranges + r.
 enum SortOfDrop : std::uint8_t { own_bin, beside, above_full, meets_full, misses };
 constexpr std::size_t k_sorts = 1 + 4 * k_ranges;
@@ -60,8 +60,8 @@ std::uint8_t sort_of(const PoolDrop& drop, const std::vector<std::uint8_t>& full
   return static_cast<std::uint8_t>(1 + (kind - 1) * k_ranges + range);
 }
 
-/// Returns the odds for choosing drops of each sort for all particles together. The best number of
-/// drops of a sort is proportional to the square root of its odds: n draws with odds p have a
+/// Returns the odds with which all particles together choose drops of each sort. The best number of
+/// drops of a sort is proportional to the square root of its odds: n draws at odds p have a
 /// variance proportional to p / n.
 DropOdds flattened(const DropOdds& odds) {
   const auto root = [](double x) { return std::sqrt(x); };
@@ -190,7 +190,7 @@ void StagedSpelling::fill_pool(const Guide& guide, random::Stream& stream, Groun
             place, ground);
   }
 
-  // Estimate, for each bin, the share of prior drops that fill the bin without other balls.
+  // For each bin, estimate the share of prior drops that fill the bin without other balls.
   std::vector<double> landings(balls(), 0);
   for (const PoolDrop& drop : ground.pool)
     if (drop.alone != k_fills_none) landings[static_cast<std::size_t>(drop.alone)] += drop.v;
@@ -215,7 +215,7 @@ PouringGround StagedSpelling::ground_given(const Guide& guide, const State& stat
                                            random::Stream& stream) const {
   Ground ground = empty_ground(guide, state.offsets_m);
 
-  // Put each ball's drop in an unused place of a stratum that may have produced the drop.
+  // Put each ball's drop in an unused place. The place's stratum may have produced the drop.
   const std::uint32_t n = drops_per_bin(guide);
   std::vector<std::uint8_t> is_retained(ground.pool.size(), 0);
   std::vector<std::uint32_t> used_of_bin(balls(), 0);
@@ -328,7 +328,8 @@ std::size_t StagedSpelling::sorts() const {
   return k_sorts + 1;
 }
 
-/// Leaving a ball out always has positive mass, but is of little use if nothing can be dropped.
+/// The mass for leaving a ball out. This mass is always positive, but of little use if nothing can
+/// be dropped.
 double StagedSpelling::mass_left_out(const Guide& guide, double mass_of_drops) const {
   constexpr double k_mass_min = 1e-300;
   return std::max(mass_of_drops, k_mass_min) * (1 - guide.takes_part);

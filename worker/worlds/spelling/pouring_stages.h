@@ -1,37 +1,37 @@
 // The spelling world's stages (worker/sampling/stages.h). Stage i decides whether ball i takes
 // part, and drops it.
 //
-// Ground: the offsets, drawn from the prior, and a pool of drops that an island's particles share.
-// Each drop of the pool is simulated once as a ball that falls alone, so that a particle can
-// compare all drops before it chooses. For each designated bin b, the pool has a stratum of n drops
-// drawn from
+// The ground has the offsets, which are drawn from the prior, and a pool of drops. An island's
+// particles share the pool. Each drop of the pool is simulated once as a ball that falls alone, so
+// a particle can compare all drops before it chooses. For each designated bin b, the pool has a
+// stratum of n drops drawn from
 //
 //   q_b = prior_share p + (1 - prior_share) d_b,
 //
-// where p is the prior's density of a drop, and d_b the density of BinDrops (landing_map.h). With q
-// the mean of all q_b, a drop at x has v = p(x) / q(x).
+// where p is the prior's density of a drop, and d_b is the density of BinDrops (landing_map.h). Let
+// q be the mean of all q_b. A drop at x has v = p(x) / q(x).
 //
 // Choice. A ball takes part with probability `takes_part` (1/2 in the prior). If it does, an unused
 // drop j of the pool is chosen with probability v_j s_j g_j / S, where S is the sum over unused
-// drops. The guess g_j estimates the probability that the ball fills an empty bin. The factor s_j
-// is n / (n - used drops of j's stratum) and compensates for used drops. The weight is
+// drops. The guess g_j estimates the probability that the ball fills an empty bin. The factor s_j =
+// n / (n - used drops of j's stratum) compensates for used drops. The weight is
 //
 //   (1/2) / takes_part  S / (K g_j),   where K is the number of drops in the pool.
 //
 // The estimate is unbiased over pools. The probability of a sequence of drops times its weights is
 // the product of v_j s_j / K. A sequence uses each drop of the pool at most once, so its drops are
 // independent. The sum of s_j / K over the unused drops of a stratum gives (n / K) q_b. The sum
-// over strata gives q, and q v = p. The number n must be at least the number of balls, so that no
-// stratum is used up.
+// over strata gives q, and q v = p. No stratum may be used up, so n must be at least the number of
+// balls.
 //
-// For a given state (ground_given), the places of the state's drops in the pool are drawn one after
-// another. First the stratum b is drawn with probability proportional to q_b at the drop, then an
-// unused place in the stratum. The rest of the pool is drawn as usual.
+// If a state is given (ground_given), the state's drops get places in the pool, one drop after
+// another. For each drop, a stratum b is drawn with probability proportional to q_b at the drop,
+// and then an unused place in this stratum. The rest of the pool is drawn as usual.
 //
-// The potential has a factor lambda for each filled bin (p_c of the prefix), and exp(log_elsewhere)
-// for each ball that fills no bin, including second balls in a bin. Each filled bin also
-// contributes the inverse of the share of prior drops that fill the bin alone, estimated from the
-// pool. So a bin that is hard to fill is worth more.
+// The potential has a factor lambda for each filled bin (p_c of the prefix). Another factor is
+// exp(log_elsewhere) for each ball that fills no bin, such as a second ball in a bin. The pool also
+// gives an estimate of the share of prior drops that fill a bin alone. Each filled bin contributes
+// the inverse of its share. So a bin that is hard to fill is worth more.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -51,12 +51,12 @@
 
 namespace sleight::worlds::spelling {
 
-/// Estimated probability that a ball fills an empty bin. The estimate depends on where the ball
-/// would go alone, what is below its drop, and the distance of the nearest empty bin. Any values
-/// above 0 give correct results; the defaults are the frequencies in islands of HI.
+/// Estimated probability that a ball fills an empty bin. The estimate depends on three things:
+/// where the ball would go alone, what is below its drop, and how far the nearest empty bin is. Any
+/// values above 0 give correct results; the defaults are the frequencies in islands of HI.
 struct DropOdds {
-  /// Values by the distance from the drop to the middle of the nearest empty bin, in bins: below 1,
-  /// below 1.5, below 2.5, and the rest.
+  /// Values by distance. A distance is from the drop to the nearest empty bin's middle, in bins.
+  /// The ranges are below 1, below 1.5, below 2.5, and the rest.
   using ByDistance = std::array<double, 4>;
   double own_bin = 0.95;                     ///< alone, the ball fills the empty bin below it
   ByDistance beside{0.96, 0.8, 0.54, 0.45};  ///< alone: another empty bin; not above a full bin
@@ -65,10 +65,11 @@ struct DropOdds {
   ByDistance misses{0.03, 0.012, 0.005, 0.001};   ///< alone: no bin; not above a full bin
 };
 
-/// Drops per designated bin in an island's pool. A pool has at least one drop per bin and ball.
+/// Drops per designated bin in an island's pool. For each bin, a pool has at least as many drops as
+/// there are balls.
 inline constexpr std::uint32_t k_drops_per_bin_min = 40;
-/// Maximum drops per designated bin if a request wants only odds. Pools for odds have four drops
-/// per bin for each ball, because all particles lack the drops that their shared pool lacks.
+/// Maximum drops per designated bin if a request wants only odds. For each bin, pools for odds have
+/// four drops per ball, because a drop that the shared pool lacks is missing for all particles.
 inline constexpr std::uint32_t k_drops_per_bin_max = 120;
 
 /// Fixed before sampling starts.
@@ -76,23 +77,24 @@ struct PouringGuide {
   LandingMap map;
   std::vector<plan::FailurePointer> failures{};  ///< of the lone balls for the map
   DropOdds odds{};
-  double takes_part = 0.98;   ///< in (0, 1); learn lets at most 0.2 balls stay out on average
+  double takes_part = 0.98;   ///< in (0, 1); after learn(), at most 0.2 balls stay out on average
   double log_elsewhere = -3;  ///< -infinity: prefixes with a ball elsewhere have potential 0
-  /// If set, a ball that fills no bin is worth less if fewer later balls may push it into a bin.
+  /// If set, a ball that fills no bin loses worth as fewer later balls remain that may push it into
+  /// a bin.
   bool elsewhere_declines = false;
   double prior_share = 0.15;                          ///< in (0, 1]
   std::uint32_t drops_per_bin = k_drops_per_bin_min;  ///< minimum; never below the number of balls
 };
 
-/// Batches of lone balls from which a run's map is learnt: 2,000 balls. More don't make searches
-/// faster.
+/// Number of batches of lone balls from which a run's map is learnt. They have 2,000 balls. More
+/// balls don't make searches faster.
 inline constexpr std::uint64_t k_landing_batches = 20;
 
 struct PoolDrop {
   Vec2 drop_m{0, 0};
   double v = 0;                       ///< 0: outside the drop region
   std::int16_t alone = k_fills_none;  ///< the bin that the ball fills alone
-  std::int16_t below = k_fills_none;  ///< the designated bin below it
+  std::int16_t below = k_fills_none;  ///< the designated bin below the drop
   /// The nearest designated bins, and the range of each in DropOdds::ByDistance. Unused entries are
   /// k_fills_none.
   std::array<std::int16_t, 8> near{};
@@ -104,8 +106,8 @@ struct PouringGround {
   std::vector<PoolDrop> pool;       ///< stratum by stratum
   std::vector<double> bin_share{};  ///< by bin: share of prior drops that fill it alone
   double mean_share = 0;            ///< over bins
-  /// By ball: where the pool contains the ball's drop in the given state. k_no_drop if the ball
-  /// takes no part or no state is given.
+  /// By ball: the pool's place that contains the given state's drop. k_no_drop if the ball takes no
+  /// part, or if no state is given.
   std::vector<std::uint32_t> retained{};
   std::vector<sampling::SimulationReport> failed{};  ///< lone balls of the pool that failed
 };
@@ -139,8 +141,8 @@ class StagedSpelling : public Spelling {
   std::uint32_t helped_balls(const State& state, const Outcome& outcome) const;
 
   std::uint32_t stages() const { return balls(); }
-  /// Returns a sentence for display. It says how long earlier runs for similar words took to draw
-  /// solutions in the model's proportions.
+  /// Returns a sentence for people. The sentence says how long earlier runs took to draw solutions
+  /// of similar words in the model's proportions.
   std::string past_effort() const;
   /// Returns a name such as "ball 3 of 16".
   std::string stage_name(std::uint32_t stage) const;
@@ -153,12 +155,12 @@ class StagedSpelling : public Spelling {
                                 std::uint32_t stage, Prefix& prefix) const;
   /// Returns the guide for islands whose particles choose together. Particles that choose together
   /// are resampled at each stage, so the potential of a ball that fills no bin must be close to
-  /// what the ball may still contribute. Otherwise all prefixes with such a ball are lost, and so
-  /// are all animations in which a later ball pushes that ball into its bin. With two or three
-  /// balls, such animations are a tenth of all solutions.
+  /// what the ball may still contribute. Otherwise all prefixes with such a ball are lost.
+  /// Animations in which a later ball pushes that ball into its bin are lost too. If there are two
+  /// or three balls, such animations are a tenth of all solutions.
   Guide for_odds(Guide guide) const;
-  /// Number of sorts of alternatives: the sorts of DropOdds, then leaving the ball out.
-  /// Alternatives are numbered like the pool's drops.
+  /// Number of sorts of alternatives. First come the sorts of DropOdds; the last sort leaves the
+  /// ball out. Alternatives are numbered like the pool's drops.
   std::size_t sorts() const;
   std::vector<double> masses(const Guide& guide, const Ground& ground, std::uint32_t stage,
                              const Prefix& prefix) const;
@@ -172,7 +174,7 @@ class StagedSpelling : public Spelling {
     return prefix.pouring.state;
   }
   Outcome outcome_of(const Prefix& prefix) const { return prefix.pouring.outcome; }
-  /// Returns the failed lone balls of the pool, which at worst give wrong guesses.
+  /// Returns the pool's failed lone balls. At worst, a failed lone ball gives a wrong guess.
   std::span<const sampling::SimulationReport> simulations_of(const Ground& ground) const {
     return ground.failed;
   }
@@ -181,7 +183,7 @@ class StagedSpelling : public Spelling {
   double density_of_stratum(const Guide& guide, std::size_t bin, const Vec2& drop_m) const;
 
  private:
-  /// How the unused drops of a pool are chosen after a prefix.
+  /// How a prefix chooses among a pool's unused drops.
   struct Choices {
     std::vector<double> guesses;  ///< g; 0 for drops that can't be chosen
     std::vector<double> shares;   ///< v s g
@@ -204,7 +206,7 @@ class StagedSpelling : public Spelling {
   void for_each_choice(const Guide& guide, const Ground& ground, const Prefix& prefix,
                        const Visit& visit) const;
   double mass_left_out(const Guide& guide, double mass_of_drops) const;
-  /// Returns the log weight of a drop chosen by `choices`.
+  /// Returns the log weight of a drop that was chosen by `choices`.
   double log_weight_of(const Guide& guide, const Ground& ground, const Choices& choices,
                        std::size_t place) const;
   sampling::Extension leave_out(const Guide& guide) const;

@@ -21,7 +21,8 @@ Vec3 gaussian(random::Stream& stream, double sd) {
   return {x, y, z};
 }
 
-/// Draws a length N(0, sd), of either sign, in a uniform direction: denser near 0 than a Gaussian.
+/// Draws a signed length N(0, sd) in a uniform direction. This distribution is denser near 0 than a
+/// Gaussian.
 Vec3 length_and_direction(random::Stream& stream, double sd) {
   const Vec3 direction = random::UniformDirection3{}.draw(stream);
   return random::Normal{.mean = 0, .sd = sd}.draw(stream) * direction;
@@ -37,10 +38,11 @@ double wrapped(double x, double half) {
   return std::clamp(x - turns * (2 * half), -half, half);
 }
 
-/// Maximum flip probability. The maximum is below 1, so that reverse proposals are possible.
+/// Maximum flip probability. The maximum is below 1, because reverse proposals must be possible.
 constexpr double k_flip_probability_max = 0.9;
 
-/// Disables active balls or enables inactive balls, each with a probability. Returns log q ratio.
+/// Disables each active ball, or enables each inactive ball, with a probability. Returns log q
+/// ratio.
 double flip_balls(const Prior& prior, const ProposalParameters& p, double scale, bool enable,
                   State& state, random::Stream& stream) {
   const double flip_probability =

@@ -1,32 +1,32 @@
-// Proposals that change spelling animations (thesis A.2.2), with the ratios that make Algorithm 2.1
+// Proposals that change spelling animations (thesis A.2.2), and the ratios that make Algorithm 2.1
 // correct.
 //
-// Each of the five kinds is its own reverse, except disable_balls and enable_balls, which are each
-// other's reverse and have the same probability. So each pair of kinds preserves the target by
-// itself. Let N be the number of balls, n the number of active balls, and a the area of the drop
+// Three of the five kinds are their own reverse. disable_balls and enable_balls are each other's
+// reverse, and have the same probability. So each kind, together with its reverse, preserves the
+// target. Let N be the number of balls, n the number of active balls, and a the area of the drop
 // region:
 //
 //   `change_all` draws from p_w independently of the state: log q ratio = log p_w of the present
 //     state - log p_w of the candidate.
-//   `change_vertices` adds, with a given probability per vertex, an isotropic Gaussian to the
-//     vertex; symmetric.
-//   `change_ball` moves the drop place of one active ball, chosen uniformly, in a uniform direction
-//     by a Gaussian length, wrapped at the region's edges; symmetric.
+//   `change_vertices` adds an isotropic Gaussian to each vertex with a given probability;
+//     symmetric.
+//   `change_ball` moves an active ball's drop place. Ball and direction are uniform, and the length
+//     is Gaussian. The place is wrapped at the region's edges; symmetric.
 //   `disable_balls` disables each active ball with probability f. If it disables m balls, the
-//     proposal has probability f^m (1-f)^(n-m), and its reverse f^m (1-f)^(N-n) a^-m. So log q
-//     ratio = (N - 2 n + m) log(1-f) - m log a.
+//     proposal has probability f^m (1-f)^(n-m). The reverse proposal has probability f^m
+//     (1-f)^(N-n) a^-m. So log q ratio = (N - 2 n + m) log(1-f) - m log a.
 //   `enable_balls` is the mirror image: log q ratio = (2 n - N + m) log(1-f) + m log a.
 //
 // If a kind finds nothing to change, it proposes the present state.
 //
-// The above holds for Kernel::correct. Kernel::thesis follows A.2.2 and A.2.1 as printed, which is
+// The above holds for Kernel::correct. Kernel::thesis follows A.2.2 and A.2.1 as printed. It is
 // biased:
 //
 //   `change_all` draws offsets as lengths N(0, vertex_sd) in uniform directions, although p_w
 //     scores the isotropic Gaussian. The proposal counts as symmetric: log q ratio = 0. Chains
 //     start with a draw by this `change_all`.
 //   `change_vertices` adds a length N(0, vertex_sd) in a uniform direction; symmetric.
-//   `disable_balls` has log q ratio = m log a: the text has a factor a for "a ball", so m balls
+//   `disable_balls` has log q ratio = m log a: the thesis has a factor a for "a ball", so m balls
 //     give a^m.
 //   `enable_balls` has log q ratio = -m log a.
 //
@@ -68,10 +68,10 @@ enum class Kind : std::uint8_t {
   enable_balls,
   aim_ball,  ///< see aimed_drops.h, also for scatter_ball
   scatter_ball,
-  // Compound proposals that are judged by simulations of lone balls, before all balls are simulated
-  // (solo_balls.h).
+  // Compound proposals. Simulations of lone balls judge these proposals before all balls are
+  // simulated (solo_balls.h).
   solo_walk,  ///< several steps
-  solo_step   ///< one step, which uses what is known of the state
+  solo_step   ///< one step; it uses what is known of the state
 };
 inline constexpr std::uint32_t k_kinds = 9;
 /// The first kinds are the thesis's kinds (A.2.2).
@@ -89,7 +89,7 @@ struct Prior {
   /// Draws the drop place of an active ball.
   Vec2 draw_drop(random::Stream& stream) const;
   bool may_drop_at(const Vec2& drop_m) const;
-  /// Normalised, for lengths in metres. -infinity outside the region.
+  /// The log density is for lengths in metres, and normalised. Outside the region, it is -infinity.
   double log_density(const State& state) const;
 };
 
@@ -97,9 +97,10 @@ struct Prior {
 /// prior.draw(stream) for Kernel::correct.
 State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream);
 
-/// `scales`: by kind, or empty for 1. Scales multiply the lengths by which vertices and balls move,
-/// and the probability that a ball is disabled or enabled (both use the scale of disable_balls).
-/// REQUIRES: the kinds that depend on the outcome have probability 0.
+/// `scales` is by kind; if empty, all scales are 1. Scales multiply the lengths by which vertices
+/// and balls move, and the probability of disabling or enabling a ball. Disabling and enabling both
+/// use the scale of disable_balls. REQUIRES: the kinds that depend on the outcome have probability
+/// 0.
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
                                   const State& state, std::span<const double> scales,
                                   random::Stream& stream);

@@ -23,11 +23,11 @@ constexpr std::array<request::Named<Kernel>, 2> k_kernels{
 
 /// Maximum bytes of an island, per worker.
 constexpr std::uint64_t k_island_bytes_max = std::uint64_t{1} << 30U;
-/// Bytes per ball in a simulated pouring, history included. Measured: 6.5 to 7.1 kB with I, HI and
-/// SLEIGHT.
+/// Bytes per ball in a simulated pouring. The bytes include the history. Measured: 6.5 to 7.1 kB
+/// with I, HI and SLEIGHT.
 constexpr std::uint64_t k_bytes_of_ball = 7200;
 
-/// Bytes of a particle: its pouring, and which drops of the pool it has used.
+/// Bytes of a particle. A particle stores its pouring, and which drops of the pool it has used.
 std::uint64_t prefix_bytes(std::uint64_t balls) {
   return balls * (k_bytes_of_ball + std::max<std::uint64_t>(k_drops_per_bin_min, balls));
 }
@@ -37,7 +37,7 @@ std::uint64_t particles_max(std::uint64_t balls) {
   return k_island_bytes_max / (2 * prefix_bytes(balls));
 }
 
-/// Minimum of rest_speed, and of rest_time, in multiples of bounce_end.
+/// Minimum of rest_speed and minimum of rest_time, both in multiples of bounce_end.
 constexpr double k_bounce_ends_min = 2;
 
 struct Lengths {
@@ -57,7 +57,8 @@ void length_mm(request::Binder& binder, std::string_view key, double& value_m,
   value_m = value_mm / 1e3;
 }
 
-/// Returns the pattern of a word or a bitmap, else the thesis's HI, or nothing on an error.
+/// Returns the pattern of the given word or bitmap. If neither is given, returns the thesis's HI.
+/// On an error, returns nothing.
 std::optional<Pattern> given_pattern(request::Binder& world, const std::string& word,
                                      const std::string& bitmap, Font font) {
   const char* key = word.empty() ? "bitmap" : "word";
@@ -82,8 +83,8 @@ std::optional<Pattern> given_pattern(request::Binder& world, const std::string& 
   return pattern;
 }
 
-/// Returns the pattern centred in a box of the given bins, or nothing if it doesn't fit. `key` is
-/// the pattern's key.
+/// Returns the pattern in the middle of a box of the given size. If the pattern doesn't fit,
+/// returns nothing. `key` is the pattern's key.
 std::optional<Pattern> pattern_in_box(request::Binder& world, const Pattern& pattern,
                                       std::optional<std::uint32_t> columns,
                                       std::optional<std::uint32_t> rows, const char* key) {
@@ -232,7 +233,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                 .maximum = 0.5,
                 .help = "speed below which a balanced ball comes to rest, in units of sqrt(gravity "
                         "x diameter)"});
-  // With a lower rest_speed, the slowest bounces would keep a ball from resting.
+  // If rest_speed were lower, the slowest bounces would keep a ball from resting.
   if (world.valid("bounce_end") && world.valid("rest_speed") &&
       p.rest_speed < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_speed",
@@ -244,7 +245,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                 .maximum = 10,
                 .help = "time below rest_speed after which a ball comes to rest, in units of "
                         "sqrt(diameter / gravity)"});
-  // With a shorter rest_time, a touch would expire before the ball's next bounce, and the ball
+  // If rest_time were shorter, a touch would expire before the ball's next bounce, and the ball
   // would never be in balance.
   if (world.valid("bounce_end") && world.valid("rest_time") &&
       p.rest_time < k_bounce_ends_min * p.bounce_end) {
@@ -281,8 +282,8 @@ void check_memory(request::Binder& sampler, std::uint32_t balls) {
                             k_island_bytes_max >> 20U, particles_max(balls)));
 }
 
-/// Refuses methods other than the thesis's, because those methods require a kernel with the right
-/// distribution.
+/// For the thesis kernel, refuses methods other than the thesis's. Other methods require a kernel
+/// that has the right distribution.
 void check_kernel(request::Binder& sampler, Kernel kernel) {
   if (kernel != Kernel::thesis || !sampler.valid("method")) return;
   if (value_of(sampler, "start") == "\"search\"") {
@@ -376,15 +377,15 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
         "can't be used with kernel \"thesis\", which implements A.2.2 of the thesis as printed");
 }
 
-/// With more balls, weights of islands with 32 particles differ so much that chains of islands
-/// hardly move. Words with more balls use chains that start from a search.
+/// Above this number of balls, weights of 32-particle islands differ so much that chains of islands
+/// hardly move. Longer words use chains that start from a search.
 constexpr std::uint32_t k_balls_by_islands_max = 20;
 
 /// Numbers of scans and particles in a tour of islands. Measured with HI in docs/MEASUREMENTS.
 constexpr std::uint32_t k_tour_scans = 16;
 constexpr std::uint32_t k_tour_particles = 32;
-/// Number of chains, one more than the usual number of solutions, because five of six draws of HI
-/// satisfy.
+/// Number of chains. There is one chain more than the usual number of solutions, because five of
+/// six draws of HI satisfy.
 constexpr std::uint32_t k_tour_chains = 6;
 
 void settle_log_lambda(request::Binder& constraint, Parameters& parameters, double chosen) {
@@ -393,14 +394,14 @@ void settle_log_lambda(request::Binder& constraint, Parameters& parameters, doub
   constraint.settle("log_lambda", request::toml_number(chosen));
 }
 
-/// Three particles per ball, because more can go wrong with more balls. The number is rounded up to
-/// a multiple of 16, and is at least 32 and at most 96. Measured in docs/MEASUREMENTS.
+/// Three particles per ball. If there are more balls, more can go wrong. The number is rounded up
+/// to a multiple of 16, and is at least 32 and at most 96. Measured in docs/MEASUREMENTS.
 std::uint32_t particles_for_odds(std::uint32_t balls) {
   const std::uint32_t wanted = std::clamp((3 * balls + 15) / 16 * 16, 32U, 96U);
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, particles_max(balls)));
 }
 
-/// Settings for odds. Islands estimate odds from the first island on, so they need no chain.
+/// Settings for odds. The first island already estimates odds, so islands need no chain.
 void settle_odds(request::Settled& settled, std::uint32_t balls,
                  request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
@@ -409,8 +410,8 @@ void settle_odds(request::Settled& settled, std::uint32_t balls,
 }
 
 /// Settings for chains of islands. If solutions are requested, chains restart for each solution;
-/// otherwise they continue. Islands find too few helped balls (pouring_stages.h), which have large
-/// weights. Further steps of a tour find more.
+/// otherwise they continue. Helped balls (pouring_stages.h) have large weights, but islands find
+/// too few. Further steps of a tour find more.
 void settle_islands(request::Settled& settled, std::uint32_t balls, const request::StopRule& stop,
                     request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
@@ -452,7 +453,7 @@ void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
 }
 
 /// Number of scans by which a chain relaxes a find. docs/MEASUREMENTS shows how similar the result
-/// still is to the find.
+/// and the find still are.
 std::uint32_t relax_scans_for(std::uint32_t balls) {
   return 90 + 3 * balls / 2;
 }
@@ -505,7 +506,7 @@ void serve_best(request::WorldSections& sections, request::SamplerParameters& sa
   request::Settled settled(sections.sampler);
   const std::uint32_t balls = parameters.pattern.count();
   // Lambda is so strict that most draws satisfy: each missing ball divides p_c by about e^6 times
-  // the number of balls. Finds with few balls relax sooner with a smaller lambda.
+  // the number of balls. If there are few balls, finds relax sooner with a smaller lambda.
   const double strict = std::round(6 + math::log(balls));
   const bool is_loose = stop.takes && balls <= k_balls_by_islands_max;
   settle_log_lambda(sections.constraint, parameters, is_loose ? strict - 1 : strict);

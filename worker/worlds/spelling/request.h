@@ -1,5 +1,5 @@
-// The keys of the balls that spell in a direction request, with the thesis's values as defaults.
-// The file's lengths are in millimetres.
+// The keys of the balls that spell in a direction request. Defaults are the thesis's values. The
+// file's lengths are in millimetres.
 #pragma once
 
 #include "common/request/direction_request.h"

@@ -1,6 +1,6 @@
-// The spelling world's surrogate (surrogate_transition.h): each ball as if it fell alone into the
-// box. Most balls meet no other ball on their way. A lone ball's bin depends only on its drop and
-// the box, so a change of one ball requires the simulation of one ball.
+// The spelling world's surrogate (surrogate_transition.h). The surrogate simulates each ball as if
+// the ball fell alone into the box. Most balls meet no other ball on their way. A lone ball's bin
+// depends only on its drop and the box. So if one ball changes, only one ball must be simulated.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace sleight::worlds::spelling {
 
 class Spelling;
 
-/// Balls that the surrogate treats as given: their bins and drops, by ball.
+/// The surrogate treats these balls as given. Bins and drops are by ball.
 struct Anchor {
   Filling bins{};  ///< k_fills_none for balls outside the anchor; empty if nothing is known
   std::vector<Vec2> drops_m{};  ///< 0 for balls outside the anchor
@@ -29,13 +29,14 @@ class SoloBalls {
  public:
   using State = spelling::State;
   struct Outcome {
-    /// False if an anchored ball differs, or if offsets leave no room for an active ball's start.
+    /// False if an anchored ball isn't dropped at its place, or if offsets leave no room for an
+    /// active ball's start.
     bool possible = true;
     Filling alone{};    ///< by ball: the bin that it fills alone
     Filling filling{};  ///< same as `alone`, without second balls in a bin
     std::uint32_t filled = 0;
-    /// Failure of the first failed ball among the balls simulated for this outcome. The guess for a
-    /// failed ball is that it fills no bin.
+    /// The first failure among the balls simulated for this outcome. A failed ball is guessed to
+    /// fill no bin.
     plan::FailurePointer failure{};
   };
   /// A failed simulation leaves a usable guess.
@@ -47,7 +48,7 @@ class SoloBalls {
   State draw_prior(random::Stream& stream) const;
   double log_prior(const State& state) const;
   Outcome simulate(const State& state) const;
-  /// Simulates the balls that differ, or all balls if a partition vertex differs.
+  /// Simulates the balls that differ. If a partition vertex differs, simulates all balls.
   Outcome simulate_from(const State& state, const State& from, const Outcome& of_from) const;
   double log_constraint(const Outcome& outcome) const;
   plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
@@ -68,8 +69,8 @@ class SoloBalls {
 
  private:
   bool leaves_anchored(const State& state) const;
-  /// Computes which bins are filled: anchored balls come first, then the first of the other balls
-  /// in each bin.
+  /// Computes which bins are filled: first the anchored balls' bins, then bins that other balls
+  /// fill. A bin counts only for the first ball that fills it.
   void settle(Outcome& outcome) const;
 
   const Spelling* world_;

@@ -14,31 +14,31 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Interval at which the simulation tests whether all balls stay, after the last drop.
+/// After the last drop, the simulation tests at this interval whether all balls stay.
 constexpr double k_look_every_s = 0.1;
-/// Bounding volumes of the partitions allow for offsets of this many standard deviations.
+/// The partitions' bounding volumes have room for offsets up to this many standard deviations.
 constexpr double k_slack_sds = 5;
-/// Limit of events. Ten balls take about 300 events together until the outcome is decided. A ball
-/// wedged in a box without room may have half a million events. A ball that leans on another,
-/// nearly in balance, has thousands of events per second. A run to rest has more events, and so a
-/// larger limit.
+/// Limit of events. Ten balls take about 300 events together until the outcome is decided. If a box
+/// has no room for a ball, the wedged ball may have half a million events. If a ball leans on
+/// another ball and is nearly in balance, it has thousands of events per second. A run to rest has
+/// more events, so its limit is larger.
 constexpr std::uint64_t k_work_per_ball_max = 10'000;
 constexpr std::uint64_t k_work_to_rest = 5;
 /// Minimum distance of dropped balls from the walls.
 constexpr double k_clear_m = 1e-6;
-/// Maximum steps of a walk that simulates balls alone. If walks must be shorter than half this
-/// length to be accepted often enough, single steps do better.
+/// Maximum steps of a walk that simulates balls alone. If walks are accepted often enough only
+/// below half this length, single steps do better.
 constexpr double k_solo_walk_max = 60;
 constexpr double k_walk_scale_min = 0.5;
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
-/// Observes a ball now. `known`: the ball at this tick in the simulation that recorded its history,
-/// or null.
+/// Observes a ball now. A simulation recorded the ball's history; `known` is the ball at this tick
+/// of that simulation, or null.
 Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   if (const physics::MarbleHistory* history = marbles.replayed({ball})) {
-    // If a ball was observed while it was left alone, the observation holds only if the ball's
-    // history has left it alone by this tick. Otherwise the ball isn't alone now, because of the
-    // places of other balls.
+    // An observation may show a ball that was left alone. This observation holds only if the ball's
+    // history has left the ball alone by this tick. Otherwise the ball isn't alone now, because of
+    // other balls' places.
     if (known != nullptr && (!known->was_alone || history->is_alone_at(marbles.now())))
       return *known;
     if (history->stays && history->last.tick <= marbles.now()) {
@@ -67,8 +67,8 @@ Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
 
 class Looks {
  public:
-  /// `known_state` and `known_history`: a similar state and its history, or null. `kept`: where to
-  /// store observations, or null.
+  /// `known_state` and `known_history` are a similar state and its history, or null. Observations
+  /// are stored in `kept`, unless it is null.
   Looks(const State& state, const State* known_state, const SpellingHistory* known_history,
         SpellingHistory* kept)
       : state_(state), known_state_(known_state), known_history_(known_history), kept_(kept) {
@@ -83,7 +83,8 @@ class Looks {
     balls_.clear();
     for (std::uint32_t ball = 0; ball < state_.active.size(); ++ball) {
       if (state_.active[ball] == 0) continue;
-      // Test whether the known state was observed at this tick with this ball active.
+      // Test whether the known state was observed at this tick, and whether this ball was active in
+      // it.
       const bool is_known = !known_look.empty() && known_state_->active[ball] != 0;
       const Seen* before = is_known ? &known_look[known_state_->active_before(ball)] : nullptr;
       const Seen seen = seen_of(marbles, ball, before);
@@ -236,8 +237,8 @@ Spelling::Alone Spelling::fall_alone(std::span<const Vec3> offsets_m, const Vec2
   Outcome outcome = simulated(state, Until::decided).outcome;
   if (outcome.end == End::impossible) return {.possible = false};
   if (outcome.is_animation()) return {.bin = outcome.filling.front()};
-  // Report the failure with a whole state, which can be simulated again: only the first ball is
-  // active.
+  // Report the failure with a whole state, because people can simulate a whole state again. Only
+  // the first ball is active.
   State whole = state;
   whole.active.resize(balls(), 0);
   whole.drops_m.resize(balls(), Vec2(0, 0));

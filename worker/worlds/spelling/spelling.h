@@ -21,11 +21,11 @@
 //
 // Invariants
 //   1. An animation is a function of the state and the parameters.
-//   2. A decision made early equals the result of a simulation to rest, unless the latter fails. A
-//      simulation with far more events than usual fails, for example with a wedged ball, and a
-//      simulation to rest has more events.
-//   3. With Kernel::thesis, draws and ratios are as printed in A.2.2. Then invariants 1 and 2 of a
-//      target (target.h) don't hold, and Algorithm 2.1 has another distribution.
+//   2. A decision made early equals the result of a simulation to rest, unless that simulation
+//      fails. A simulation fails if it has far more events than usual, for example because a ball
+//      is wedged. A simulation to rest has more events.
+//   3. With Kernel::thesis, draws and ratios are as printed in A.2.2. Then a target's invariants 1
+//      and 2 (target.h) don't hold, and Algorithm 2.1 has another distribution.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -67,8 +67,8 @@ struct Outcome {
   End end = End::settled;
   Filling filling{};               ///< empty if there is no animation
   plan::FailurePointer failure{};  ///< reason if End is failed
-  /// Input for `simulate_from`, which also creates histories. Null if no history was requested, or
-  /// if the candidate had nothing in common with the state.
+  /// `simulate_from` uses this history, and also creates histories. Null if no history was
+  /// requested, or if simulate_from's candidate had nothing in common with its state.
   std::shared_ptr<const SpellingHistory> history{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
@@ -94,12 +94,13 @@ class Spelling {
   const Bins& bins() const { return bins_; }
   const Prior& prior() const { return prior_; }
   std::uint32_t balls() const { return prior_.balls; }
-  /// For each designated bin, the window for drops aimed at it. Bins are in the pattern's order,
-  /// lowest y first.
+  /// The window of each designated bin, for aimed drops. Bins are in the pattern's order, from the
+  /// lowest y.
   const Windows& windows() const { return windows_; }
   /// Middle of a designated bin. REQUIRES: number < balls().
   const Vec2& middle_m(std::size_t number) const { return middles_m_[number]; }
-  /// Returns the number of the designated bin below a place; k_fills_none if there is none.
+  /// Returns the number of the designated bin below a place. If there is no such bin, returns
+  /// k_fills_none.
   std::int16_t number_below(const Vec2& place_m) const;
 
   State draw_prior(random::Stream& stream) const {
@@ -110,7 +111,8 @@ class Spelling {
   double log_prior(const State& state) const { return prior_.log_density(state); }
   /// Simulates until the outcome is decided.
   Outcome simulate(const State& state) const;
-  /// Simulates a candidate, faster if it resembles a state whose outcome is known.
+  /// Simulates a candidate. If the candidate resembles `state`, the simulation reuses the outcome's
+  /// history and is faster.
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
   /// Simulates until all balls are at rest. Returns the same outcome as `simulate` except for
   /// `end_s`.
@@ -169,8 +171,8 @@ class Spelling {
   std::uint32_t proposal_kinds() const { return k_kinds; }
 
   base::Bytes encode(const State& state) const { return spelling::encode(state); }
-  /// Bytes of the arrays of the state and of the outcome. The surrogate's outcome may be stored
-  /// with the sample, so the sum includes its two arrays, which have an entry for each ball.
+  /// Bytes of the state's and the outcome's arrays. The surrogate's outcome may be stored with the
+  /// sample, so its two arrays count too. These arrays have an entry for each ball.
   std::size_t owned_bytes(const State& state, const Outcome& outcome) const {
     return state.offsets_m.capacity() * sizeof(Vec3) + state.active.capacity() +
            state.drops_m.capacity() * sizeof(Vec2) +
@@ -189,10 +191,10 @@ class Spelling {
   /// REQUIRES: simulate_to_rest(state) is an animation.
   Animation animate(const State& state) const;
   /// By bin, row by row from the lowest y: the number of the ball that fills the designated bin, or
-  /// -1. Counted as by simulate.
+  /// -1. Bins count as in simulate().
   std::vector<int> balls_of_bins(const State& state) const;
-  /// Returns the outcome of balls that stay with their centres at the given places, plus `others`
-  /// balls that fill no bin. The outcome has no filling.
+  /// Returns the outcome of balls whose centres stay at the given places. `others` further balls
+  /// fill no bin. The outcome has no filling.
   Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
 
  private:
@@ -225,12 +227,11 @@ class Spelling {
   };
   InCommon in_common_with(const Known& known, const State& state,
                           const BoxGeometry& geometry) const;
-  /// Returns the result for the balls as observed at the end. The result has no end time.
+  /// Returns the result. `balls` are the balls as observed at the end. The result has no end time.
   Result came_to(const State& state, std::span<const Traps::Ball> balls, const Traps& traps) const;
   Filling filling_of(const Result& result) const;
   static Result stopped(const physics::SceneError& error, const State& state);
-  /// The physics scene of a state in a box with this surface. Bodies::all contains all balls;
-  /// inactive balls never start.
+  /// Returns a state's physics scene. Bodies::all contains all balls; inactive balls never start.
   enum class Bodies : std::uint8_t { active, all };
   physics::Scene scene_in(const State& state, std::shared_ptr<const physics::TriangleMesh> surface,
                           Bodies bodies) const;

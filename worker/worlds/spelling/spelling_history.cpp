@@ -9,7 +9,7 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Margin around moved vertices, greater than the touch distance and rounding.
+/// Margin around moved vertices. This margin is greater than the touch distance and rounding.
 constexpr float k_margin_m = 1e-5F;
 
 constexpr physics::TouchBox k_nowhere = physics::k_unmeetable;

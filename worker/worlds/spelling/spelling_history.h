@@ -1,6 +1,6 @@
-// The history that a simulation of spelling balls stores for simulations of similar states. A look
-// is a test of whether all balls stay. The history contains each ball's history
-// (physics/marbles/marbles.h) and all balls' places at each look.
+// A simulation of spelling balls stores a history. Simulations of similar states use the history. A
+// history contains each ball's history (physics/marbles/marbles.h), and all balls' places at each
+// look. A look is a test of whether all balls stay.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -18,8 +18,7 @@
 
 namespace sleight::worlds::spelling {
 
-/// A ball's state at a look. For a suspended ball (Marbles), this is the state at the moment of
-/// suspension.
+/// A ball's state at a look. A suspended ball (Marbles) has its state at the time of suspension.
 struct Seen {
   Traps::Ball ball;
   bool was_alone = false;
@@ -33,7 +32,7 @@ struct SpellingHistory {
   double border_m = 0;                    ///< of the box (StaticGeometry::border_m)
   std::uint64_t simulated = 0;  ///< events simulated to build this history (Marbles::Counts::work)
 
-  /// Returns the observations of all balls at a tick. Empty if that tick had no look.
+  /// Returns all balls' observations at a tick. If that tick had no look, the result is empty.
   std::span<const Seen> seen_at(physics::Tick tick) const {
     const auto found = std::ranges::lower_bound(looks, tick);
     if (found == looks.end() || *found != tick) return {};
@@ -54,24 +53,22 @@ struct SpellingHistory {
 /// Whether a ball is active in both states and starts in the same place.
 bool starts_alike(const State& state, const State& candidate, std::size_t ball);
 /// Whether a candidate and a state have at least half of the box in common, and at least one ball
-/// starts alike in both. If less than half of the box is equal, balls differ from their first
-/// collision on.
+/// that starts alike. If less of the box is common, balls differ from their first collision on.
 bool resembles(const State& candidate, const State& state);
 
 /// Returns the histories of balls that start alike. These histories hold for the candidate too.
 physics::MarbleHistories histories_that_hold(const SpellingHistory& history, const State& state,
                                              const State& candidate);
 
-/// The parts of the geometry that depend on each partition vertex.
+/// For each partition vertex, the parts of the geometry that depend on it.
 class Influence {
  public:
-  /// `statics`: geometry of a physics scene whose only mesh is the bins' surface.
+  /// `statics` is a physics scene's geometry. REQUIRES: the scene's only mesh is the bins' surface.
   Influence(const Bins& bins, const physics::StaticGeometry& statics);
-  /// Returns the edges of a moved surface that are flat although their vertices can move. Usually
-  /// none.
+  /// Returns a moved surface's flat edges whose vertices can move. Usually there are none.
   std::vector<std::uint32_t> flat_edges(const physics::TriangleMesh& surface) const;
-  /// Returns the differences between two boxes with different offsets, including edges that are
-  /// flat in either box. The result refers to this object.
+  /// Returns the differences between two boxes that have different offsets. The differences include
+  /// edges that are flat in either box. The result refers to this object.
   std::vector<physics::MarbleChange> changes(std::span<const Vec3> before_m,
                                              std::span<const std::uint32_t> flat_before,
                                              std::span<const Vec3> after_m,

@@ -1,7 +1,7 @@
 // The byte encoding of spelling states.
 //
-// The bytes contain doubles: the offsets of all partition vertices (x, y, z each), then 1 (active)
-// or 0 for each ball, then each ball's drop place (x, y).
+// The bytes contain doubles. First come all partition vertices' offsets (x, y, z each). Then each
+// ball has 1 if it is active, or 0. Then each ball has its drop place (x, y).
 // Thread safety: pure functions.
 #pragma once
 

@@ -8,12 +8,12 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Minimum margin of a height, far more than rounding adds.
+/// Minimum margin of a height. This margin is far more than rounding adds.
 constexpr double k_margin_least_m = 1e-4;
 
-/// A piece of motion may exceed the height that the energy allows by half the height of the slowest
-/// bounces (edge_motion.h). In diameters, this is a quarter of the square of bounce_end. The margin
-/// is twice that.
+/// Energy allows a maximum height. A piece of motion may exceed this height by half the height of
+/// the slowest bounces (edge_motion.h). In diameters, the excess is a quarter of the square of
+/// bounce_end. The margin is twice that.
 double margin_of(const WorldParameters& world) {
   return std::max(k_margin_least_m,
                   0.5 * world.bounce_end * world.bounce_end * world.ball_diameter_m);
@@ -73,8 +73,8 @@ bool Traps::all_stay(std::span<const Ball> balls) const {
         if (bins_.bin_at(other.centre_m) == place->bin) return false;
         continue;
       }
-      // A resting ball's centre must be over two radii away from anywhere that the trapped ball's
-      // centre may be.
+      // A resting ball's centre must be over two radii from each place that the trapped ball's
+      // centre can reach.
       const double radius_m = 0.5 * world_.ball_diameter_m;
       double square = 0;
       for (int axis = 0; axis < 3; ++axis) {

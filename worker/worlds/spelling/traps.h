@@ -2,8 +2,8 @@
 //
 // A ball's energy, including its spin, bounds the height that its centre can reach, and no contact
 // adds energy. Below the lowest corner of a bin's partitions, the centre stays between the
-// partitions whatever the ball hits. So the ball never leaves the bin unless another ball comes.
-// Two balls trapped in different bins never touch each other, because neither can reach over the
+// partitions whatever the ball hits. So the ball can leave the bin only if another ball comes. Two
+// balls trapped in different bins never touch each other, because neither can reach over the
 // partition between them.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -36,9 +36,10 @@ class Traps {
     physics::Twist twist{};
     bool rests = false;
   };
-  /// Whether each ball is in its final place: at rest, or trapped in a bin where it can touch no
-  /// other ball. The result depends only on the balls' places, not on the engine or on how far the
-  /// engine has simulated. For a trapped ball, pass any state that it had since it was trapped.
+  /// Whether each ball is in its final place. A ball's final place is at rest, or trapped in a bin
+  /// where the ball can touch no other ball. The result depends only on the balls' places, not on
+  /// the engine or on how far the engine has simulated. For a trapped ball, pass any state that it
+  /// had since it was trapped.
   bool all_stay(std::span<const Ball> balls) const;
 
  private:
