@@ -129,7 +129,8 @@ class Handshake {
 
   void trust_anybody() const { ::SSL_set_verify(tls_.get(), SSL_VERIFY_NONE, nullptr); }
 
-  /// Requires a certificate for the host `name`, trusted by `certificates` (empty: the system's).
+  /// Lets the connection fail unless OpenSSL trusts the server's certificate, and the certificate
+  /// is for the host `name`. `certificates`: PEM of the trusted authorities; empty: the system's.
   void trust(const std::string& certificates, const std::string& name) const {
     X509_STORE* store = ::SSL_CTX_get_cert_store(context_.get());
     if (certificates.empty())

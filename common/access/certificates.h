@@ -1,8 +1,8 @@
 // TLS certificates of a service, and the fingerprints by which people verify self-signed ones.
 //
-// A client trusts a self-signed certificate, such as the one made by the service (k_self_name), if
-// it stored exactly this certificate (`sleight login --fingerprint`). The host's name is checked
-// only in certificates signed by an authority.
+// A service can make its own certificate (k_self_name). A client trusts a self-signed certificate
+// if the client has stored exactly this certificate (`sleight login --fingerprint`). The client
+// checks the host's name only in certificates that an authority signed.
 //
 // Thread safety: any thread.
 #pragma once
@@ -18,8 +18,8 @@ namespace sleight::access {
 
 inline constexpr const char* k_self_name = "sleight-service";
 
-/// A certificate and its key as PEM texts. The certificates of the signing authorities may follow
-/// in the same text.
+/// A certificate and its key as PEM texts. The text of the certificate may continue with the
+/// certificates of the signing authorities.
 struct Keypair {
   std::string certificate{};
   std::string key{};
@@ -36,7 +36,6 @@ std::string fingerprint_of(std::string_view certificate);
 /// signed the certificate, or if the certificate has no name.
 std::optional<std::string> self_signed_name(std::string_view certificate);
 
-/// Splits a PEM text into its certificates.
 std::vector<std::string> certificates_in(std::string_view text);
 
 /// Returns whether the current time is within the first certificate's validity.
@@ -49,9 +48,9 @@ void check_keypair(const Keypair& keypair);
 /// if there is no valid answer within `seconds_max`.
 std::string certificate_shown_at(const ServerAddress& address, double seconds_max);
 
-/// Returns OpenSSL's reason for not trusting a server's certificate for `name`; empty if OpenSSL
-/// trusts the certificate. `trusted`: PEM of the trusted authorities; empty: the system's. Throws
-/// as certificate_shown_at.
+/// Returns OpenSSL's reason for not trusting a server's certificate for the host `name`. The result
+/// is empty if OpenSSL trusts the certificate. `trusted`: PEM of the trusted authorities; empty:
+/// the system's. Throws as certificate_shown_at.
 std::string fault_of_certificate_at(const ServerAddress& address, const std::string& name,
                                     const std::string& trusted, double seconds_max);
 

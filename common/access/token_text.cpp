@@ -17,7 +17,7 @@ constexpr unsigned k_digit_bits = 5;
 constexpr std::size_t k_secret_characters = 52;  // 260 bits, of which the last four are 0
 constexpr std::size_t k_check_characters = 7;
 
-/// Returns the first characters of the bytes' base-32 form.
+/// Encodes `bytes` in base 32 and returns the first `characters` characters.
 std::string base32_of(std::span<const std::byte> bytes, std::size_t characters) {
   std::string text;
   for (std::size_t i = 0; i < characters; ++i) {

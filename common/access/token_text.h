@@ -42,7 +42,7 @@ std::optional<Token> token_of(std::string_view text);
 /// Returns whether the text has the form of a token's id.
 bool is_token_id(std::string_view id);
 
-/// Returns the hash that a service stores, which is the hexadecimal SHA-256 of id and secret.
+/// Returns the hash that a service stores: the SHA-256 of id and secret, in hexadecimal.
 std::string hash_of(const Token& token);
 
 /// Compares two hashes in a time that does not depend on where they differ.

@@ -26,7 +26,7 @@ struct Maker {
   }
 };
 
-/// Columns with the first row and the number of rows of each animation along a dimension.
+/// Two columns for a dimension: each animation's first row and number of rows.
 class Rows {
  public:
   Rows(const Maker& maker, const char* dim, const char* counted)
@@ -108,8 +108,8 @@ class AnimationTable {
   }
   void flush() {
     rows_.flush();
-    // The order of datasets determines their positions in the file. With this order, files have the
-    // same bytes as files of earlier versions.
+    // The order of flushing determines where datasets are in the file. With this order, files have
+    // the same bytes as those of earlier versions.
     for (const ElementType type : {ElementType::i32, ElementType::f64})
       std::apply([&](auto&... columns) { (columns.flush_if(type), ...); }, columns_);
   }
@@ -119,7 +119,8 @@ class AnimationTable {
   decltype(columns_of<fields>(std::declval<const Maker&>(), "")) columns_;
 };
 
-/// Write the coordinates of positions and rotations, which other datasets of the group need.
+/// Write the coordinates of two dimensions: the axes of positions and the components of rotations.
+/// Other datasets of the group need these coordinates.
 struct Axes {
   explicit Axes(const Maker& maker) {
     for (const Dimension& dim : {k_axis, k_quaternion})

@@ -1,5 +1,5 @@
-// Writes the kept animations of /animations and /finds: source, state, outcome, motion, and
-// individual parts of the scene. Private to common/archive.
+// Writes the kept animations into /animations and /finds. An animation has a source, a state, an
+// outcome, a motion, and its own parts of the scene. Private to common/archive.
 #pragma once
 
 #include <cstdint>

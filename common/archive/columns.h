@@ -1,8 +1,8 @@
 // Buffers between a layout, which produces single records, and a Sink, which expects long runs of
 // elements.
 //
-// Each Column is one dataset. A Column passes elements on in batches of fixed size, so that the
-// calls into a sink, and hence a file's bytes, depend only on the content.
+// Each Column is one dataset. A Column passes elements on in batches of fixed size. So the calls
+// into a sink depend only on the content, and so do a file's bytes.
 #pragma once
 
 #include <cmath>
@@ -59,7 +59,7 @@ inline void push_vector(Column<double>& column, const math::Vec3& v) {
     column.push(value);
 }
 
-/// Datasets of a world's variables, one per variable, with common leading dimensions.
+/// One dataset for each of a world's variables. All datasets have the same leading dimensions.
 class VariableColumns {
  public:
   VariableColumns(Sink& sink, std::string_view group, const std::vector<Dimension>& leading,

@@ -78,8 +78,8 @@ Values whole(const Source& source, const Group& group, const DatasetSpec& spec) 
   return source.read(group.name, spec.name, 0, element_count(spec));
 }
 
-/// Returns a dimension's labels for column names: the coordinate's words if it is text, otherwise
-/// numbers.
+/// Returns the labels that stand for a dimension's indices in column names. If the coordinate is
+/// text, its words are the labels; otherwise numbers are.
 std::vector<std::string> labels_of(const Source& source, const Group& group, const Dimension& dim) {
   const DatasetSpec& coordinate = coordinate_of(source, group, dim.name);
   if (coordinate.type == ElementType::text && coordinate.dims[0].size == dim.size) {
@@ -91,8 +91,8 @@ std::vector<std::string> labels_of(const Source& source, const Group& group, con
   return labels;
 }
 
-/// Returns a dataset's column names, either "x" or "x[0,0]", "x[0,1]", ..., with the last index
-/// changing fastest.
+/// Returns the names of a dataset's columns: "x", or "x[0,0]", "x[0,1]", ... The last index changes
+/// fastest.
 std::vector<std::string> column_names(const Source& source, const Group& group,
                                       const DatasetSpec& spec, std::size_t index_dims) {
   std::vector<std::string> suffixes{""};
@@ -150,7 +150,7 @@ class Exporter {
     for (const DatasetSpec& spec : group.datasets) {
       if (is_column(spec, index)) add_column(spec, index.size());
     }
-    // Limit a batch to k_batch_elements elements of each dataset, or to a single row.
+    // A batch has at most k_batch_elements elements of each dataset, but at least one row.
     for (const DataColumn& column : columns_) {
       batch_rows_ = std::min<std::uint64_t>(
           batch_rows_,
@@ -171,7 +171,7 @@ class Exporter {
   }
 
  private:
-  /// Maximum length of a coordinate that is read as a whole, because 10^9 scans would be 8 GB.
+  /// Longest coordinate that is read as a whole. A coordinate of 10^9 scans would need 8 GB.
   static constexpr std::uint64_t k_index_max = 200'000'000;
 
   void add_column(const DatasetSpec& spec, std::size_t index_dims) {
@@ -266,7 +266,6 @@ std::vector<RowRange> single_rows(const Source& source, std::uint64_t rows,
   return ranges;
 }
 
-/// Returns the rows of the given animations along `dim`.
 std::vector<RowRange> rows_of(const Source& source, const Group& group, const std::string& dim,
                               std::uint64_t rows, std::span<const std::uint64_t> animations) {
   const std::vector<std::int64_t> starts = numbers_of(source, group, dim + "_start");

@@ -12,8 +12,8 @@
 // The first columns contain the coordinates of the index. An array element's column is `name[i,j]`,
 // double-quoted if the name contains a comma (RFC 4180). If a dimension's coordinate is text, a
 // word replaces the number: `accepted[all]`. A double is written as the shortest decimal that reads
-// back to the same bits. Not-a-number and infinities are written as nan, inf and -inf, and booleans
-// as 0 and 1.
+// back to the same bits. Not-a-number is written as nan, the infinities as inf and -inf, and
+// booleans as 0 and 1.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,9 @@ std::vector<std::string> csv_tables();
 
 /// Writes one table in batches. If `animations` is not empty, tables of animations, segments or
 /// points contain only these animations' rows, in the given order. The caller must check the
-/// stream's state afterwards. Throws base::Error(usage) if csv_tables() lacks `table` or the table
-/// lacks an animation, and base::Error(bad_archive) if the archive lacks the group or is damaged.
+/// stream's state afterwards. Throws base::Error(usage) if csv_tables() lacks `table`, or if the
+/// table lacks one of `animations`. Throws base::Error(bad_archive) if the archive is damaged or
+/// lacks the table's group.
 void export_csv(const Source& source, std::string_view table, std::ostream& out,
                 std::span<const std::uint64_t> animations = {});
 

@@ -15,9 +15,10 @@
 // the same reason, only the first keep_max selected animations of a chain can be kept. So the
 // memory is at most 2 keep_max records for runs of any length.
 //
-// The reader computes each animation's likeness for (c) once, because this may take a simulation.
-// Likenesses of kept animations are stored while their lineage may get another animation, up to
-// k_likeness_bytes_max in all. Likenesses beyond this limit are recomputed for each comparison.
+// The reader computes each animation's likeness for (c) once, because this may take a simulation. A
+// kept animation's likeness is stored while its lineage may get another animation. All stored
+// likenesses together have at most k_likeness_bytes_max bytes. Other likenesses are recomputed for
+// each comparison.
 //
 // Not thread-safe.
 #pragma once
@@ -55,12 +56,12 @@ class DistinctSelector {
   DistinctSelector(const StateReader& reader, const DistinctOptions& options)
       : reader_(reader), options_(options) {}
 
-  /// REQUIRES: ascending chains, ascending scans within a chain, and a state in satisfied records.
+  /// REQUIRES: chains ascend, scans ascend within a chain, and a satisfied record has a state.
   void offer(base::ChainId chain, base::ScanIndex scan, const plan::ScanRecord& record);
 
   /// Returns the kept animations in logical order. REQUIRES: first call.
   std::vector<KeptAnimation> finish();
-  /// Number of animations omitted because the simulator couldn't complete their motion.
+  /// Number of animations that aren't kept because the simulator couldn't complete their motion.
   std::uint64_t failed() const { return failed_; }
 
  private:

@@ -31,11 +31,11 @@ inline constexpr std::string_view k_scene = "/scene";
 /// Draws from the prior, with ArviZ's names.
 inline constexpr std::string_view k_prior = "/prior";
 inline constexpr std::string_view k_sample_stats_prior = "/sample_stats_prior";
-/// Maximum number of prior draws, and the default for runs of chains.
+/// Maximum number of prior draws. Runs of chains make this number of prior draws by default.
 inline constexpr std::size_t k_prior_draws_max = 1000;
 /// This group is present only if a search found something. Attribute `found`: number of finds, kept
-/// or not. Attribute `relax_scans`, present if chains relaxed the finds: number of scans of each
-/// relaxation.
+/// or not. Attribute `relax_scans`: number of scans of each relaxation; absent if chains didn't
+/// relax the finds.
 inline constexpr std::string_view k_finds = "/finds";
 inline constexpr std::string_view k_found = "found";
 inline constexpr std::string_view k_finds_warning =
@@ -62,8 +62,8 @@ inline constexpr std::string_view k_run_id = "run_id";
 /// Root attribute, present only if users must be warned that the samples are biased.
 inline constexpr std::string_view k_warning = "warning";
 
-/// Prefix of root attributes such as `failed_search_gave_up`, one for each kind of failure that
-/// occurred in the run's simulations.
+/// Prefix of root attributes that count failed simulations, such as `failed_search_gave_up`. If a
+/// kind of failure occurred in the run, it has such an attribute.
 inline constexpr std::string_view k_failed_prefix = "failed_";
 /// Attribute of /animations: number of animations that satisfied the constraint but aren't kept,
 /// because their motion couldn't be completed. Absent if 0.
@@ -72,8 +72,9 @@ inline std::string failed_attribute(plan::FailureKind kind) {
   return std::string(k_failed_prefix) + std::string(plan::name_of(kind));
 }
 
-/// Elements of a dataset processed at a time by every writer and reader: 128 KiB of doubles. Larger
-/// batches are no faster; much smaller ones make the calls into HDF5 noticeable.
+/// Number of a dataset's elements that a writer or reader processes at a time: 128 KiB of doubles.
+/// Larger batches are no faster. With much smaller batches, the calls into HDF5 take noticeable
+/// time.
 inline constexpr std::size_t k_batch_elements = 16384;
 
 /// Longest name of a group, dataset, dimension or attribute. Names consist of letters, digits, '_',

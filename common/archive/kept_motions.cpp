@@ -48,7 +48,7 @@ class SceneReader {
       if (rows(dim) > k_scene_rows_max)
         return fmt::format("the scene has more than {} entries along {}", k_scene_rows_max, dim);
     }
-    // The archive must have the same names of kinds and shapes as this program.
+    // The archive's names of kinds and shapes must equal this program's names.
     if (!has_words("kind", scene::k_kind_names) || !has_words("shape", scene::k_shape_names))
       return "the scene has kinds or shapes that are not in the archive format";
     const bool is_read = read_features() && read_parts() && read_meshes();

@@ -1,4 +1,4 @@
-// Reads the scene of an archive and its animations' motions, for display, search and export.
+// Reads an archive's scene and the motions of its animations, for display, search and export.
 //
 // All returned values have been checked, so the file may be hostile.
 //
@@ -17,9 +17,10 @@
 
 namespace sleight::archive {
 
-/// Maximum segments of an animation: about a hundred times as many as a throw of twenty dice has.
+/// Maximum segments of an animation. A throw of twenty dice has about a hundredth of this number of
+/// segments.
 inline constexpr std::uint64_t k_segments_max = 1'000'000;
-/// Maximum parts, and maximum control points, of an animation.
+/// Maximum parts of an animation; also its maximum control points.
 inline constexpr std::uint64_t k_own_rows_max = 1'000'000;
 /// Maximum features, parts, vertices or triangles of a scene.
 inline constexpr std::uint64_t k_scene_rows_max = 4'000'000;
@@ -38,7 +39,7 @@ class KeptMotions {
   /// throws. REQUIRES: nth < count(); `scene` is the archive's.
   base::Result<motion::Animation, std::string> animation(std::uint64_t nth,
                                                          const scene::Scene& scene) const;
-  /// Returns the parts of the scene specific to the animation. Errors as animation().
+  /// Returns the parts of the scene that only this animation has. Errors as animation().
   base::Result<scene::Variation, std::string> variation(std::uint64_t nth,
                                                         const scene::Scene& scene) const;
   /// Returns offsets of the scene's vertices, by row. Empty: no offsets.
@@ -52,7 +53,7 @@ class KeptMotions {
   };
   base::Result<Rows, std::string> rows(std::uint64_t nth, const std::string& dim,
                                        std::uint64_t most) const;
-  /// Reads rows of a table (tables.h), up to the first row with a value out of range.
+  /// Reads rows of a table (tables.h). Stops before the first row that has a value out of range.
   template <const auto& fields>
   auto records(const Rows& rows) const;
   template <class Element>

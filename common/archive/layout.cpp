@@ -64,7 +64,7 @@ void write_kinds(Sink& sink, std::string_view group, const Dimension& dim,
   write_words(sink, group, dim.name, {dim}, "kind of proposal", kinds);
 }
 
-/// Columns of every scan's proposals and acceptances, by kind.
+/// Columns that contain, for each scan and kind, the numbers of proposals and acceptances.
 class ProposalColumns {
  public:
   ProposalColumns(Sink& sink, const Dims& leading, const std::vector<std::string>& kinds) {
@@ -256,13 +256,13 @@ void write_report(const plan::Report& report, const WorldLayout& layout, Sink& s
   }
 }
 
-/// Returns whether draws have weights, and so don't occur in the model's proportions.
+/// Returns whether draws have weights. Weighted draws don't occur in the model's proportions.
 bool has_weights(const plan::Report& report) {
   return std::ranges::any_of(report.tables,
                              [](const plan::Table& table) { return table.name == "log_weight"; });
 }
 
-/// Counts the finished steps of a part and reports them to `hear`.
+/// Counts how many steps of a part are finished, and reports the count to `hear`.
 class Counted {
  public:
   Counted(const HearWriting& hear, WritingProgress::Part part, std::uint64_t total)
@@ -294,7 +294,8 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
       Address{"lineage", "number of the visit to the prior from which the state descends"}};
   AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
                               in_proportion, sink);
-  // The writer requests each kept animation's motion a second time (remembering_reader.h).
+  // The selector has already requested each kept animation's motion; the writer requests the motion
+  // again (remembering_reader.h).
   const std::vector<KeptAnimation> all_kept = selector.finish();
   Counted written(hear, WritingProgress::Part::animations, all_kept.size());
   for (const KeptAnimation& kept : all_kept) {
@@ -313,7 +314,7 @@ std::string warning_of_finds(const RunView& view) {
   return std::string(view.relax_scans() > 0 ? k_takes_warning : k_finds_warning);
 }
 
-/// Writes /finds: the finds of a search, with log densities of blind throws for comparison.
+/// Writes /finds: the finds of a search. Log densities of blind throws are added for comparison.
 void write_finds(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
                  Sink& sink, const HearWriting& hear) {
   if (view.finds() == 0) return;
@@ -388,7 +389,8 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   write_scene(reader.scene(), sink);
   write_prior(view, reader, sink);
 
-  // Visit the run once, chain by chain, for scalars, states and candidate animations.
+  // Visit the run once, chain by chain. Write scalars and states, and offer animations to the
+  // selector.
   PosteriorWriter posterior(view, reader, options, sink);
   SampleStatsWriter sample_stats(view, reader.layout(), sink);
   DistinctSelector selector(reader,

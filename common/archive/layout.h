@@ -53,11 +53,11 @@ struct WritingProgress {
 };
 using HearWriting = std::function<void(const WritingProgress&)>;
 
-/// Writes everything except content_digest and finish(), which write_digested adds. Passes on
-/// exceptions of the view and the sink. Calls `hear`, which may be empty, often with the progress.
-/// REQUIRES: at least one chain and one scan. Records fit the reader's layout and have a state at
-/// every thin-th scan and at every satisfied scan. The layout's names are plain words (format.h),
-/// unique within each group, and differ from this format's own names.
+/// Writes the archive, but not content_digest, and doesn't call finish(). write_digested does both.
+/// Passes on exceptions of the view and the sink. Often calls `hear` with the progress; `hear` may
+/// be empty. REQUIRES: at least one chain and one scan. Records fit the reader's layout. Each
+/// thin-th scan and each satisfied scan has a state. The layout's names are plain words (format.h)
+/// and unique within each group. None is a name of the format itself.
 void write_archive(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
                    Sink& sink, const HearWriting& hear = {});
 

@@ -7,15 +7,16 @@
 
 namespace sleight::archive {
 
-/// Maximum groups and datasets of a file. A world has some tens of variables in four groups.
+/// Maximum number of groups and datasets in a file. A world has some tens of variables in four
+/// groups.
 inline constexpr std::uint64_t k_objects_max = 2048;
 /// Maximum attributes of an object, including the attributes of dimension scales.
 inline constexpr std::uint64_t k_attributes_max = 64;
 inline constexpr std::uint64_t k_attribute_bytes_max = 64 * 1024;
 /// Maximum size of a scalar text, such as the request.
 inline constexpr std::uint64_t k_text_bytes_max = 16 * 1024 * 1024;
-/// Maximum size of a dataset's uncompressed values, for example 10^9 scans of four chains with 250
-/// proposal kinds.
+/// Maximum size of a dataset's uncompressed values. An example is 10^9 scans of four chains if
+/// there are 250 proposal kinds.
 inline constexpr std::uint64_t k_dataset_bytes_max = std::uint64_t{1} << 42;
 
 }  // namespace sleight::archive

@@ -1,4 +1,4 @@
-// The content of an archive independent of file formats: groups with attributes and datasets.
+// An archive's content, whatever its file format: groups that have attributes and datasets.
 //
 // A Sink receives an archive in one pass. A Source returns the parts of an archive. HDF5 files
 // (archive/hdf5) and archives in memory (tests/archive) implement both interfaces, so the layout,
@@ -7,12 +7,12 @@
 // Invariants of a finished archive, checked by DigestingSink during writing:
 //  1. The root group is "/"; every other group is "/name", directly below the root. Group and
 //     dataset names are unique and are plain words (format.h).
-//  2. Every dimension of a dataset has a coordinate: a one-dimensional dataset with the dimension's
-//     name, in the same group, along that dimension. So a dimension's name has one size within a
-//     group.
+//  2. Every dimension of a dataset has a coordinate. The coordinate is a dataset of the same group.
+//     Its name is the dimension's name, and its only dimension is this one. So a dimension's name
+//     has one size within a group.
 //  3. Values are in row-major order. A dataset has exactly as many elements as its dimensions
-//     require. Only the first dimension may have an open size (k_growing) until the archive is
-//     finished.
+//     require. While the archive is being written, the first dimension may have an open size
+//     (k_growing).
 //  4. Text contains no NUL character and has at most text_bytes bytes.
 //
 // Not thread-safe: only one thread at a time may use a Sink or Source.
@@ -75,11 +75,11 @@ struct Group {
 /// Returns the product of the dimensions. REQUIRES: no k_growing dimension, and no overflow.
 std::uint64_t element_count(const DatasetSpec& spec);
 
-/// Returns a dataset's path, such as "/posterior/draw", or "/request" in the root group.
+/// Returns a dataset's path, such as "/posterior/draw". Example for the root group: "/request".
 std::string path_of(std::string_view group, std::string_view dataset);
 
-/// Returns whether a group (after its '/'), dataset, dimension or attribute may have this name
-/// (format.h).
+/// Returns whether a dataset, a dimension, an attribute, or a group after its '/' may have this
+/// name (format.h).
 bool is_plain_name(std::string_view name);
 
 const Attribute* find_attribute(const std::vector<Attribute>& attributes, std::string_view name);
@@ -111,7 +111,7 @@ class Source {
   virtual ~Source() = default;
   /// Returns the file's path, for messages.
   virtual std::string name() const = 0;
-  /// Returns all groups, root first. Datasets are in order of creation, as far as known.
+  /// Returns all groups, root first. Datasets are in order of creation if that order is known.
   virtual const std::vector<Group>& groups() const = 0;
   /// Returns elements first .. first+count-1 of a dataset, in row-major order. REQUIRES: the
   /// dataset exists and contains the range.

@@ -1,5 +1,5 @@
-// A source that combines many small reads into few large ones. A read from a reader process costs
-// as much as reading thousands of values (remote/remote_source.h).
+// A source that combines many small reads into few large ones. A question to a reader process costs
+// as much as transferring thousands of values (remote/remote_source.h).
 //
 // If reads of a dataset are sequential, such as reads of one motion after another, this source
 // reads a block in advance. Values and errors are the same as without reading ahead. The intact
@@ -21,7 +21,7 @@
 
 namespace sleight::archive {
 
-/// Elements per block: 128 kB for the largest type.
+/// Number of elements in a block. For the largest type, a block has 128 kB.
 inline constexpr std::uint64_t k_read_ahead = 16'384;
 
 class ReadAhead final : public Source {

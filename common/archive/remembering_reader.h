@@ -14,7 +14,7 @@
 
 namespace sleight::archive {
 
-/// A cache of motions by state, which may drop any motion.
+/// A cache of motions by state. The cache may drop any motion.
 class Motions {
  public:
   virtual ~Motions() = default;

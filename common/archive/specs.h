@@ -26,15 +26,16 @@ DatasetSpec spec_of(std::string name, ElementType type, Dims dims, std::string l
 void write_coordinate(Sink& sink, std::string_view group, const Dimension& dim,
                       std::string long_name, std::uint64_t step = 1);
 
-/// Writes coordinates 0, 1, ... of the dimensions of a world's variables, each once.
+/// Writes a coordinate 0, 1, ... for each dimension of a world's variables. Skips dimensions in
+/// `written`.
 void write_own_coordinates(Sink& sink, std::string_view group,
                            const std::vector<Variable>& variables, Dims& written);
 
-/// Writes a dataset of words, with elements sized for the longest word.
+/// Writes a dataset of words. The dataset's elements have the size of the longest word.
 void write_words(Sink& sink, std::string_view group, const std::string& name, const Dims& dims,
                  const std::string& long_name, std::span<const std::string> words);
 
-/// The columns common to /sample_stats, /replicas, /animations and others.
+/// The columns that /sample_stats, /replicas, /animations and other groups have in common.
 class DensityColumns {
  public:
   DensityColumns(Sink& sink, std::string_view group, const Dims& leading);

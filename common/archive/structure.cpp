@@ -20,7 +20,7 @@ struct Expected {
   Names dims;
 };
 
-/// Returns the datasets of every archive. Datasets of missing groups are skipped.
+/// Returns the datasets that every archive must have. Datasets of missing groups are skipped.
 std::vector<Expected> expected_in_all() {
   using enum ElementType;
   const Names draws{"chain", "draw"};
@@ -89,8 +89,8 @@ std::vector<Expected> expected_motions(std::string_view group) {
   };
 }
 
-/// Returns the datasets for parts of the scene that belong to one animation. An archive has either
-/// all datasets of a kind or none.
+/// Returns the datasets for parts of the scene that belong to one animation. If an archive has one
+/// of these datasets, it has all datasets of the same kind.
 std::vector<Expected> expected_own_parts(std::string_view group) {
   using enum ElementType;
   return {
@@ -235,7 +235,7 @@ void check_value(const Source& source, std::string_view name, const T& expected,
 std::vector<Names> leading_dims(std::string_view group) {
   if (group == k_posterior || group == k_sample_stats || group == k_sample_stats_prior)
     return {{"chain", "draw"}};
-  // Means and standard deviations of a variable's elements have no leading dimensions.
+  // The mean and the standard deviation of a variable have no leading dimensions.
   if (group == k_prior) return {{"chain", "draw"}, {}};
   if (group == k_replicas) return {{"chain", "replica"}};
   if (group == k_tempering) return {{"chain"}};
@@ -258,7 +258,7 @@ void check_coordinates(const Group& group, const DatasetSpec& spec, Findings& fi
   }
 }
 
-/// Any other dataset must be a world's variable or its coordinate.
+/// Any other dataset must be one of the world's variables or a variable's coordinate.
 void check_other(const Group& group, const DatasetSpec& spec, Findings& findings) {
   const std::string path = path_of(group.name, spec.name);
   if (is_coordinate(spec)) {

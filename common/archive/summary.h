@@ -9,7 +9,7 @@
 
 namespace sleight::archive {
 
-/// Finds of a search. All counts are 0 without a search.
+/// Finds of a search. If there was no search, all counts are 0.
 struct FindsSummary {
   std::uint64_t found = 0;
   std::uint64_t relax_scans = 0;  ///< of the chains that relaxed the finds; 0: not relaxed

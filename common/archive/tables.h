@@ -1,5 +1,5 @@
-// The fields of the tables in which an animation has rows: segments, the animation's own parts of
-// the scene, and control points of its surface. Private to common/archive.
+// The fields of three tables: an animation's segments, its own parts of the scene, and its
+// surface's control points. Private to common/archive.
 #pragma once
 
 #include <concepts>

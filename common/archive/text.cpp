@@ -9,7 +9,8 @@ namespace {
 
 constexpr char32_t k_broken = 0xFFFFFFFF;
 
-/// Removes the first code point and returns it; k_broken if the bytes are not UTF-8 (RFC 3629).
+/// Removes the first code point and returns it. Returns k_broken if the bytes are not UTF-8 (RFC
+/// 3629).
 char32_t take_code_point(std::string_view& text) {
   const auto lead = static_cast<std::uint8_t>(text.front());
   const std::size_t length = lead < 0x80   ? 1

@@ -1,5 +1,5 @@
-// Checks text in archives, because the text is shown on terminals and written as JSON, where stray
-// bytes do harm.
+// Checks text in archives. The text is shown on terminals and written as JSON; stray bytes would do
+// harm there.
 #pragma once
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// How a world's states and outcomes are named in archives, and how their bytes are read.
+// Defines how archives name a world's states and outcomes, and how their bytes are read.
 //
 // The archive and the services treat states as opaque bytes. Each world (worker/worlds) provides a
 // WorldLayout and a StateReader; a program's main function connects the two sides.
@@ -27,9 +27,9 @@ struct Variable {
   std::vector<Dimension> dims;  ///< empty for a scalar
   std::string unit;             ///< "rad", "m", "1" for a pure number
   std::string meaning;          ///< one sentence, for `long_name`
-  /// For a state's variable: mean and standard deviation of each element under the normal prior. An
-  /// element that is not normally distributed has NaN, and a fixed element has a standard deviation
-  /// of 0. Empty: no element is normally distributed.
+  /// For each element of a state's variable: mean and standard deviation under the normal prior.
+  /// NaN: the element is not normally distributed. A standard deviation of 0: the element is fixed.
+  /// Empty: no element is normally distributed.
   std::vector<double> prior_mean = {};
   std::vector<double> prior_sd = {};
   std::size_t size() const {
@@ -48,20 +48,20 @@ struct WorldLayout {
   /// One line that users of the samples must read; empty: no warning. Programs print the warning
   /// when a run starts, and the archive stores it.
   std::string warning = {};
-  /// Logarithm of a ratio: P(satisfied) under the prior, divided by P(satisfied) of natural throws,
-  /// which a person could make blindly. The value is below 0 if only some draws are natural throws,
-  /// and all satisfying draws are among them. For example, it is the log of the probability that a
-  /// draw drops all balls. The value is above 0 if a draw stands for several equally likely
-  /// throws, and one satisfying throw among them is enough. This is so for dice whose faces are
-  /// numbered afterwards.
+  /// Logarithm of a ratio: P(satisfied) under the prior, divided by P(satisfied) of natural throws.
+  /// A natural throw is one that a person could make blindly. The value is below 0 if only some
+  /// draws are natural throws, but these include all satisfying draws. An example is the log of the
+  /// probability that a draw drops all balls. The value is above 0 if a draw stands for several
+  /// equally likely throws and satisfies the constraint if one of them does. An example is dice
+  /// whose faces are numbered afterwards.
   double log_natural_throw = 0;
 };
 
-/// Limit for variables whose prior draws are stored. Larger variables, such as a thousand normal
-/// offsets, are omitted because their distribution is known.
+/// Maximum elements of a variable whose prior draws are stored. Larger variables are omitted,
+/// because their distribution is known; an example is a thousand normal offsets.
 inline constexpr std::size_t k_prior_elements_max = 64;
 std::vector<Variable> prior_variables(const WorldLayout& layout);
-/// Returns the values of prior_variables from the values of all variables.
+/// Selects the values of prior_variables from the values of all variables.
 std::vector<double> prior_values(const WorldLayout& layout, std::span<const double> values);
 
 /// Whether a motion ends as its outcome predicted.
@@ -71,16 +71,16 @@ enum class PlaysOut : std::uint8_t {
   failed      ///< the simulator can't complete the motion
 };
 
-/// The motion of a state that satisfies the constraint, simulated to its end, even if the outcome
-/// was decided early.
+/// The motion of a satisfied state. The motion is simulated to its end even if the outcome was
+/// decided early.
 struct Motion {
   PlaysOut ends = PlaysOut::yes;
-  /// All segments, with each body's segments in order of time, and bodies in any order. Empty
-  /// unless `ends` is yes.
+  /// The segments of all bodies. A body's segments are in order of time; bodies are in any order.
+  /// Empty unless `ends` is yes.
   std::vector<motion::Segment> segments{};
 };
 
-/// Reads the opaque bytes of states, which all belong to one world and one request. Thread-safe.
+/// Reads the opaque bytes of states. All states belong to one world and one request. Thread-safe.
 /// REQUIRES, for every function: this world's worker produced `state`.
 class StateReader {
  public:
@@ -88,11 +88,11 @@ class StateReader {
   virtual const WorldLayout& layout() const = 0;
   /// Returns the values of all variables in layout order, each row-major.
   virtual std::vector<double> variables(base::BytesView state) const = 0;
-  /// Returns numbers for comparing animations, whose meaning depends on the world. The call may
-  /// need a simulation, and the result may have some kilobytes.
+  /// Returns numbers for comparing animations. The numbers' meaning depends on the world. The call
+  /// may need a simulation, and the result may have some kilobytes.
   virtual std::vector<double> likeness(base::BytesView state) const = 0;
-  /// Returns how different two animations look, in the world's stated unit; 0 for equal ones.
-  /// REQUIRES: results of likeness().
+  /// Returns how different two animations look, in the unit that the world states. Equal animations
+  /// give 0. REQUIRES: results of likeness().
   virtual double likeness_distance(std::span<const double> a, std::span<const double> b) const = 0;
   /// Returns whether likeness_distance > `distance`. May be cheaper than likeness_distance.
   virtual bool is_unlike(std::span<const double> a, std::span<const double> b,
@@ -108,11 +108,11 @@ class StateReader {
                                      std::span<const motion::Segment> /*segments*/) const {
     return {};
   }
-  /// Returns the values of prior_variables of the nth draw from the prior, without a simulation;
-  /// the run's workers simulate the draw (RunView::for_each_prior_draw).
+  /// Returns the values of prior_variables in the nth draw from the prior. Simulates nothing: the
+  /// run's workers simulate the draw (RunView::for_each_prior_draw).
   virtual std::vector<double> prior_draw(std::uint64_t nth) const = 0;
-  /// Returns log p_w of `count` blind throws as a person would make them, for comparison with the
-  /// log p_w of finds. Each call returns the values of the same throws.
+  /// Returns log p_w of `count` blind throws, such as a person would make. A find's log p_w is
+  /// compared with these values. Each call returns the values of the same throws.
   virtual std::vector<double> log_priors_of_throws(std::size_t /*count*/) const { return {}; }
 };
 

@@ -1,4 +1,4 @@
-// Little-endian byte strings for stored or sent data: chain states, outcomes, counts.
+// Stored and sent data as little-endian bytes: chain states, outcomes, counts.
 //
 // The reader checks every length, because bytes may come from a damaged or hostile file.
 #pragma once

@@ -24,8 +24,8 @@ void print(const std::string& message) {
   std::fflush(stderr);
 }
 
-/// The listener is stored in two atomics, because 16 bytes are not atomic everywhere. The context
-/// is stored before the function that receives it.
+/// The listener is two atomics, its function and its context, because not every machine has atomics
+/// of 16 bytes. The context is stored first.
 std::atomic<void*> listener_context = nullptr;
 std::atomic<decltype(BugListener::heard)> listener_heard = nullptr;
 

@@ -3,9 +3,9 @@
 // failures such as bad input, a full disk or a lost process (see result.h and error.h).
 //
 // To make bugs reproducible, a program's main function records the command line, the request and
-// the seed as notes. They suffice to repeat the run. The notes and the bug listener are this
-// library's only global state. The notes and the listener affect only the output after a failed
-// check in any thread or an uncaught exception.
+// the seed as notes. The notes suffice to repeat the run. The notes and the bug listener are this
+// library's only global state. The notes and the listener affect only the output after an uncaught
+// exception, or after a failed check in any thread.
 #pragma once
 
 #include <fmt/format.h>
@@ -27,8 +27,9 @@ void add_repeat_note(std::string_view line);
 
 std::string repeat_notes();
 
-/// Called before the process aborts, for a failed check or an uncaught exception (`place` is then
-/// empty). The function runs in any thread, so it may call little more than write(2).
+/// After a failed check or an uncaught exception, this function is called before the process
+/// aborts. For an uncaught exception, `place` is empty. The function runs in any thread, so it may
+/// call little more than write(2).
 struct BugListener {
   void (*heard)(void* context, const std::string& place, const std::string& words) = nullptr;
   void* context = nullptr;

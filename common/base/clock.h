@@ -1,7 +1,7 @@
 // Time as an interface, so that code with time-outs is tested without waiting.
 //
-// No clock's value may enter an archive (docs/DETERMINISM). Clocks serve progress lines, time
-// limits and sizes of work units, none of which changes a result.
+// No clock's value may enter an archive (docs/DETERMINISM). Clocks determine progress lines, time
+// limits and the sizes of work units. These never change a result.
 #pragma once
 
 namespace sleight::base {
@@ -19,7 +19,8 @@ class SteadyClock final : public Clock {
   double now_s() const override;
 };
 
-/// A clock that also counts while the machine sleeps, because other machines may act meanwhile.
+/// A clock that continues while the machine sleeps, because other machines may act during the
+/// sleep.
 class BootClock final : public Clock {
  public:
   double now_s() const override;

@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Parses "200000 100000": microseconds of CPU time per period. "max 100000" and version 1's -1
-/// mean no quota.
+/// Parses a quota such as "200000 100000": CPU time and period, in microseconds. "max 100000" and
+/// version 1's -1 mean no quota.
 std::optional<double> cores_of(std::istream& quota, std::istream& period) {
   double quota_us = 0;
   double period_us = 0;
@@ -50,8 +50,8 @@ std::optional<std::uint32_t> core_quota(std::string_view groups, const std::stri
     if (!controllers.empty() && fmt::format(",{},", controllers).find(",cpu,") == std::string::npos)
       continue;
     const fs::path top = fs::path(root) / controllers;
-    // In a container, the process's own group is at the top of the folder, although the path is
-    // longer.
+    // In a container, `root` itself is the folder of the process's group, although
+    // /proc/self/cgroup gives a longer path.
     for (fs::path below = fs::path(path).relative_path();; below = below.parent_path()) {
       if (const auto quota = quota_of_group(top / below))
         least = std::min(least.value_or(*quota), *quota);

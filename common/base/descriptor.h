@@ -1,4 +1,4 @@
-// An open file, pipe or process that is closed by its owner's destructor.
+// The descriptor of an open file, pipe or process. The destructor closes the descriptor.
 #pragma once
 
 #include <unistd.h>

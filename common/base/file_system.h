@@ -45,7 +45,7 @@ class FileSystem {
   /// because callers word the message.
   virtual Result<std::unique_ptr<File>, std::error_code> create(const std::string& path) = 0;
   virtual void sync_file(const std::string& path) = 0;
-  /// fsync of the folder of `path`, which makes a rename or a new name durable.
+  /// Syncs the folder that contains `path`, which makes a rename or a new name durable.
   virtual void sync_directory_of(const std::string& path) = 0;
   /// Replaces `to` atomically.
   virtual void rename(const std::string& from, const std::string& to) = 0;
@@ -76,7 +76,7 @@ void write_text_file(FileSystem& files, const std::string& path, std::string_vie
 
 /// Reads a text file. Throws base::Error if the file can't be read or exceeds `bytes_max`.
 std::string read_text_file(const std::string& path, std::size_t bytes_max);
-/// Reads standard input to its end, with the same errors as read_text_file.
+/// Reads standard input to its end. Throws as read_text_file does.
 std::string read_standard_input(std::size_t bytes_max);
 
 }  // namespace sleight::base

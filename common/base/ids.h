@@ -35,7 +35,8 @@ struct Index {
       delete;
 };
 
-/// An independent chain, or an independent ladder of tempered replicas. The archive's `chain`.
+/// Identifies a chain. A ladder of tempered replicas also counts as one chain. Chains are
+/// independent. The archive's `chain`.
 using ChainId = Id<struct ChainTag, std::uint32_t>;
 /// A replica of a ladder. A plain chain has only replica 0.
 using ReplicaId = Id<struct ReplicaTag, std::uint32_t>;

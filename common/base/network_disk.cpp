@@ -10,7 +10,7 @@
 namespace sleight::base {
 namespace {
 
-// File systems' magic numbers from statfs(2), and from the sources of Lustre and GPFS.
+// Magic numbers of file systems. Sources: statfs(2), and the source code of Lustre and GPFS.
 constexpr std::array<std::pair<unsigned long, const char*>, 9> k_types{{{0x6969, "NFS"},
                                                                         {0x517B, "SMB"},
                                                                         {0xFF534D42, "SMB"},

@@ -16,9 +16,10 @@ namespace sleight::base {
 
 inline constexpr const char* k_network_disk_variable = "SLEIGHT_NETWORK_DISK";
 
-/// Returns the name of a path's network file system, such as "NFS", "SMB", "Lustre", "GPFS" or
-/// "Ceph". Returns "FUSE" for any FUSE file system, and k_network_disk_variable if only the
-/// variable makes the disk a network disk. Returns nothing for local disks and missing paths.
+/// Returns the name of the network file system that contains the path, such as "NFS", "SMB",
+/// "Lustre", "GPFS" or "Ceph". For any FUSE file system, returns "FUSE". If the disk counts as a
+/// network disk only because of the variable, returns k_network_disk_variable. Returns nothing for
+/// local disks and missing paths.
 std::optional<std::string> network_file_system(const std::string& path);
 
 }  // namespace sleight::base

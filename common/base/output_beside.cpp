@@ -47,7 +47,7 @@ OutputBeside::OutputBeside(const std::string& path) : place_(where_links_lead(pa
   std::error_code none;
   if (fs::exists(place_, none) && !fs::is_regular_file(place_, none)) return;
   beside_ = fmt::format("{}.tmp.{}", place_, ::getpid());
-  // Remove an existing file of this name, which a killed process left, or which is a trap.
+  // If a file of this name exists, remove it: a killed process left it, or the file is a trap.
   ::unlink(beside_.c_str());
   const Descriptor made(
       ::open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666));

@@ -9,10 +9,10 @@
 
 namespace sleight::base {
 
-/// Returns the path of the file to replace or create for `path`, which is the target if `path` is a
-/// link. Without links, returns `path` without trailing slashes. Throws Error(usage) for "-",
-/// because callers that write to standard output don't call this function. Throws
-/// Error(environment) for circular links.
+/// Returns the path of the file that must be replaced or created. If `path` is a link, returns the
+/// link's target. Otherwise returns `path` without trailing slashes. Throws Error(usage) for "-":
+/// callers must not pass standard output to this function. Throws Error(environment) for circular
+/// links.
 std::string where_links_lead(const std::string& path);
 
 /// A file that is written under a temporary name and renamed when complete. A pipe or device is

@@ -7,8 +7,8 @@
 
 namespace sleight::base {
 
-/// Returns $`variable`/sleight/`name`, or ~/`below_home`/sleight/`name` if the variable is unset or
-/// not an absolute path; nothing without a home. Creates nothing.
+/// Returns $`variable`/sleight/`name`. If the variable is unset or not an absolute path, returns
+/// ~/`below_home`/sleight/`name`. If there is no home either, returns nothing. Creates nothing.
 std::optional<std::filesystem::path> own_folder(const char* variable, const char* below_home,
                                                 const std::string& name);
 

@@ -5,9 +5,9 @@
 
 namespace sleight::base {
 
-/// Returns `release+g<commit>`, with `.dirty.<hash>` for a changed tree, or `release+src.<hash>`
-/// outside git (deploy/version). Builds with equal versions give the same bits for the same
-/// request.
+/// Returns `release+g<commit>`. If the source tree was changed, `.dirty.<hash>` follows. Outside
+/// git, returns `release+src.<hash>` (deploy/version). Builds with equal versions give the same
+/// bits for the same request.
 std::string_view version();
 
 }  // namespace sleight::base

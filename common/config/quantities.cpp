@@ -70,7 +70,8 @@ std::string bytes_text(std::uint64_t bytes) {
 }
 
 std::string duration_text(double duration_s) {
-  // Use a larger unit only for multiples of a tenth of that unit, which read back exactly.
+  // Use a larger unit only if the time is a multiple of a tenth of that unit. A multiple of a tenth
+  // reads back exactly.
   for (const auto& [factor, name] : {std::pair{3600.0, 'h'}, std::pair{60.0, 'm'}}) {
     if (duration_s >= factor && std::fmod(duration_s * 10, factor) == 0)
       return fmt::format("{}{}", duration_s / factor, name);

@@ -98,7 +98,7 @@ struct Found {
   Place place = request::k_no_place;  ///< in the file
 };
 
-/// Converts text from the command line or the environment: digits become an integer.
+/// Converts text from the command line or the environment to a value. Digits become an integer.
 Value value_of(const std::string& text) {
   std::int64_t integer = 0;
   const char* end = text.data() + text.size();
@@ -266,7 +266,7 @@ class Reader {
                                   : key == "allow_root" ? "SLEIGHT_ALLOW_ROOT"
                                                         : "";
     if (!name.empty()) {
-      // Treat an empty variable as unset, because shell users disable variables that way.
+      // Treat an empty variable as unset. Shell users disable a variable by emptying it.
       const auto text = surroundings_.variable(name);
       if (text && !text->empty())
         return Found{{*text, request::k_no_place}, Origin::environment, std::string(name)};
@@ -342,7 +342,8 @@ class Reader {
   std::vector<std::string> keys_;
 };
 
-/// Returns a folder by the XDG specification, which ignores relative paths.
+/// Returns a folder by the XDG specification. Ignores relative paths, as the specification
+/// requires.
 std::optional<std::string> xdg_folder(const Surroundings& surroundings, std::string_view name,
                                       std::string_view below_home) {
   const auto is_absolute = [](const std::optional<std::string>& path) {
@@ -386,7 +387,7 @@ void settle_certificate(const Settings& settings, std::vector<request::Diagnosti
                                              : "tls_certificate requires tls_key"});
 }
 
-/// Under a batch system, limits of jobs don't depend on the daemon's machine.
+/// Under a batch system, the defaults for jobs' resources don't depend on the daemon's machine.
 void settle_backend(Settings& settings, std::vector<request::Diagnostic>& wrong) {
   const std::string& backend = settings.backend.value;
   if (backend == "local") return;
@@ -405,7 +406,7 @@ void settle_backend(Settings& settings, std::vector<request::Diagnostic>& wrong)
                                request::printable(backend, k_shown_characters_max))});
 }
 
-/// Puts the socket into the state folder unless another place is set.
+/// If no path is set for the socket, puts it into the state folder.
 void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) {
   if (settings.state.value.empty()) {
     wrong.push_back({"HOME", request::k_no_place,

@@ -1,7 +1,7 @@
-// The settings of the service on this machine, and where each was set.
+// The settings of the service on this machine. Each setting records where it was set.
 //
-// Every setting has a default, so nothing needs configuring. The first of these sources that has a
-// setting determines it:
+// Every setting has a default, so nothing needs configuring. A setting comes from the first of
+// these sources that has it:
 //
 //   1. the command line;
 //   2. the environment: SLEIGHT_STATE, SLEIGHT_SOCKET, SLEIGHT_SERVER, SLEIGHT_ALLOW_ROOT;
@@ -69,7 +69,7 @@ struct UserLimits {
   friend bool operator==(const UserLimits&, const UserLimits&) = default;
 };
 
-/// Default sbatch options for jobs under Slurm. Empty: Slurm's own defaults.
+/// Default options for submitting jobs with sbatch. Empty: Slurm's own defaults.
 struct SlurmDefaults {
   Setting<std::string> account;
   Setting<std::string> partition;
@@ -104,12 +104,14 @@ struct Settings {
 };
 
 inline constexpr std::uint64_t k_disk_reserve_bytes = 1'000'000'000;
-/// A waiting job starts when the running job's slice is over and the running job has stopped. Other
-/// users' short jobs should finish within 15 s, of which the slice is 10 s.
+/// A waiting job starts when the running job's slice is over and the running job has stopped. A
+/// user's short job should finish within 15 s, even if another user's job is running; the slice
+/// takes 10 s of this time.
 inline constexpr double k_slice_s = 10;
 inline constexpr std::uint64_t k_keep_days = 30;
 inline constexpr std::uint64_t k_keep_bytes = 50'000'000'000;
-/// Equals run::k_cache_bytes_max, which is inaccessible here. A test compares both values.
+/// Has the same size as run::k_cache_bytes_max. This library can't include that constant. A test
+/// compares both values.
 inline constexpr std::uint64_t k_cache_mb = 256;
 inline constexpr std::uint64_t k_jobs_of_user = 20'000;
 // Defaults for the total resources of all jobs under a batch system.
@@ -119,7 +121,7 @@ inline constexpr std::uint64_t k_system_job_cores = 4;
 inline constexpr std::uint64_t k_states_of_job = 16'384;
 inline constexpr std::uint64_t k_simulations_of_job = 100'000'000'000;
 inline constexpr std::uint64_t k_cores_max = 65'536;
-/// The usual socket of a machine's daemon, for clients whose user has no daemon.
+/// The usual socket of a machine's daemon. Clients use this socket if their user has no daemon.
 inline constexpr std::string_view k_machine_socket = "/run/sleight/socket";
 /// Longest path in a sockaddr_un, without the final zero.
 inline constexpr std::size_t k_socket_path_bytes_max = 107;
@@ -136,16 +138,16 @@ struct ConfigFile {
   std::string text;
 };
 
-/// A setting from the command line as text, such as {"cores", "8", "--cores"} or {"limits.jobs",
-/// "5", "--jobs"}. Sizes and times are as in quantities.h.
+/// A setting from the command line, such as {"cores", "8", "--cores"} or {"limits.jobs", "5",
+/// "--jobs"}. Sizes and times are as in quantities.h.
 struct Given {
   std::string key;
   std::string text;
   std::string given_by;
 };
 
-/// Returns the settings, or all errors. Each error names its place in the file, or its other source
-/// (with request::k_no_place). REQUIRES: the keys of `command_line` exist.
+/// Returns the settings, or all errors. An error in the file names its place. Any other error names
+/// its source and has the place request::k_no_place. REQUIRES: the keys of `command_line` exist.
 base::Result<Settings, std::vector<request::Diagnostic>> settings_of(
     const Surroundings& surroundings, const std::optional<ConfigFile>& file,
     const std::vector<Given>& command_line = {});
@@ -168,13 +170,13 @@ struct Row {
 /// Returns all settings, in the order of Settings.
 std::vector<Row> rows_of(const Settings& settings);
 
-/// Returns the settings of this process's environment, machine and file. Throws base::Error: usage,
-/// with one line per error; environment, if the file can't be read.
+/// Returns the settings of this process's environment, machine and file. Throws base::Error(usage),
+/// with one line per error. If the file can't be read, throws base::Error(environment).
 Settings settings_here(const std::vector<Given>& command_line = {});
 
-/// The service that this process calls: the configured server or socket, else the daemon of this
-/// user, else the machine's daemon if only that exists. `server` is "HOST:PORT", `socket` a path.
-/// Throws like settings_here.
+/// The service that this process calls: the configured server or socket. If none is configured, the
+/// service is this user's daemon, or the machine's daemon if only that exists. `server` is
+/// "HOST:PORT", `socket` a path. Throws like settings_here.
 struct ToCall {
   std::string socket{};
   std::string server{};  ///< empty: use the socket

@@ -150,8 +150,8 @@ void EventLog::give_up(const std::string& reason) {
 }
 
 std::vector<RunEvent> read_event_log(const std::string& folder) {
-  // Make sure that both files belong to the same moment, because the writer may rotate them between
-  // the two opens.
+  // The writer may rotate the files between the two opens. So check that the two opened files
+  // existed at the same time.
   std::string text;
   for (int tries = 0; tries < 100; ++tries) {
     const Reader now(event_log_path(folder));

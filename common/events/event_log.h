@@ -1,16 +1,16 @@
-// A run's events in files of its folder, for watchers in other processes, on other machines, or in
-// a service that was not running at the time.
+// Stores a run's events in files of the run's folder. Watchers in other processes or on other
+// machines read them, even later.
 //
 // There are two files, `events.log` and `events.old.log`, each at most half the size limit. When
-// `events.log` is full, it replaces `events.old.log`. Each event is a line as in run_event.h,
-// appended as a whole.
+// `events.log` is full, it replaces `events.old.log`. Each event is a line as in run_event.h. A
+// line is appended by a single write.
 //
 // Nothing depends on the log, because lost events are restored from the store. So the log is not
 // synced, and a failing disk does not end a run: the failure is reported once, and writing is
-// retried after a second. At most once per second, the writer checks whether the log was deleted,
-// and then starts a new log.
+// retried after a second. At most once per second, the writer checks whether the log was deleted.
+// If so, the writer starts a new log.
 //
-// Thread safety: a log has one writer in one thread, and any number of readers anywhere.
+// Thread safety: a log has one writer, used by one thread, and any number of readers.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ inline constexpr std::uint64_t k_event_log_bytes_max = 4U << 20U;
 /// Interval at which the writer checks that the log still exists, and retries after a failure.
 inline constexpr double k_event_log_look_every_s = 1;
 
-/// Return the paths of the current and of the previous log in a run's folder.
+/// Return the paths of `events.log` and `events.old.log` in a run's folder.
 std::string event_log_path(const std::string& folder);
 std::string old_event_log_path(const std::string& folder);
 

@@ -8,7 +8,7 @@
 namespace sleight::events {
 namespace {
 
-/// Maximum displayed time, because a slow start can lead to estimates that overflow an integer.
+/// Maximum displayed time. A slow start can lead to estimates that would overflow an integer.
 constexpr double k_seconds_max = 1e12;
 
 double percent(std::uint64_t part, std::uint64_t whole) {
@@ -51,7 +51,7 @@ double per_second(std::uint64_t count, const Progress& progress) {
   return progress.elapsed_s > 0 ? static_cast<double>(count) / progress.elapsed_s : 0;
 }
 
-/// Returns for example "1,200 of 4,000 scans (30%)  0:12 left", or "1,200 scans".
+/// Returns text such as "1,200 of 4,000 scans (30%)  0:12 left" or "1,200 scans".
 std::string scans_in_words(const Progress& progress) {
   if (progress.scans_total == 0) return fmt::format("{} scans", grouped(progress.scans_done));
   std::string words = fmt::format("{} of {} scans ({:.0f}%)", grouped(progress.scans_done),
@@ -65,7 +65,7 @@ std::string scans_in_words(const Progress& progress) {
   return words;
 }
 
-/// Returns the simulation rate and the number of prior draws.
+/// Returns text such as "85,200 sims/s". If prior draws are missing, adds how many there are.
 std::string effort_in_words(const Progress& progress) {
   const double rate = per_second(progress.session_simulations, progress);
   std::string words = fmt::format("{} sims/s", grouped(static_cast<std::uint64_t>(rate)));
@@ -99,7 +99,7 @@ std::string search_line(const std::string& name, const Progress& progress) {
     line += fmt::format("  {} of {} relaxed  {}", grouped(finds.relaxed),
                         grouped(finds.relaxed_wanted), scans_in_words(progress));
   }
-  // A start's simulations are counted when the start ends, which may take a long time.
+  // A start's simulations are counted when the start ends. A start may take a long time.
   line += progress.session_simulations == 0
               ? fmt::format("  first starts running for {}", clock_time(progress.elapsed_s))
               : fmt::format("  {} simulations  {}", grouped(progress.session_simulations),

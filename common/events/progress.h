@@ -35,14 +35,15 @@ struct Progress {
   double elapsed_s = 0;            ///< of this session
 };
 
-/// Returns one line, most important parts first because a terminal may truncate it. Example (one
-/// line):
+/// Returns one line. The most important parts come first, because a terminal may truncate the line.
+/// Example (one line):
 /// "ball_2d  12,400 of 40,000 scans (31%)  0:04 left  85,200 sims/s  solutions 4  round trips 12
 /// satisfied 6,448 (52%)  accepted 41%  2 workers".
 std::string progress_line(const std::string& name, const Progress& progress);
 
-/// Returns "log P about -39.1 +- 0.4, still rough (41 of 132 islands)", or "log P -39.12 +- 0.21
-/// (100 islands)" once the error is reliable. REQUIRES: the run requests odds.
+/// Returns text such as "log P about -39.1 +- 0.4, still rough (41 of 132 islands)". If the error
+/// is reliable, returns text such as "log P -39.12 +- 0.21 (100 islands)". REQUIRES: the run
+/// requests odds.
 std::string odds_in_words(const plan::Odds& odds);
 
 /// Formats 1234567 as "1,234,567".

@@ -57,7 +57,7 @@ std::string line_of(const RunEnd& end) {
   json::Value json;
   json::FieldWriter writer(json, json::None::null);
   end_fields(writer, end);
-  // Replace invalid UTF-8, for example of a file's name, by U+FFFD.
+  // Replace invalid UTF-8 by U+FFFD. A file's name may contain invalid UTF-8.
   return json.dump() + "\n";
 }
 

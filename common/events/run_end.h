@@ -1,12 +1,12 @@
 // The record of a run session's end, stored in the run store and read by supervisors.
 //
-// A session is one start of a run's program. Before it exits, the session writes its record to the
-// run store and, if a supervisor requested it, as one line to a pipe (clients/cli/end_report.h).
-// The pipe is needed because after a full disk or a refusal the store has no record. A session
-// without a record died.
+// A session is one start of a run's program. Before the session exits, it writes its record to the
+// run store. If a supervisor requested it, the session also writes the record as one line to a pipe
+// (clients/cli/end_report.h). The pipe is needed because the store has no record if the disk is
+// full or the session was refused. If there is no record at all, the session was killed or crashed.
 //
-// The line is a JSON object with all fields below by name, followed by a newline. The field `end`
-// is written as a name (name_of), and `exit_code` as a number. The line has at most
+// The line is a JSON object and a newline. The object has all fields below, by name. The field
+// `end` is written as a name (name_of), and `exit_code` as a number. The line has at most
 // k_end_line_bytes_max bytes, so that a pipe accepts it at once; longer messages lose their middle.
 //
 // Thread safety: values.
@@ -53,7 +53,8 @@ struct RunEnd {
 
 std::string_view name_of(End end);
 
-/// Returns the end of a session that an exception ended: base::Error's kind and message, or a bug.
+/// Returns the record of a session that an exception ended. A base::Error gives its kind and
+/// message; any other exception is a bug.
 RunEnd end_by(const std::exception& error);
 
 std::string to_line(const RunEnd& end);

@@ -10,7 +10,7 @@ namespace {
 
 using Json = json::Value;
 
-// The fields of each kind of event, listed once for reading and writing.
+// Lists the fields of each kind of event. The reader and the writer both use these lists.
 template <class Visitor, class T>
 void visit_fields(Visitor& fields, T& what) {
   using Kind = std::remove_const_t<T>;

@@ -1,11 +1,12 @@
 // The events of a run, for watchers.
 //
 // Solutions, failures, ends of rounds and ends of sessions are numbered from 1 without gaps. A
-// watcher that remembers the last number it received has missed exactly the events with higher
-// numbers. Phases, progress and archives have no number, because only the newest of each matters.
+// watcher that remembers the last number that it received can request all events that it missed:
+// those with higher numbers. Phases, progress and archives have no number, because only the newest
+// of each matters.
 //
-// An event is a line of JSON: its `number` (0: none), its `kind`, and the kind's fields by the
-// names below.
+// An event is a line of JSON. The line has a `number` (0: none), a `kind`, and the fields of that
+// kind under the names below.
 //
 // Thread safety: values.
 #pragma once
@@ -45,7 +46,7 @@ struct Failure {
   bool operator==(const Failure&) const = default;
 };
 
-/// The end of a round of one ladder, or of all chains together.
+/// A round ended: a round of one ladder, or of all chains together.
 struct RoundEnded {
   std::uint32_t chain = 0;
   std::uint64_t round = 0;                     ///< from 1

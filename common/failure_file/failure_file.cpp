@@ -102,7 +102,7 @@ class Keys {
   std::optional<request::Diagnostic> complaint_;
 };
 
-/// Returns an error if the file's checksum is wrong, and nothing if the checksum is right or
+/// Returns an error if the file's checksum is wrong. Returns nothing if the checksum is right or
 /// absent.
 std::optional<request::Diagnostic> damage_of(const request::Section& section, std::string_view text,
                                              const std::string& path) {

@@ -14,10 +14,10 @@
 //   ...
 //
 // The state is hexadecimal, in the world's own encoding. From [world] on, the file contains the
-// whole request as `sleight check` prints it. The checksum is FNV-1a (64 bits) of all other lines,
-// so that a damaged file is not mistaken for a simulation that now succeeds. A file without a
-// checksum is accepted, so that people can edit it. The file is TOML and untrusted. Thread safety:
-// pure functions.
+// whole request as `sleight check` prints it. The checksum is FNV-1a (64 bits) of all other lines.
+// Without a checksum, a damaged file could look like a simulation that now succeeds. A file without
+// a checksum is accepted, so that people can edit it. The file is TOML and untrusted. Thread
+// safety: pure functions.
 #pragma once
 
 #include <cstddef>
@@ -42,9 +42,9 @@ std::string to_text(const FailureFile& file);
 /// Returns the file's content, or the reason why it is invalid. Does not parse the request.
 base::Result<FailureFile, request::Diagnostic> read(std::string_view text, const std::string& path);
 
-/// Returns a failure's file name from its place in the run: "failure-0-3-1760.toml" is chain 0,
-/// replica 3, scan 1760. `nth`: index among the scan's failures. The first failure's file has no
-/// number in its name.
+/// Returns the file name for a failure at this place in the run: "failure-0-3-1760.toml" is chain
+/// 0, replica 3, scan 1760. `nth`: index among the scan's failures. For the first failure, the name
+/// does not contain `nth`.
 std::string name_of(const plan::ReplicaKey& replica, base::ScanIndex scan, std::size_t nth);
 
 }  // namespace sleight::failure_file

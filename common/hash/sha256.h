@@ -1,4 +1,4 @@
-// SHA-256 (OpenSSL) of content in pieces, for run identities and archive digests.
+// SHA-256 (OpenSSL) of content that arrives in pieces. Run identities and archive digests use it.
 #pragma once
 
 #include <array>

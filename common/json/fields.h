@@ -1,4 +1,5 @@
-// Maps a record's fields to members of a JSON object, listed once for reading and writing:
+// Maps a record's fields to members of a JSON object. One function lists the fields for reading and
+// writing:
 //
 //   template <class Visit, class Change>
 //   void change_fields(Visit& visit, Change& change) {

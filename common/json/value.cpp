@@ -11,8 +11,8 @@ namespace sleight::json {
 
 using Library = nlohmann::ordered_json;
 
-/// Converts values to the library's type and back. Keys are unique in both types, so append members
-/// without a look-up, which the types' operators would make.
+/// Converts values to the library's type and back. Keys are unique in both types. So members are
+/// appended directly; the types' operators would first look up the key.
 struct Conversion {
   static Library library(const Value& value) { return std::visit(Conversion(), value.value_); }
   static Value value(const Library& read, int depth);

@@ -1,9 +1,9 @@
-// JSON values. Only value.cpp includes the JSON library that reads and writes text, because each
-// source that includes it takes seconds longer to compile.
+// JSON values. A JSON library reads and writes text. Only value.cpp includes the library, because
+// it adds seconds to the compilation of a source.
 //
 // Invariants
-//   1. An object keeps its keys in the order of their addition, and has each key once.
-//   2. Integers are stored as std::uint64_t from 0, as std::int64_t below 0. Other numbers are
+//   1. An object has its keys in order of addition, each key once.
+//   2. Integers below 0 are stored as std::int64_t, all others as std::uint64_t. Other numbers are
 //      doubles.
 //   3. Parsed values are nested at most k_depth_max levels deep.
 //   4. Invalid UTF-8 is written as U+FFFD; NaN and infinities are written as null.
@@ -60,10 +60,10 @@ class Value {
   Value(const char* text);
   Value(std::string_view text);
   Value(std::string text);
-  /// Creates an object if each element is a pair whose first value is a text, else an array. So
-  /// Value{{"a", 1}, {"b", 2}} is {"a": 1, "b": 2}.
+  /// Creates an object if each element is a pair that begins with a text. Otherwise creates an
+  /// array. So Value{{"a", 1}, {"b", 2}} is {"a": 1, "b": 2}.
   Value(std::initializer_list<Value> elements);
-  /// Creates an array of a range's elements, or an object from a map.
+  /// Creates an object from a map, and an array from any other range.
   template <std::ranges::input_range Range>
   requires(!std::convertible_to<const Range&, std::string_view> &&
            !std::same_as<std::remove_cvref_t<Range>, Value>) Value(const Range& range)
@@ -86,7 +86,7 @@ class Value {
   static Value array(std::initializer_list<Value> elements);
   static Value object();
 
-  /// Throws Error with the position in the text.
+  /// If the text is not JSON, throws Error that names the position.
   static Value parse(std::string_view text);
   /// Returns null if the text is not JSON.
   static Value parse_or_null(std::string_view text);
@@ -104,7 +104,7 @@ class Value {
   bool is_object() const;
 
   /// Returns a bool, a number, a string, or a vector or map of these. Throws Error if the value has
-  /// another kind, or is an integer out of T's range.
+  /// another kind, or if the value is an integer out of T's range.
   template <class T>
   T get() const {
     if constexpr (std::same_as<T, bool>) {
@@ -187,7 +187,7 @@ class Value {
   friend std::ostream& operator<<(std::ostream& out, const Value& value);
 
  private:
-  /// Integers as the header's templates pass them to value.cpp.
+  /// An integer or a bool. The header's templates pass it to value.cpp.
   struct Whole {
     std::uint64_t bits = 0;
     bool is_negative = false;

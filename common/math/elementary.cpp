@@ -8,10 +8,12 @@ namespace sleight::math {
 
 namespace {
 
-// Below this limit, tan(x) and log1p(x) equal x within a relative error of 2^-60: their next terms
-// are x^3/3 and x^2/2. SLEEF's own tan and log1p return 0 or lose digits for denormal x.
+// Below this limit, tan(x) and log1p(x) equal x within a relative error of 2^-60. The next terms of
+// their series are x^3/3 and x^2/2. SLEEF's own tan and log1p return 0 or lose digits for denormal
+// x.
 constexpr double k_identity_max = 0x1p-60;
-// From this limit on, 1 + x rounds to x and log is accurate. SLEEF's log1p is infinite near 1e307.
+// From this limit on, 1 + x rounds to x, so log1p(x) is log(x). SLEEF's log1p is infinite near
+// 1e307.
 constexpr double k_log1p_is_log_min = 0x1p60;
 
 }  // namespace

@@ -10,8 +10,8 @@
 // <cmath>.
 //
 // Invariants
-//   1. A result depends on the argument's bits alone: not on processor, thread or earlier calls
-//      (in the default rounding mode, to nearest).
+//   1. In the default rounding mode (to nearest), a result depends on the argument's bits alone,
+//      not on processor, thread or earlier calls.
 //   2. |result - exact| <= k ulp + 2 * 2^-1074, where an ulp is the spacing of doubles at the exact
 //      value and each function states its k. The second term matters only for denormals.
 //      tests/unit/common/math measures this against MPFR.
@@ -38,8 +38,9 @@ struct SinCos {
 double sin(double angle_rad);
 double cos(double angle_rad);
 double tan(double angle_rad);
-/// Sine and cosine together, cheaper than two calls. k = 1, but the bits can differ from the
-/// results of sin() and cos(). To reproduce a value exactly, use the same function.
+/// Sine and cosine together. One call of sincos is cheaper than two calls of sin and cos. k = 1,
+/// but the bits can differ from the results of sin() and cos(). To reproduce a value exactly, use
+/// the same function.
 SinCos sincos(double angle_rad);
 
 /// e^x. Returns 0 below -745.14. Returns infinity above 709.78271, although the exact limit is 2e-6
@@ -56,7 +57,7 @@ double pow(double x, double y);
 
 /// Angle of the point (x, y) from the x axis, in [-pi, pi] radians. k = 1.
 double atan2(double y, double x);
-/// Inverse cosine in [0, pi] and inverse sine in [-pi/2, pi/2] radians, for |x| <= 1. k = 1.
+/// For |x| <= 1: inverse cosine, in [0, pi] radians; inverse sine, in [-pi/2, pi/2] radians. k = 1.
 double acos(double x);
 double asin(double x);
 

@@ -29,7 +29,7 @@ void IslandSums::add(double log_estimate) {
     squares_ += estimate * estimate;
     return;
   }
-  // Rescale the sums relative to the new greatest estimate.
+  // The sums are relative to the greatest estimate. This estimate is greater, so rescale the sums.
   const double factor = greatest_ == k_log_zero ? 0 : math::exp(greatest_ - log_estimate);
   sum_ = sum_ * factor + 1;
   squares_ = squares_ * factor * factor + 1;

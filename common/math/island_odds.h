@@ -3,15 +3,15 @@
 // (worker/sampling/island.h).
 //
 // Idea. The mean of the estimates is unbiased for any spread; the mean of their logs is not. The
-// standard error of the mean is the estimates' standard deviation over the square root of their
-// number. The relative error is the error of the log, in nats. If a few large estimates dominate
-// the sum, the standard deviation is mostly too small, because even larger estimates have not
-// occurred yet. So an error is valid only if there are enough estimates and none exceeds a tenth of
-// the sum.
+// mean's standard error is the estimates' standard deviation divided by the square root of their
+// number. The mean's relative error is the error of its log, in nats. If a few large estimates
+// dominate the sum, the standard deviation is mostly too small, because even larger estimates have
+// not occurred yet. So an error is valid only if there are enough estimates, and no estimate
+// exceeds a tenth of the sum.
 //
-// The number of counted estimates may depend on earlier estimates, but not on the counted ones
-// (worker/sampling/odds_rule.h).
-// Invariant: equal sequences yield equal bits. Thread safety: values and pure functions.
+// The number of counted estimates may depend on earlier estimates, but must not depend on the
+// counted ones (worker/sampling/odds_rule.h). Invariant: equal sequences yield equal bits. Thread
+// safety: values and pure functions.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +20,17 @@
 
 namespace sleight::math {
 
-/// Maximum share of the sum that one estimate may have for a valid error.
+/// The error is invalid if one estimate's share of the sum is larger than this.
 inline constexpr double k_largest_share_max = 0.1;
-/// Minimum number of estimates for a valid error. Fewer estimates usually include none of the rare
-/// large values. For a box of two balls, estimates by 48 islands missed the truth by three errors
-/// or more in 4 to 13% of cases, and by 144 islands in 4 to 7% (docs/MEASUREMENTS, "Intervals by
-/// islands").
+/// The error is invalid if there are fewer estimates, because they usually include none of the rare
+/// large values. Measured for a box of two balls: the mean missed the truth by three errors or more
+/// in 4 to 13% of cases with 48 islands, and in 4 to 7% of cases with 144 islands
+/// (docs/MEASUREMENTS, "Intervals by islands").
 inline constexpr std::uint64_t k_islands_min = 100;
 
 struct IslandOdds {
   std::uint64_t islands = 0;
-  /// Log of the mean: -infinity if all estimates are 0, NaN without estimates.
+  /// Log of the mean. -infinity: all estimates are 0. NaN: there are no estimates.
   double log_mean = std::numeric_limits<double>::quiet_NaN();
   /// Standard deviation of one estimate, divided by the mean. NaN for fewer than two estimates, or
   /// if all estimates are 0.
@@ -40,7 +40,8 @@ struct IslandOdds {
 
   /// Standard error of log_mean, in nats; NaN if relative_sd is NaN.
   double log_error() const { return log_error_of(static_cast<double>(islands)); }
-  /// Returns the expected standard error of log_mean with `count` estimates. REQUIRES: count > 0.
+  /// Returns the standard error that log_mean would have if there were `count` estimates. REQUIRES:
+  /// count > 0.
   double log_error_of(double count) const;
   /// Whether log_error is valid.
   bool known() const;
@@ -49,7 +50,8 @@ struct IslandOdds {
 /// Sums over estimates. The single estimates are not stored.
 class IslandSums {
  public:
-  /// Adds the log of an estimate; -infinity for 0. NaN or +infinity makes all results NaN.
+  /// Adds an estimate, given by its log. The log of 0 is -infinity. NaN or +infinity makes all
+  /// results NaN.
   void add(double log_estimate);
   IslandOdds odds() const;
 

@@ -9,7 +9,7 @@
 namespace sleight::math {
 namespace {
 
-// Coefficients from the constant term upwards, all from the paper.
+// Coefficients from the paper. The constant term comes first.
 using Polynomial = std::array<double, 8>;
 
 constexpr Polynomial k_central_above = {3.3871328727963666080e0, 1.3314166789178437745e2,

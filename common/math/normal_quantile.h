@@ -8,11 +8,11 @@
 
 namespace sleight::math {
 
-/// Returns the x below which a standard normal variable falls with the given probability, within
-/// 1e-15 relative. The bits equal the bits of R's qnorm wherever the logarithms agree. The result
-/// is infinite at 0 and 1, and NaN outside [0, 1] and for NaN. The function is odd about 1/2, where
-/// it is 0. Close to 1, doubles are too coarse for the probability; use -normal_quantile(1 -
-/// probability).
+/// Returns x such that a standard normal variable is below x with the given probability. The
+/// relative error is below 1e-15. The bits equal those of R's qnorm wherever both programs compute
+/// the same logarithm. The result is infinite at 0 and 1, and NaN outside [0, 1] and for NaN. The
+/// function is odd about 1/2, where it is 0. Close to 1, doubles are too coarse for the
+/// probability; use -normal_quantile(1 - probability).
 double normal_quantile(double probability);
 
 }  // namespace sleight::math

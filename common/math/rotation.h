@@ -1,4 +1,5 @@
-// Rotations of space as unit quaternions, without libm and with explicit order of operations.
+// Rotations of space as unit quaternions. The functions don't call libm, and the order of
+// operations is explicit.
 //
 // A Quat is (w; x, y, z) with w^2 + x^2 + y^2 + z^2 = 1. The rotation by the angle t about the unit
 // axis n is (cos(t/2); n sin(t/2)). q and -q are the same rotation. A rotation maps coordinates
@@ -46,8 +47,8 @@ Quat normalized(const Quat& q);
 
 /// Rotates v from the body's frame into the world's.
 inline Vec3 rotated(const Quat& q, const Vec3& v) {
-  // v + w t + u x t with t = 2 u x v and u the vector part: 15 multiplications instead of the 24 of
-  // q v q^-1, and exactly v for the identity.
+  // The result is v + w t + u x t. Here t = 2 u x v, and u is the vector part of q. This formula
+  // takes 15 multiplications; q v q^-1 takes 24. For the identity, the result is exactly v.
   const Vec3 u(q.x(), q.y(), q.z());
   const Vec3 half = cross(u, v);
   const Vec3 t(2 * half.x(), 2 * half.y(), 2 * half.z());

@@ -1,16 +1,16 @@
 // Vectors of the plane and of space: fixed-size Eigen types with our own reductions.
 //
 // Idea. Eigen's types provide storage and component-wise arithmetic, which rounds once per
-// component for any instruction set. For sums over components, Eigen chooses the order of
-// additions, and whether to fuse multiplication and addition, by size, alignment and build flags.
-// Plain code adds three numbers as a + (b + c). SSE adds four numbers pairwise, and AVX in another
-// order. A quaternion product has its own SSE code. So the functions below write out every such sum
-// from left to right. rotation.h has the products of rotations.
+// component for any instruction set. For sums over components, Eigen chooses the order of additions
+// by size, alignment and build flags. Eigen also chooses whether to fuse multiplication and
+// addition. Plain code adds three numbers as a + (b + c). SSE adds four numbers pairwise. AVX adds
+// them in another order. A quaternion product has its own SSE code. So the functions below write
+// out every such sum from left to right. rotation.h has the products of rotations.
 //
 // Invariants
-//   1. Every function yields the same bits for the same arguments whether compiled for SSE2 or for
-//      AVX2. Therefore all our targets use -ffp-contract=off, and elementary.h doesn't compile with
-//      FMA. tests/determinism/arithmetic builds both and compares.
+//   1. The same arguments give the same bits, whether a function is compiled for SSE2 or AVX2.
+//      Equal bits require -ffp-contract=off, which all our targets have, and no FMA, which
+//      elementary.h refuses. tests/determinism/arithmetic builds both and compares.
 //   2. Results never use these members of Eigen: dot, norm, squaredNorm, normalized, cross, sum,
 //      prod, products of matrices or quaternions, inverse, and from Eigen/Geometry AngleAxis,
 //      Rotation2D and slerp (these call libm's sine). Results never use vectors of run-time size
@@ -33,8 +33,8 @@ using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
-/// A column of two or three doubles, or a sum, difference or scaling of such columns. The functions
-/// below evaluate an expression argument only once.
+/// A column of two or three doubles, or an expression: a sum, difference or scaling of such
+/// columns. The functions below evaluate an expression argument only once.
 template <class T>
 concept VectorExpression = std::same_as<typename T::Scalar, double> && T::ColsAtCompileTime == 1 &&
                            (T::RowsAtCompileTime == 2 || T::RowsAtCompileTime == 3);
@@ -46,7 +46,7 @@ template <VectorExpression T>
 using Evaluated = Eigen::Matrix<double, T::RowsAtCompileTime, 1>;
 
 namespace detail {
-/// An argument, evaluated once. Vectors are held by reference, which avoids copies through memory.
+/// An argument, evaluated once. Vectors are held by reference, to avoid copies through memory.
 template <VectorExpression T>
 using Held = std::conditional_t<std::same_as<T, Evaluated<T>>, const T&, const Evaluated<T>>;
 }  // namespace detail
@@ -80,7 +80,8 @@ template <VectorExpression A>
   return v / length;
 }
 
-/// The third component of a plane cross product: positive if b is to the left of a.
+/// The third component of the cross product of two plane vectors. It is positive if b is to the
+/// left of a.
 template <VectorExpression A, VectorExpression B>
 requires(SameSize<A, B>&& SameSize<A, Vec2>) double cross(const Eigen::MatrixBase<A>& a,
                                                           const Eigen::MatrixBase<B>& b) {

@@ -1,8 +1,8 @@
-// The fields of a segment, listed once for the columns of an archive's motions, the cached motions
-// beside a run's store, and the columns read by the gallery's page.
+// Lists the fields of a segment. Three formats use this list: the columns of motions in an archive,
+// the motions cached beside a run's store, and the columns that the gallery's page reads.
 //
-// A field added to this list is written and read in all three places. The archive's checker has a
-// separate list (common/archive/structure.cpp), so that it checks independently.
+// A field added to this list is written and read in all three formats. The archive's checker has
+// its own list (common/archive/structure.cpp), so that an error here can't hide there.
 //
 // Thread safety: constants and pure functions.
 #pragma once
@@ -28,12 +28,12 @@ struct Field {
   const char* meaning;  ///< one sentence
   const char* unit = "1";
 };
-/// Clang needs this deduction guide before version 17.
+/// Before version 17, clang needs this deduction guide.
 template <class Record, class Value>
 Field(const char*, Value Record::*, const char*, const char* = "1") -> Field<Record, Value>;
 
-/// The fields in the order of the archive's columns. The texts of `mode` and `cause` define their
-/// numbers.
+/// The fields in the order of the archive's columns. The descriptions of `mode` and `cause` say
+/// what each number means.
 inline constexpr std::tuple k_fields{
     Field{"body", &Segment::body, "feature of /scene that moves"},
     Field{"start_s", &Segment::start_s, "time at which the segment begins", "s"},
@@ -54,13 +54,13 @@ inline constexpr std::tuple k_fields{
     Field{"angular_acceleration_radps2", &Segment::angular_acceleration_radps2,
           "constant angular acceleration in the scene's frame", "rad s-2"}};
 
-/// Calls act(field) for each field in order.
 template <class Fields, class Act>
 constexpr void for_each_field(const Fields& fields, Act act) {
   std::apply([&](const auto&... each) { (act(each), ...); }, fields);
 }
 
-/// Returns a value as numbers: one, three for a vector (x, y, z), four for a rotation (w, x, y, z).
+/// Returns the numbers of a value. A vector has three numbers (x, y, z), a rotation has four (w, x,
+/// y, z), and any other value has one.
 template <std::integral Value>
 constexpr std::array<Value, 1> elements_of(Value value) {
   return {value};
@@ -98,7 +98,7 @@ inline constexpr std::size_t k_last<Mode> = k_mode_names.size() - 1;
 template <>
 inline constexpr std::size_t k_last<Cause> = k_cause_names.size() - 1;
 
-/// Returns the value with these elements; nothing if a number is out of range. REQUIRES:
+/// The reverse of elements_of. Returns nothing if a number is out of range. REQUIRES:
 /// k_width<Value> numbers.
 template <class Value, class Number>
 std::optional<Value> value_of(const Number* numbers) {

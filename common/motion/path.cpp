@@ -11,7 +11,7 @@
 namespace sleight::motion {
 namespace {
 
-/// Tolerance of a quaternion's squared norm.
+/// A quaternion is a rotation if its squared norm differs from 1 by at most this.
 constexpr double k_norm_off_max = 1e-3;
 
 bool is_sane(const Segment& segment) {

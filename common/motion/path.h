@@ -1,4 +1,4 @@
-// The motion of a whole animation: each body's segments in order of time.
+// The motion of an animation: for each body, the segments in order of time.
 //
 // Thread safety: values; const functions may be called from several threads at once.
 #pragma once
@@ -51,9 +51,9 @@ class Path {
 class Animation {
  public:
   /// Builds an animation from segments. Bodies may be in any order, but each body's segments are in
-  /// order of start. Returns the reason if an untrusted file has unknown bodies, starts that
-  /// decrease or are not finite, numbers beyond k_number_max, or orientations that are not
-  /// rotations. Stored orientations have norm 1.
+  /// order of start. The segments may come from an untrusted file. Returns the fault if a body is
+  /// unknown, a start is not finite or decreases, a number is beyond k_number_max, or an
+  /// orientation is not a rotation. Stored orientations have norm 1.
   static base::Result<Animation, std::string> of(std::span<const Segment> segments,
                                                  std::size_t bodies);
 
@@ -69,7 +69,7 @@ class Animation {
   double end_s_ = 0;
 };
 
-/// Limit for numbers in SI units; no simulated motion reaches it.
+/// Largest valid number in a segment, in SI units. No simulated motion reaches it.
 inline constexpr double k_number_max = 1e9;
 
 }  // namespace sleight::motion

@@ -13,11 +13,11 @@ namespace {
 using math::Quat;
 using math::Vec3;
 
-/// Maximum rotation in one step that comes from the second term of Magnus' expansion. The neglected
-/// terms are about this value times the step's angle.
+/// A step is so short that the second term of Magnus' expansion rotates by at most this. The
+/// neglected terms are about this value times the step's angle.
 constexpr double k_second_term_rad = 1e-6;
-/// An axis whose relative turn is smaller than this counts as fixed, because the turn is below
-/// rounding errors.
+/// If the axis' relative turn is smaller than this, the axis counts as fixed. Rounding errors
+/// exceed so small a turn.
 constexpr double k_straight = 0x1p-40;
 
 Quat turned(const Quat& orientation, const Vec3& w, const Vec3& a, double s) {

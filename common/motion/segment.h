@@ -1,4 +1,4 @@
-// A piece of a body's recorded motion, as stored in archives: a closed-form function of time.
+// A piece of a body's recorded motion: a closed-form function of time. Archives store segments.
 //
 // Every world records motion as segments, so an animation can be shown, searched and exported
 // without the world's code or a simulator.
@@ -6,8 +6,8 @@
 //   centre       c(t) = position + velocity s + acceleration s^2 / 2       s = t - start
 //   orientation  rotates with angular velocity w(t) = w + a s, in the scene's frame
 //
-// If a body's motion is more complex, as when tumbling with unequal moments of inertia, its
-// segments are as short as necessary.
+// If a body's motion is more complex, its segments are as short as necessary. An example is a
+// tumbling body with unequal moments of inertia.
 //
 // Units are SI. Times count from the animation's beginning. The scene's frame is right-handed with
 // z up (common/scene). Thread safety: values and pure functions.
@@ -41,7 +41,7 @@ enum class Cause : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 4> k_cause_names{"start", "hit", "mode", "rest"};
 
-/// Value of `partner` for a segment whose start was not caused by hitting another thing.
+/// Value of `partner` if the segment's cause is not `hit`.
 inline constexpr std::int32_t k_no_partner = -1;
 
 struct Segment {
@@ -65,13 +65,13 @@ bool operator==(const Segment& a, const Segment& b);
 math::Vec3 position_at(const Segment& segment, double t_s);
 math::Vec3 velocity_at(const Segment& segment, double t_s);
 /// If the axis turns too, orientation_at uses Magnus' expansion to the second term (Magnus 1954,
-/// Communications on Pure and Applied Mathematics 7), in at most k_turn_steps_max steps short
-/// enough for 1e-6 rad.
+/// Communications on Pure and Applied Mathematics 7). The steps are short enough for 1e-6 rad, but
+/// there are at most k_turn_steps_max.
 math::Quat orientation_at(const Segment& segment, double t_s);
 inline constexpr double k_turn_steps_max = 100'000;
 
-/// Returns the maximum distance of the centre from the straight line between two times of the
-/// segment: |a| d^2 / 8 for times d apart.
+/// Returns how far the centre's path deviates from the straight line between two of its points: |a|
+/// d^2 / 8. In this formula, d is `duration_s`, the time between the two points.
 double bow_m(const Segment& segment, double duration_s);
 
 }  // namespace sleight::motion

@@ -1,12 +1,12 @@
-// The work of one assignment: a single unit, or a ladder's neighbouring replicas with the swaps
-// between them.
+// A block is the work of one assignment: a single unit, or several neighbouring replicas of a
+// ladder and the swaps between them.
 //
 //   scan s      . a b c d e .      a block of five levels; each member's first scan is certain
 //        s+1      a b c d          e swapped with a level outside, so its next scan is unknown here
 //        s+2        b c
 //
-// A member continues as long as the block alone determines its level; the plan decides the rest.
-// The choice of units for a block may depend on measured cost and on which units are ready, but no
+// A member continues as long as the block alone determines its level. The plan decides all later
+// levels. Measured cost and the set of ready units may determine which units form a block, but no
 // result depends on that choice (docs/DETERMINISM). The plan verifies this: it decides each swap
 // again when it consumes results (Plan::consume).
 #pragma once
@@ -44,22 +44,22 @@ struct Block {
 struct BlockLimits {
   std::uint32_t unit_scans_max = 1;   ///< Scans of a single unit.
   std::uint32_t block_scans_max = 1;  ///< Scans of all members of a ladder's part together.
-  /// Number of threads that small blocks can keep busy. With at least one ladder per thread,
-  /// ladders of up to whole_levels_max levels are not split, because splitting makes blocks small.
+  /// Number of threads to keep busy. If there is at least one ladder per thread, ladders of up to
+  /// whole_levels_max levels are not split, because splitting makes blocks small.
   std::uint64_t threads = 1;
   std::uint32_t whole_levels_max = 0;
 };
 
-/// A member's initial state. Empty if the worker presumably holds the state, or if the member has
-/// no state yet.
+/// A member's initial state. Empty: the worker probably holds the state, or the member has no state
+/// yet.
 using GivenState = std::optional<base::Bytes>;
 
 /// Computes blocks. Thread-safe: run may be called from several threads at once.
 class BlockWorker {
  public:
   virtual ~BlockWorker() = default;
-  /// Returns one result per member, in order, each with at least one scan. Returns no results if a
-  /// state is neither given nor held. REQUIRES: one entry of `states` per member.
+  /// Returns one result per member, in order. Each result has at least one scan. If a state is
+  /// neither given nor held, returns no results. REQUIRES: one entry of `states` per member.
   virtual std::vector<UnitResult> run(const Block& block,
                                       std::span<const GivenState> states) const = 0;
   virtual CacheUse cache_use() const = 0;

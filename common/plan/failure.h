@@ -1,7 +1,7 @@
 // Simulations that could not be completed.
 //
 // A failure is a fault of the simulator or of the world's physics scene, not a property of the
-// state, so a failed state is never a sample. A chain rejects a candidate whose simulation failed,
+// state. So a failed state is never a sample. A chain rejects a candidate whose simulation failed,
 // and a failed draw from the prior is repeated; docs/SAMPLING.md describes the effect on the
 // distribution. Bodies that overlap at the start are no failure: such a state has a known p_c of 0.
 // Thread safety: values.
@@ -30,7 +30,7 @@ enum class FailureKind : std::uint8_t {
 };
 inline constexpr std::size_t k_failure_kinds = 6;
 
-/// Names of the kinds in archives, files and messages.
+/// The kinds' names, as archives, files and messages contain them.
 inline constexpr std::array<std::string_view, k_failure_kinds> k_failure_names = {
     "search_gave_up", "too_many_collisions", "impact_unresolved",
     "spins_too_long", "work_limit",          "scene_refused"};
@@ -74,7 +74,7 @@ struct FailureCounts {
   friend bool operator==(const FailureCounts&, const FailureCounts&) = default;
 };
 
-/// Returns for example "search_gave_up 2, work_limit 1". Empty without failures.
+/// Returns text such as "search_gave_up 2, work_limit 1". Empty without failures.
 std::string to_string(const FailureCounts& counts);
 
 }  // namespace sleight::plan

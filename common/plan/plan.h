@@ -5,8 +5,9 @@
 //
 // Invariants
 //   1. Units of one replica are handed out in scan order, one at a time.
-//   2. A plan's decisions are a function of the results consumed, not of the order in which
-//      replicas' results arrive. (The order in which ready units are handed out may vary.)
+//   2. A plan's decisions are a function of the consumed results. The order in which the results of
+//      different replicas arrive doesn't matter. (The order in which ready units are handed out may
+//      vary.)
 //   3. A fresh plan that consumes an earlier session's stored results reaches that session's state.
 // Not thread-safe: one executor drives a plan.
 #pragma once
@@ -23,15 +24,16 @@
 
 namespace sleight::plan {
 
-/// Consecutive scans that are draws, and each chain's independent solution among them, if any.
+/// Consecutive scans that are draws. `counted` has an entry for each chain: its independent
+/// solution among these scans, if there is one.
 struct DrawPart {
   std::uint64_t first_scan = 0;
   std::uint64_t count = 0;
   std::vector<std::optional<std::uint64_t>> counted{};
 };
 
-/// A chain's records at inverse temperature 1 from first_scan on, by (scan, replica). If `parts` is
-/// not empty, only records in parts count.
+/// A chain's draws are its records at inverse temperature 1 from first_scan on, ordered by (scan,
+/// replica). If `parts` is not empty, only records in parts count.
 struct Draws {
   std::uint64_t first_scan = 0;
   std::uint64_t count = 0;  ///< With parts: the total over all parts.
@@ -60,7 +62,7 @@ struct Find {
   double log_p = 0;  ///< log_prior + log_constraint of its record.
 };
 
-/// Free islands' estimate of P(satisfied) so far, if requested.
+/// The estimate of P(satisfied) by the free islands so far.
 struct Odds {
   bool are_asked = false;
   std::uint64_t islands = 0;  ///< Finished islands; once final, the islands that log_p uses.
@@ -99,17 +101,17 @@ class Plan {
   /// Like next_unit, for a block. Plans without swaps return blocks of one unit.
   virtual std::optional<Block> next_block(const BlockLimits& limits);
 
-  /// The state from which a replica starts. Empty if the replica's first unit draws the start.
-  /// REQUIRES: a unit that starts the replica is handed out.
+  /// The state from which a replica starts. Empty: the replica's first unit draws the start.
+  /// REQUIRES: the unit with the replica's first scan has been handed out.
   virtual base::BytesView start_state(ReplicaKey /*replica*/) const { return {}; }
 
   /// Consumes the results of scans [first_scan, first_scan + records.size()) of one replica.
-  /// REQUIRES: the records continue that replica's scans, and come from a unit that was handed out
-  /// or, before the first next_unit(), from a run store.
+  /// REQUIRES: the records continue that replica's scans, and come from a unit that was handed out.
+  /// Before the first next_unit(), they may also come from a run store.
   virtual void consume(ReplicaKey replica, base::ScanIndex first_scan,
                        std::span<const ScanRecord> records) = 0;
 
-  /// Whether the stop rule holds, so nothing more is handed out.
+  /// Returns whether the stop rule holds. Once it holds, no more units are handed out.
   virtual bool finished() const = 0;
 
   /// Number of scans that every chain has. An archive written now ends at this scan.
@@ -118,7 +120,8 @@ class Plan {
   /// The draws among these scans.
   virtual Draws draws() const { return {.first_scan = 0, .count = scans_common()}; }
 
-  /// Number of independent solutions so far, and the number at which the run ends, if any.
+  /// Number of independent solutions so far. solutions_wanted: the number at which the run ends, if
+  /// there is one.
   virtual std::uint64_t solutions_found() const = 0;
   virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
 
@@ -127,8 +130,8 @@ class Plan {
   virtual std::vector<Solution> solutions_between(std::uint64_t after,
                                                   std::uint64_t until) const = 0;
 
-  /// Rounds that ended at a number of scans with after < scans <= until, ordered by (scans, chain).
-  /// The conditions of solutions_between hold.
+  /// Rounds with after < scans <= until, ordered by (scans, chain). The conditions of
+  /// solutions_between hold.
   virtual std::vector<EndedRound> rounds_between(std::uint64_t /*after*/,
                                                  std::uint64_t /*until*/) const {
     return {};
@@ -136,8 +139,8 @@ class Plan {
 
   virtual Finds finds() const { return {}; }
 
-  /// Number of starts before the first unfinished start, and finds of starts [first, end), in
-  /// order. REQUIRES: end <= starts_done().
+  /// starts_done: number of starts before the first unfinished start. finds_between: the finds of
+  /// starts [first, end), in order. REQUIRES: end <= starts_done().
   virtual std::uint64_t starts_done() const { return 0; }
   virtual std::vector<Find> finds_between(std::uint64_t /*first*/, std::uint64_t /*end*/) const {
     return {};
@@ -152,7 +155,8 @@ class Plan {
   /// Number of trips from the prior to inverse temperature 1 and back. Empty: no trips exist.
   virtual std::optional<std::uint64_t> round_trips() const { return std::nullopt; }
 
-  /// Consumed scans over all chains, and the run's total if the stop rule determines it.
+  /// Number of consumed scans in all chains. scans_total: the run's total number of scans, if the
+  /// stop rule determines it.
   virtual std::uint64_t scans_consumed() const = 0;
   virtual std::optional<std::uint64_t> scans_total() const = 0;
 

@@ -1,4 +1,4 @@
-// A sampling method's report: named tables of numbers, which archives store unchanged.
+// A sampling method's report: named tables of numbers. Archives store the tables unchanged.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 namespace sleight::plan {
 
-/// A table over named dimensions, row-major. NaN marks entries that don't apply.
+/// A table of numbers in row-major order. Its dimensions have names. NaN marks entries that don't
+/// apply.
 struct Table {
   std::string name;     ///< A plain word.
   std::string meaning;  ///< One sentence.

@@ -1,11 +1,11 @@
 // Units of work: what a sampling method requests and a worker returns.
 //
-// A unit is one replica of one chain over consecutive scans, each at its own inverse temperature. A
-// replica's first scan draws its start from the prior. Every scan at inverse temperature 0 is a
-// prior draw too. Each such draw from the prior begins a lineage. A unit's result is a pure
-// function of (request, unit, state before), so it can be computed anywhere, or again after a
-// crash, with the same bits. A unit's size may depend on measured cost, but no stored result does
-// (docs/DETERMINISM).
+// A unit consists of consecutive scans of one replica of one chain. Each scan has its own inverse
+// temperature. A replica's first scan draws its start from the prior. Every scan at inverse
+// temperature 0 is a prior draw too. Each such draw from the prior begins a lineage. A unit's
+// result is a pure function of (request, unit, state before), so it can be computed anywhere, or
+// again after a crash, with the same bits. A unit's size may depend on measured cost. No stored
+// result depends on the size (docs/DETERMINISM).
 #pragma once
 
 #include <compare>
@@ -29,15 +29,15 @@ struct ReplicaKey {
 
 /// A search's starts are numbered over k_search_lanes lanes: start n is scan n / k_search_lanes of
 /// lane n % k_search_lanes. To workers and stores, lanes are chains with one replica, numbered from
-/// k_first_lane on. No start of a search depends on an earlier state. Other lanes make the prior
-/// draws that are stored beside a run's samples, and the free islands of runs that request only the
-/// odds.
+/// k_first_lane on. No start of a search depends on an earlier state. Prior lanes make the prior
+/// draws that are stored beside a run's samples. Island lanes make free islands, if a run requests
+/// only the odds.
 inline constexpr std::uint32_t k_first_lane = 65536;
 inline constexpr std::uint32_t k_search_lanes = 64;
 inline constexpr std::uint32_t k_first_prior_lane = k_first_lane + k_search_lanes;
 inline constexpr std::uint32_t k_prior_lanes = 64;
 inline constexpr std::uint32_t k_first_island_lane = k_first_prior_lane + k_prior_lanes;
-/// Greater than the maximum number of islands in progress at once.
+/// The number of islands in progress at a time is always smaller than this.
 inline constexpr std::uint32_t k_island_lanes = 1024;
 
 inline bool is_search_lane(base::ChainId chain) {
@@ -72,11 +72,12 @@ inline std::pair<base::ChainId, std::uint64_t> place_of_island(std::uint64_t num
   return {base::ChainId{k_first_island_lane + lane}, number / k_island_lanes};
 }
 
-/// Greater than the number of replicas of any chain, so that lineage_from() is unique.
+/// Every chain has fewer replicas than this. So different arguments of lineage_from() give
+/// different results.
 inline constexpr std::uint64_t k_replicas_end = 4096;
 
-/// The lineage that begins with a replica's prior draw at a scan. Each prior draw of a chain has
-/// its own lineage. The start of replica 0 has lineage 0.
+/// The lineage that begins with the prior draw of `replica` at `scan`. Each prior draw of a chain
+/// has its own lineage. The start of replica 0 has lineage 0.
 inline std::uint64_t lineage_from(base::ReplicaId replica, std::uint64_t scan) {
   return scan * k_replicas_end + replica.value;
 }
@@ -92,15 +93,17 @@ struct Unit {
   std::uint32_t scans = 0;    ///< At least 1.
   bool starts = false;        ///< The unit has the replica's first scan.
   std::uint64_t lineage = 0;  ///< Lineage of the state before the unit.
-  /// beta of p_w p_c^beta, in [0, 1], for each scan. A single value applies to all scans.
+  /// For each scan, beta of p_w p_c^beta, in [0, 1]. If there is only one value, it applies to all
+  /// scans.
   std::vector<double> inverse_temperatures{1};
-  /// Factors of proposal scales by kind. Empty: all 1.
+  /// Factors by which proposal scales are multiplied, by kind of proposal. Empty: all 1.
   std::vector<double> proposal_scales{};
-  /// Inverse temperatures of the tempered transition that ends each scan, in descending order and
-  /// below the scan's inverse temperature. Empty: no transition.
+  /// Each scan ends with a tempered transition at these inverse temperatures. They descend, and all
+  /// are below the scan's own. Empty: no transition.
   std::vector<double> excursion{};
 
-  /// Returns whether each scan is a search's start, which has no previous state. Implies `starts`.
+  /// Returns whether each scan is a start of a search. A start has no previous state. Implies
+  /// `starts`.
   bool searches() const { return is_search_lane(replica.chain); }
   /// Returns whether each scan is a draw from the prior. Implies `starts`.
   bool draws_prior() const { return is_prior_lane(replica.chain); }
@@ -126,15 +129,15 @@ struct ScanRecord {
   FailureCounts failures{};               ///< Failures of this scan's simulations.
   /// Number of simulations that could not begin, because bodies overlap at the start: p_c = 0.
   std::uint64_t overlapping_starts = 0;
-  /// Estimates of islands (island_estimate.h), or values that judge a burn-in (burn_in_judge.h).
+  /// Estimates by islands (island_estimate.h), or values by which a burn-in is judged
+  /// (burn_in_judge.h).
   std::vector<double> method_values{};
-  /// The state, if the scan is archived (every `thin`-th) or its state satisfies the constraint;
-  /// otherwise empty.
+  /// The state after the scan. Present if the scan is archived (every `thin`-th) or the state
+  /// satisfies the constraint; otherwise empty.
   base::Bytes state{};
   friend bool operator==(const ScanRecord&, const ScanRecord&) = default;
 };
 
-/// A simulation that failed in a scan.
 struct FailedSimulation {
   base::ScanIndex scan;
   SimulationFailure failure;
@@ -170,7 +173,8 @@ class UnitWorker {
   /// REQUIRES: `state` is the replica's state before unit.first_scan. For the first scan, `state`
   /// is the result of Plan::start_state().
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
-  /// Runs the unit from the sample that this worker holds for it. Empty: there is no such sample.
+  /// Runs the unit from the sample that this worker holds for it. Returns nothing if the worker
+  /// holds none.
   virtual std::optional<UnitResult> run_from_held(const Unit&) const { return std::nullopt; }
   /// Returns whether the worker holds the sample for the unit now. REQUIRES: !unit.starts.
   virtual bool holds(const Unit&) const { return false; }

@@ -43,7 +43,7 @@ double UniformDirection3::log_density(const math::Vec3& x) const {
 }
 
 math::Quat UniformRotation::draw(Stream& stream) const {
-  // Draw two points on circles whose squared radii u and 1 - u sum to the squared norm.
+  // Draw a point on each of two circles. The squared radii u and 1 - u sum to the squared norm, 1.
   const double u = stream.uniform();
   const math::SinCos first = math::sincos(math::k_two_pi * stream.uniform());
   const math::SinCos second = math::sincos(math::k_two_pi * stream.uniform());

@@ -10,7 +10,7 @@ namespace sleight::random {
 
 namespace {
 
-// A compiler extension that both supported compilers have.
+// __int128 is a compiler extension. Both supported compilers have it.
 __extension__ using Wide = unsigned __int128;
 
 }  // namespace
@@ -52,7 +52,7 @@ double UniformInteger::log_density(std::uint64_t x) const {
 
 std::size_t draw_by_share(std::span<const double> shares, Stream& stream) {
   double u = stream.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
-  // Rounding can put u beyond all shares; then the last nonzero share is drawn.
+  // Because of rounding, u may be beyond all shares. Then the last nonzero share is drawn.
   std::size_t drawn = 0;
   for (std::size_t i = 0; i < shares.size(); ++i) {
     if (shares[i] == 0) continue;

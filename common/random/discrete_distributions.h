@@ -19,8 +19,8 @@ struct Bernoulli {
 
 /// Exactly uniform on 0, 1, ..., count - 1. Source: Lemire, "Fast random integer generation in an
 /// interval", ACM Transactions on Modeling and Computer Simulation 29 (2019), algorithm 5. A draw
-/// uses one word, and then needs each further word only with a probability below count / 2^64.
-/// REQUIRES: count > 0.
+/// uses one word, and sometimes further ones. After each word, the probability of another is below
+/// count / 2^64. REQUIRES: count > 0.
 struct UniformInteger {
   std::uint64_t count = 1;
 
@@ -28,7 +28,8 @@ struct UniformInteger {
   double log_density(std::uint64_t x) const;
 };
 
-/// Draws an index in proportion to its share. One word per draw. REQUIRES: shares >= 0, not all 0.
+/// Draws an index with a probability proportional to the index's share. One word per draw.
+/// REQUIRES: shares >= 0, not all 0.
 std::size_t draw_by_share(std::span<const double> shares, Stream& stream);
 
 }  // namespace sleight::random

@@ -9,13 +9,12 @@
 // Invariants
 //   1. A draw's bits are a function of the parameters and of the stream's words alone.
 //   2. log_density is normalised with respect to the measure that each struct names, and -infinity
-//      outside the support. Draw and density differ only by rounding and by the grid of
-//      Stream::uniform, whose effect each struct states.
+//      outside the support. Draws have the stated density, except for rounding and for the grid of
+//      Stream::uniform. Each struct states the grid's effect.
 //   3. Invalid parameters, and NaN as an argument, are bugs that CHECK reports. User input has been
 //      validated before (common/request).
 //   4. If a struct's draws use a fixed number of words, the struct states that number. Rejection
-//      methods use a random number of words, which is harmless, because streams are addressed per
-//      iteration.
+//      methods may use any number of words, because each iteration has its own stream.
 // Thread safety: values; const functions may be called from several threads, each with its Stream.
 #pragma once
 

@@ -26,7 +26,7 @@ void check(const Normal& d) {
 
 double Uniform::draw(Stream& stream) const {
   check(*this);
-  // low + (high - low) may round to just beyond high.
+  // Because of rounding, the sum may be just beyond `high`.
   return std::min(low + (high - low) * stream.uniform(), high);
 }
 

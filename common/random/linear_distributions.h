@@ -6,8 +6,8 @@
 
 namespace sleight::random {
 
-/// Uniform on [low, high], on a grid of 2^52 midpoints, rounded to doubles. One word per draw.
-/// REQUIRES: low < high, and high - low finite.
+/// Uniform on [low, high]. Draws are on a grid of 2^52 midpoints, rounded to doubles. One word per
+/// draw. REQUIRES: low < high, and high - low finite.
 struct Uniform {
   double low = 0;
   double high = 1;
@@ -17,8 +17,8 @@ struct Uniform {
 };
 
 /// Normal, by the method of Box and Muller, "A note on the generation of random normal deviates"
-/// (1958), cosine only: sqrt(-2 log u) cos(2 pi v). This method is preferred to faster table
-/// methods, because a draw always uses two words and its bits depend on three functions of
+/// (1958), cosine only: sqrt(-2 log u) cos(2 pi v). Table methods would be faster. With this
+/// method, a draw always uses two words, and its bits depend only on three functions of
 /// common/math. The grid of u limits draws to 8.58 sd; the probability beyond 8.58 sd is 1e-17.
 /// REQUIRES: mean finite; sd > 0 and finite.
 struct Normal {

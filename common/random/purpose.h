@@ -1,4 +1,4 @@
-// Lists all uses of random numbers, so that two uses never share a stream.
+// Lists all uses of random numbers. Two uses never share a stream.
 //
 // The numbers are part of the archive's meaning (the same seed yields the same animations). Never
 // change or reuse a number; a new purpose gets the next one. Stream refuses a missing purpose, 0.

@@ -13,13 +13,13 @@
 //
 // Invariants
 //   1. The n-th word of a Stream depends on its address and n alone.
-//   2. Addresses that differ in any field never use the same key and counter, because the map above
-//      is one to one. Philox was built and tested to return independent words for neighbouring keys
-//      and counters (BigCrush, in the paper).
+//   2. Different addresses never use the same key and counter, because the map above is one to one.
+//      Philox was built and tested to return independent words for neighbouring keys and counters
+//      (BigCrush, in the paper).
 //   3. The map, and the order of words, are part of the archive's meaning: changing either changes
 //      every run. tests/unit/common/random pins golden values.
-// Limit: 2^66 words per address, which no program reaches; a Stream does not check for it.
-// Thread safety: distinct Streams are independent; a Stream must not be shared between threads.
+// An address has at most 2^66 words. No program reaches this limit, so a Stream does not check for
+// it. Thread safety: distinct Streams are independent; a Stream must not be shared between threads.
 #pragma once
 
 #include <array>

@@ -52,9 +52,10 @@ double draw_around_zero(const Interval& z, Stream& stream) {
   }
 }
 
-// Draws the distance t from `near` of a standard normal restricted to [near, near + width], near >=
-// 0. The proposal density is proportional to exp(-rate t) on [0, width]. The ratio of the target
-// exp(-near t - t^2/2) to the proposal is greatest at t = rate - near.
+// Draws from a standard normal restricted to [near, near + width], and returns the draw's distance
+// t from `near`. REQUIRES: near >= 0. The proposal density is proportional to exp(-rate t) on [0,
+// width]. The target density is proportional to exp(-near t - t^2/2). The ratio of target to
+// proposal is greatest at t = rate - near.
 double draw_distance_in_tail(double near, double width, Stream& stream) {
   // rate = (near + sqrt(near^2 + 4))/2, written so that rate - near does not cancel.
   const double root = near < 1e9 ? std::sqrt(near * near + 4) : near;
@@ -110,17 +111,18 @@ double short_integral(double a, double width) {
   return sum * half;
 }
 
-// Log of the integral of exp(-a t - t^2/2) over 0 < t < width, for a >= 0.
+// For a >= 0: the log of the integral of exp(-a t - t^2/2) over 0 < t < width.
 double log_tail_integral(double a, double width) {
-  // exp(-fall) is the integrand's ratio across the interval. The quadrature rule is exact for a
-  // small fall. For a large fall, the difference of two Mills ratios has no cancellation.
+  // The integrand at the interval's end is exp(-fall) times the integrand at its beginning. The
+  // quadrature rule is exact for a small fall. For a large fall, the difference of two Mills ratios
+  // has no cancellation.
   const double fall = width * (a + 0.5 * width);
   constexpr double k_fall_short_max = 4;
   if (fall <= k_fall_short_max) return math::log(short_integral(a, width));
   return math::log(mills_ratio(a) - math::exp(-fall) * mills_ratio(a + width));
 }
 
-// Log of the standard normal's mass in an interval that contains 0.
+// Log of the probability that a standard normal variable is in an interval that contains 0.
 double log_mass_around_zero(const Interval& z) {
   const double below = z.low * k_sqrt_half;
   const double above = z.high * k_sqrt_half;

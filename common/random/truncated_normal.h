@@ -2,10 +2,10 @@
 //
 // Idea. Let a = (low - mean)/sd and b = (high - mean)/sd. If the interval contains 0, draws use
 // rejection from the normal, or from the uniform if the interval is short. If the interval is to
-// the right of 0, draws use rejection from an exponential restricted to the interval, with the rate
-// of Robert, "Simulation of truncated normal variables", Statistics and Computing 5 (1995), section
-// 2. (Restricting the exponential exactly makes the paper's two-sided case unnecessary.) An
-// interval to the left of 0 is mirrored.
+// the right of 0, draws use rejection from an exponential. The exponential has the rate of Robert,
+// "Simulation of truncated normal variables", Statistics and Computing 5 (1995), section 2. (The
+// exponential is restricted to exactly this interval, so the paper's two-sided case is
+// unnecessary.) An interval to the left of 0 is mirrored.
 //
 // In the tail everything is computed from the interval's end nearest to 0: the draw is low + sd t,
 // and the density is a function of t = (x - low)/sd. No step subtracts two distribution functions
@@ -14,8 +14,8 @@
 //
 // Invariants
 //   1. Draws are in [low, high]; at least 4 in 10 proposals are accepted for any parameters.
-//   2. log_density is within 1e-13 (1 + |log_density|) of the exact value for a and b as rounded to
-//      doubles; the test compares with MPFR.
+//   2. log_density is within 1e-13 (1 + |log_density|) of the exact value. The exact value is
+//      computed from a and b after their rounding to doubles. The test compares with MPFR.
 #pragma once
 
 #include <limits>
@@ -24,9 +24,9 @@
 
 namespace sleight::random {
 
-/// Density per length, on the closed interval [low, high]; either bound may be infinite. REQUIRES:
-/// mean finite; sd > 0 and finite; low < high and neither NaN; finite bounds are within 1e300 sd of
-/// the mean and 1e-300 sd or more apart; low is not +infinity and high not -infinity.
+/// Density per length on the closed interval [low, high]. Either bound may be infinite. REQUIRES:
+/// mean finite; sd > 0 and finite; low < high and neither NaN; finite bounds are at most 1e300 sd
+/// from the mean, and at least 1e-300 sd apart; low is not +infinity and high not -infinity.
 struct TruncatedNormal {
   double mean = 0;
   double sd = 1;

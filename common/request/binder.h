@@ -1,4 +1,4 @@
-// Declares each key once, for reading, normalising and help.
+// Declares each key of a section once. Reading, normalising and help all use this declaration.
 //
 // A bind function names each key of a section once:
 //
@@ -8,18 +8,18 @@
 //                   .help = "coefficient of restitution, along the normal"});
 //   }
 //
-// If the binder has a section of a file, declaring a key reads it: given values are stored in the
-// members, errors in the diagnostics. Without a section the members don't change. In both cases
-// keys() then describes each key in order of declaration (for help) with its current value (for the
-// normalised text).
+// If the binder has a section of a file, declaring a key reads the key: its value is stored in the
+// member, an error in the diagnostics. Without a section, the member doesn't change. In both cases
+// keys() then describes the keys, in order of declaration. The description is for help; it includes
+// the current value, for the normalised text.
 //
 // Invariants
 //   1. A member's value before the call is the key's default. If the file has no valid value for
-//      the key, the member keeps its default. So after the call every member is in range, if its
-//      default is in range.
+//      the key, the member keeps its default. So if its default is in range, the member is in range
+//      after the call.
 //   2. Defaults do not depend on other keys, and a bind function declares the same keys every time.
-//   3. After a run without errors, keys() written as TOML and read again gives the same members and
-//      the same keys().
+//   3. If there were no errors, writing keys() as TOML and reading the text again gives the same
+//      members and the same keys().
 // Errors in the file become diagnostics with places as in diagnostic.h. A default out of range, or
 // a key that is declared twice, is a bug and aborts the process. Not thread-safe.
 #pragma once
@@ -71,7 +71,7 @@ struct BoundTables {
   std::vector<std::vector<BoundKey>> tables;  ///< the tables in the file
 };
 
-/// A finite number, which a file may also give as an integer. -0 is read as 0.
+/// A finite number. A file may also give an integer. -0 is read as 0.
 struct NumberOptions {
   double minimum = std::numeric_limits<double>::lowest();
   bool above_minimum = false;  ///< the minimum is excluded
@@ -98,7 +98,7 @@ struct TablesOptions {
   std::string_view help = "";
 };
 
-/// One of a key's choices: the name in the file and the value.
+/// A choice that a key allows: its name in the file and its value.
 template <class T>
 struct Named {
   std::string_view name;
@@ -113,8 +113,8 @@ class Binder {
 
   void number(std::string_view key, double& value, const NumberOptions& options);
 
-  /// An angle. The file and `options` use degrees, and `value_rad` is in radians. The normalised
-  /// text repeats the given degrees, because converting them back from radians could change digits.
+  /// An angle. The file and `options` give degrees; `value_rad` is in radians. The normalised text
+  /// repeats the given degrees, because converting them back from radians could change digits.
   void angle_deg(std::string_view key, double& value_rad, const NumberOptions& options);
 
   /// An optional number. REQUIRES: `value` is empty.
@@ -157,7 +157,8 @@ class Binder {
     value = choices[*read_choice(key, now, names_of(choices), Presence::defaulted, help)].value;
   }
 
-  /// A required key with one of `choices` by name. If the file omits the key, `value` is unchanged.
+  /// Like choice(), but the file must have the key. If the file omits the key, `value` is
+  /// unchanged.
   template <class T>
   void required_choice(std::string_view key, T& value, std::span<const Named<T>> choices,
                        std::string_view help) {
@@ -165,9 +166,9 @@ class Binder {
     if (chosen) value = choices[*chosen].value;
   }
 
-  /// `[[section.key]]`: any number of tables. `values` is resized to the number of tables, and
-  /// `bind` declares a table's keys for one element of `values`. For help, `bind` is also called
-  /// once for a default-constructed T. Tables beyond the maximum are an error and are not bound.
+  /// `[[section.key]]`: any number of tables. Each table gives an element of `values`. `bind`
+  /// declares the keys of one table. For help, `bind` is also called once for a default-constructed
+  /// T. If there are too many tables, an error is added and no table is read.
   template <class T>
   void tables(std::string_view key, std::vector<T>& values, const TablesOptions& options,
               const std::function<void(Binder& table, T& value)>& bind) {
@@ -185,8 +186,8 @@ class Binder {
     }
   }
 
-  /// Sets the value of a key that the file omits, for the normalised text. The value follows from
-  /// other keys. Empty: the key is omitted. REQUIRES: the key is declared.
+  /// Sets the value that the normalised text shows for a key. For keys that the file omits, and
+  /// whose value follows from other keys. Empty: the key is omitted. REQUIRES: the key is declared.
   void settle(std::string_view key, std::string value);
 
   /// Returns whether the file has the key, with a valid value or not.
@@ -196,14 +197,14 @@ class Binder {
   /// valid() first, so that an error is not reported twice.
   bool valid(std::string_view key) const;
 
-  /// Adds an error about this key's conflict with others. The error's place is the key, or the
-  /// section if the key has its default. In the text, `message` follows `'key' in [section]`.
+  /// Adds an error: this key conflicts with others. The error's place is the key. If the file omits
+  /// the key, the place is the section. In the text, `message` follows `'key' in [section]`.
   void error(std::string_view key, std::string_view message);
 
   /// Returns whether all keys read so far are free of errors.
   bool is_sound() const { return invalid_.empty(); }
 
-  /// Returns the line of the section's or table's header in the file. 0: not in a file.
+  /// Returns the line at which the section or table begins. 0: it is not in a file.
   std::uint32_t line() const { return section_ == nullptr ? 0 : section_->place.line; }
 
   const std::string& section_name() const { return section_name_; }

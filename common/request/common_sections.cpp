@@ -45,7 +45,8 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
   refuse("steps_per_level", has_steps, "\"tempered_transitions\" or \"annealed_importance\"");
 }
 
-/// A tempered transition visits all temperatures twice, and has a limited number of iterations.
+/// Checks that a tempered transition does not exceed its limit of iterations. A transition visits
+/// all temperatures twice.
 void check_excursions(Binder& sampler, const SamplerParameters& p) {
   if (p.method != Method::tempered_transitions || !sampler.valid("method")) return;
   for (const char* key : {"replicas", "steps_per_level", "iterations_per_scan"}) {
@@ -230,8 +231,8 @@ constexpr std::array<std::string_view, 1> k_stop_keys_of_search{"found"};
 constexpr std::array<std::string_view, 1> k_stop_keys_of_takes{"takes"};
 constexpr std::array<std::string_view, 2> k_output_keys_of_search{"keep_max", "prior_draws"};
 
-/// Allows only `keys` among a section's first keys. Other keys are errors if the file has them, and
-/// the normalised text omits them.
+/// Forbids all of a section's first `first_keys` keys, except those in `keys`. A forbidden key is
+/// an error if the file has it. The normalised text omits forbidden keys.
 void keep_only(Binder& section, std::size_t first_keys, std::span<const std::string_view> keys,
                std::string_view why) {
   const std::vector<BoundKey> all = section.keys();
@@ -249,8 +250,8 @@ void settle_few_prior_draws(Binder& output, OutputParameters& p) {
   output.settle("prior_draws", fmt::format("{}", k_prior_draws_of_search));
 }
 
-/// Applies a search's rules after all keys are bound. The first `common_keys` keys of [sampler] are
-/// common ones; the others are a world's keys, which apply to chains.
+/// Applies a search's rules. All keys are bound before. The first `common_keys` keys of [sampler]
+/// are common to all worlds. The other keys belong to the world and apply to chains.
 void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionRequest& request) {
   const auto all = [](const Binder& section) { return section.keys().size(); };
   const bool relaxes = request.sampler.relax_scans.has_value();
@@ -292,7 +293,8 @@ void let_world_choose(SectionBinders& sections, DirectionRequest& request,
   world.serve_best(of_world, request.sampler, request.stop, request.parameters);
 }
 
-/// Chooses a search if the request's only stop rules are finds or takes, or if everything is open.
+/// Chooses a search if the request leaves everything open, or if it has no stop rules other than
+/// finds or takes.
 void settle_method(SectionBinders& sections, DirectionRequest& request, const WorldBinding& world) {
   const auto& rules = sections.stop.keys();
   const auto asks_for_more_than = [&](std::string_view one) {
@@ -315,13 +317,13 @@ void settle_method(SectionBinders& sections, DirectionRequest& request, const Wo
   CHECK(request.sampler.relax_scans.has_value());
 }
 
-/// Lets the world choose the sampler if the request leaves it open. Such a run shows finds before
-/// it makes draws.
+/// If the request leaves the sampler open, lets the world choose it. The run then shows finds
+/// before it makes draws.
 void settle_default(SectionBinders& sections, DirectionRequest& request,
                     const WorldBinding& world) {
   if (request.sampler.method == Method::search) return;
-  // For odds, treat a request with method `sequential` as open, because no other method estimates
-  // odds.
+  // If a request for odds names the method `sequential`, the sampler still counts as open: no other
+  // method estimates odds.
   const bool names_islands = request.stop.odds && request.sampler.method == Method::sequential;
   if (!leaves_open_but(sections.sampler, names_islands ? "method" : "") || !world.serve_best)
     return;
@@ -348,8 +350,8 @@ void settle_stop(SectionBinders& sections, DirectionRequest& request) {
   stop.settle(key, fmt::format("{}", k_solutions_asked_for));
 }
 
-/// Checks that `takes` and `relax_scans` occur together, because takes are finds that a chain
-/// relaxes.
+/// Checks that a request has both or neither of `takes` and `relax_scans`. A take is a find that a
+/// chain has relaxed.
 void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   const bool searches = request.sampler.method == Method::search;
   if (request.sampler.relax_scans && !searches && sections.sampler.valid("method"))
@@ -362,8 +364,8 @@ void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   }
 }
 
-/// Applies the rules for odds. Only islands estimate P(satisfied) while they run, with an error
-/// that can be planned. A run with the rule `odds` makes only islands.
+/// Applies the rules for odds. Islands estimate P(satisfied) while they run, and their error can be
+/// planned. No other method does this. A run with the rule `odds` makes only islands.
 void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   const Method method = request.sampler.method;
   if (!sections.sampler.valid("method")) return;
@@ -390,8 +392,8 @@ void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   sections.output.settle("keep_max", fmt::format("{}", k_keep_max_of_odds));
 }
 
-/// Checks chains that start at finds. Burn-ins of plain chains are judged over all chains, in
-/// separate rounds. Burn-ins of ladders are judged by the origin of lineages.
+/// Checks requests whose chains start at finds. A plain chain's burn-in is judged in separate
+/// rounds, by comparing all chains. A ladder's burn-in is judged by the origin of its lineages.
 void check_start(SectionBinders& sections, const DirectionRequest& request) {
   const SamplerParameters& p = request.sampler;
   if (p.start == Start::prior) return sections.sampler.settle("start", "");
@@ -417,7 +419,7 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
   }
 }
 
-/// Checks keys of requests with tours, which have a separate burn-in and no rounds.
+/// Checks the keys of a request with tours. A tour has its own burn-in and no rounds.
 void check_tours(SectionBinders& sections, const DirectionRequest& request) {
   if (!request.sampler.tour_scans || !sections.sampler.valid("tour_scans")) return;
   if (sections.sampler.given("burn_in_rounds"))
@@ -430,7 +432,7 @@ void check_tours(SectionBinders& sections, const DirectionRequest& request) {
                         "instead");
 }
 
-/// Checks that the world acts in stages if the request uses islands or a search.
+/// If the request uses islands or a search, checks that the world acts in stages.
 void check_stages(SectionBinders& sections, const DirectionRequest& request,
                   const WorldBinding& world, std::span<const WorldBinding> worlds) {
   if (world.acts_in_stages) return;

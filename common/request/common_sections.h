@@ -25,7 +25,7 @@ struct SectionBinders {
   }
 };
 
-/// Binds the common keys and the keys of the world named in [world] to `request`. Returns that
+/// Binds the common keys to `request`, and the keys of the world that [world] names. Returns that
 /// world. If the name is missing or unknown, returns null and binds no world's keys.
 const WorldBinding* bind_sections(SectionBinders& sections, std::span<const WorldBinding> worlds,
                                   DirectionRequest& request);

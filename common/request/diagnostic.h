@@ -1,6 +1,6 @@
 // An error in a request with its place: `requests/hi.toml:12:9: unknown key 'lamda' in ...`.
 //
-// Lines and columns count from 1. Columns count characters (code points), not bytes, so a tab or an
+// Lines and columns count from 1. A column is a character (code point), not a byte. So a tab or an
 // accented letter is one column. The place is
 //
 //   - the key, if the key is unknown, is in the wrong section, or conflicts with another key; a
@@ -54,8 +54,9 @@ class Diagnostics {
   void add(Place place, std::string message);
   bool empty() const { return found_.empty(); }
 
-  /// Returns all errors, sorted by place. Errors at the same place are in order of addition. If
-  /// there are more than k_diagnostics_max errors, the last entry has the number of further errors.
+  /// Returns all errors, sorted by place. If several errors have the same place, they keep the
+  /// order of their addition. If there are more than k_diagnostics_max errors, the last entry has
+  /// the number of further errors.
   std::vector<Diagnostic> sorted() const;
 
  private:

@@ -8,18 +8,18 @@
 //
 // A section may have arrays of tables, such as [[world.die]], each table with keys of its own.
 //
-// Each world binds its own keys (in [world], [constraint] and, for its proposals, [sampler]). This
-// module accesses a world only through a WorldBinding; a program's main passes the available
-// worlds.
+// Each world binds its own keys in [world] and [constraint], and the keys of its proposals in
+// [sampler]. This module accesses a world only through a WorldBinding; a program's main passes the
+// available worlds.
 //
 // Invariants
 //   1. A key exists only if it may change results. Settings that can't change results (ranks,
 //      threads, cache, simulator) are command-line options. Using such an option as a key is an
 //      error that names the option.
 //   2. All errors of a file are reported, ordered by place. A file that is not TOML has one error.
-//   3. normalised_text is canonical: every key with its value, in a fixed order. Reading it gives
-//      an equal request and the same text. The text depends only on values, not on the file's
-//      notation, comments or order.
+//   3. normalised_text is canonical: every key with its value, in a fixed order. Reading this text
+//      gives an equal request, and that request has the same text. The text depends only on values,
+//      not on the file's notation, comments or order.
 // Values; thread-safe as such.
 #pragma once
 
@@ -58,20 +58,21 @@ enum class Start {
 
 struct SamplerParameters {
   Method method = Method::parallel_tempering;
-  /// Number of independent chains, or of ladders with tempering. 0: a search without chains.
+  /// Number of independent chains. With tempering: number of ladders. 0: a search without chains.
   std::uint32_t chains = 4;
   std::optional<std::uint32_t> replicas{};  ///< per ladder; empty: chosen by the ladder's barrier
-  /// Exponent of the inverse temperatures of a first ladder: (i / (replicas - 1))^ladder_power.
-  /// Empty: 6.
+  /// Exponent in the formula for a first ladder's inverse temperatures: (i / (replicas -
+  /// 1))^ladder_power. Empty: 6.
   std::optional<std::uint32_t> ladder_power{};
   std::uint64_t seed = 1;                 ///< of all random numbers; at most k_seed_max
   std::uint32_t iterations_per_scan = 1;  ///< proposals between two recorded states
   std::uint32_t round_scans = 64;         ///< round r, from 1, has round_scans * 2^(r-1) scans
   /// Scans of simulated annealing at the start. Empty: 0.
   std::optional<std::uint32_t> anneal_scans{};
-  /// Rounds of parallel tempering with which simulated_tempering, tempered_transitions and
-  /// annealed_importance find their temperatures. Empty: k_burn_in_rounds. For sequential, the
-  /// burn-in rounds. Empty: k_island_burn_in_rounds.
+  /// Number of rounds before the draws. simulated_tempering, tempered_transitions and
+  /// annealed_importance find their temperatures in these rounds, by parallel tempering. Empty:
+  /// k_burn_in_rounds. For sequential, these rounds are the burn-in. Empty:
+  /// k_island_burn_in_rounds.
   std::optional<std::uint32_t> burn_in_rounds{};
   /// For annealed_importance: number of parallel ascents. Empty: k_lanes.
   std::optional<std::uint32_t> lanes{};
@@ -84,30 +85,30 @@ struct SamplerParameters {
   /// restart is a draw. Empty: no restarts.
   std::optional<std::uint32_t> tour_scans{};
   Start start = Start::prior;
-  /// For a search with relaxed finds: scans of the chain that relaxes each find. Empty: finds stay
-  /// as found (worker/sampling/relaxed_finds.h).
+  /// For a search: number of scans of the chain that relaxes a find
+  /// (worker/sampling/relaxed_finds.h). Empty: finds aren't relaxed.
   std::optional<std::uint32_t> relax_scans{};
   friend bool operator==(const SamplerParameters&, const SamplerParameters&) = default;
 };
 
-/// Returns each chain's scans whose states don't count: annealing and burn-in.
+/// Returns how many of a chain's scans don't count: those of annealing and burn-in.
 std::uint64_t scans_before_draws(const SamplerParameters& sampler);
 
 /// Stop rules. A request has at least one rule, given or by default (k_solutions_asked_for). Rules
-/// depend on logical counts, never on a clock. Together, n rounds have round_scans * (2^n - 1)
-/// scans, which must be at most k_scans_max too.
+/// depend on logical counts, never on a clock. n rounds together have round_scans * (2^n - 1)
+/// scans. The scans of all rounds must not exceed k_scans_max either.
 struct StopRule {
   /// Scans per chain, including its start (scan 0). More than scans_before_draws.
   std::optional<std::uint64_t> scans;
   std::optional<std::uint32_t> rounds;  ///< per chain
-  /// Number of lineages, over all chains, with an animation that satisfies the constraint. Lineages
-  /// are counted at the ends of rounds.
+  /// Number of lineages, in all chains together, in which an animation satisfies the constraint.
+  /// Lineages are counted at the ends of rounds.
   std::optional<std::uint32_t> independent_solutions;
-  /// Number of finds that ends a search. In worlds that act in stages, a search may precede the
-  /// chains and end by this rule.
+  /// A search ends when it has this number of finds. If the world acts in stages, such a search may
+  /// also precede the chains.
   std::optional<std::uint32_t> found{};
-  /// For sequential: required standard error, in nats, of log P(satisfied) as estimated from free
-  /// islands. A run with `odds` makes only islands, whose number is limited by `scans`
+  /// For sequential: free islands estimate log P(satisfied), and this is the estimate's required
+  /// standard error, in nats. A run with `odds` makes only islands; `scans` limits their number
   /// (worker/sampling/odds_rule.h).
   std::optional<double> odds{};
   /// Number of takes: finds of a search, each relaxed by a separate chain. Excludes other rules.
@@ -121,8 +122,8 @@ struct WorldSections {
   Binder& sampler;
 };
 
-/// The interface of a world to requests. Only the world uses the type of its parameters. bind_world
-/// makes a binding from functions with that type.
+/// The interface of a world to requests. The type of the parameters is known only to the world.
+/// bind_world makes a binding from functions that use this type.
 struct WorldBinding {
   std::string name;     ///< value of `name` in [world]
   std::string summary;  ///< one line for help
@@ -130,9 +131,10 @@ struct WorldBinding {
   std::function<std::any(WorldSections& sections)> bind;
   /// True if the world supports searches and islands (worker/sampling/stages.h).
   bool acts_in_stages = false;
-  /// If a request leaves the sampler open (except the seed), chooses the sampler: sets parameters
-  /// and settles their keys. The choice may depend on which stop rules are given, but not on their
-  /// numbers, so that a longer run can resume a shorter one. Empty: every key has its own default.
+  /// Called if the request has no key of [sampler] except perhaps the seed. Chooses the sampler:
+  /// sets the parameters and settles their keys. The choice may depend on which stop rules are
+  /// given. The choice must not depend on the rules' numbers, so that a longer run can resume a
+  /// shorter one. Empty: every key has its own default.
   std::function<void(WorldSections& sections, SamplerParameters& sampler, const StopRule& stop,
                      std::any& parameters)>
       serve_best{};
@@ -182,7 +184,8 @@ struct OutputParameters {
   friend bool operator==(const OutputParameters&, const OutputParameters&) = default;
 };
 
-/// A section's keys in their fixed order, each value as TOML. Each table of an array is a section.
+/// A section's keys, in their fixed order. Each value is TOML. Each table of an array counts as a
+/// section.
 struct NormalisedSection {
   std::string name;  ///< text between the brackets: "world", or "[world.die]" for a table
   std::vector<std::pair<std::string, std::string>> keys;
@@ -217,9 +220,9 @@ const Parameters& parameters_of(const DirectionRequest& request) {
 inline constexpr std::uint32_t k_chains_max = 65536;
 inline constexpr std::uint32_t k_replicas_max = 256;
 inline constexpr std::uint32_t k_ladder_power_max = 12;
-/// Maximum number of temperatures chosen from the barrier.
+/// Maximum number of temperatures, if the ladder's barrier determines the number.
 inline constexpr std::uint32_t k_chosen_replicas_max = 64;
-/// Exclusive limit for the number of iterations of one tempered transition.
+/// A tempered transition has fewer iterations than this.
 inline constexpr std::uint64_t k_excursion_iterations_max = std::uint64_t{1} << 20U;
 inline constexpr std::uint32_t k_burn_in_rounds = 4;
 inline constexpr std::uint32_t k_lanes = 8;
@@ -229,11 +232,12 @@ inline constexpr std::uint32_t k_rounds_max = 40;
 inline constexpr std::uint32_t k_round_scans_max = 1000000;
 inline constexpr std::uint32_t k_independent_solutions_max = 1000000;
 inline constexpr std::uint32_t k_found_max = 1000000;
-/// Takes are limited, because every find, whether it becomes a take or not, needs a separate chain.
+/// Takes are limited, because every find needs a separate chain, even if the find does not become a
+/// take.
 inline constexpr std::uint32_t k_takes_max = 10000;
 inline constexpr std::uint32_t k_relax_scans_max = 1000000;
-/// In nats. The number of islands grows with the inverse square of the error. With an error above
-/// 1, the odds would be uncertain by more than a factor of 2.7 in either direction.
+/// In nats. The number of islands is proportional to 1 / error^2. With an error above 1, the odds
+/// would be uncertain by more than a factor of 2.7 in either direction.
 inline constexpr double k_odds_min = 0.001;
 inline constexpr double k_odds_max = 1;
 /// Default number of takes, independent solutions or finds, if no rule is given.
@@ -242,7 +246,7 @@ inline constexpr std::uint32_t k_particles = 64;
 inline constexpr std::uint32_t k_particles_max = 4096;
 inline constexpr std::uint32_t k_island_burn_in_rounds = 1;
 
-/// Kinds of answers for a request that leaves the sampler open.
+/// The kinds of answers that a run may look for if its request leaves the sampler open.
 enum class Answer : std::uint8_t {
   takes,         ///< relaxed finds of a search
   found,         ///< unrelaxed finds of a search
@@ -252,8 +256,8 @@ enum class Answer : std::uint8_t {
 /// Goals from the command line that replace a request's [stop].
 struct Asked {
   /// Kind of answer. Empty: the kind that [stop] requests (finds, takes or independent solutions).
-  /// If [stop] requests no kind, the run looks for takes if the sampler is left open, for finds in
-  /// a search, and otherwise for independent solutions.
+  /// If [stop] requests no kind: takes if the sampler is left open, finds if the method is a
+  /// search, otherwise independent solutions.
   std::optional<Answer> answer{};
   std::uint32_t number = k_solutions_asked_for;
 };
@@ -264,12 +268,12 @@ base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
     std::optional<Asked> asked = {});
 
-/// Returns the whole request in canonical form. An archive stores this text if the run was ended by
-/// a rule of the request.
+/// Returns the whole request in canonical form. If one of the request's own rules ended the run,
+/// the archive stores this text.
 std::string normalised_text(const DirectionRequest& request);
 
-/// The place in a run at which an archive's results end. If finds are relaxed, an archive contains
-/// takes, or finds if there is no take yet.
+/// The place in a run at which an archive's results end. If finds are relaxed, the archive contains
+/// takes. As long as there is no take, the archive contains finds.
 struct Cut {
   std::uint64_t scans = 0;
   std::uint64_t found = 0;
@@ -279,11 +283,11 @@ struct Cut {
 
 /// Returns normalised_text with [stop] and prior_draws set to `cut`: the request that reproduces
 /// the archive exactly. If there are neither scans nor takes, the text describes a search. If there
-/// are islands, the text retains the rules `odds` and `independent_solutions` besides the scans,
-/// because results of islands decide when these rules end a run. An archive needs the rules to
-/// decide whether its islands count. If such a rule ended the run before the cut, the reproduced
-/// run ends at the same scan. REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max,
-/// found <= k_found_max.
+/// are islands, the text also retains the rules `odds` and `independent_solutions`, because the
+/// islands' results decide when these rules hold. An archive needs the rules to decide whether its
+/// islands count. If such a rule ended the original run before the cut, it ends the reproduced run
+/// at the same scan. REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max, found <=
+/// k_found_max.
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 
 /// Returns [world], [constraint] and [sampler] of the normalised text. Requests with equal text
@@ -294,8 +298,8 @@ std::string identity_text(const DirectionRequest& request);
 /// k_seed_max.
 DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
 
-/// Returns a request for only the search that precedes the request's chains. The returned search
-/// has the same finds. REQUIRES: stop.found or stop.takes.
+/// Returns a request for the search alone, without the chains that follow it. The search alone has
+/// the same finds as before the chains. REQUIRES: stop.found or stop.takes.
 DirectionRequest search_of(DirectionRequest request);
 
 struct SectionKeys {

@@ -11,9 +11,8 @@
 #include "common/request/text.h"
 
 // toml++ is compiled here from its headers, because Debian's shared library throws exceptions and
-// has fixed limits. The assertions of toml++ are not checked, but unlike with NDEBUG they are not
-// assumed to hold either. Some assertions fail for hostile input, which then leads to an error
-// anyway.
+// has fixed limits. The assertions of toml++ are neither checked nor (as with NDEBUG) assumed to
+// hold. Hostile input violates some of the assertions; toml++ then reports an error anyway.
 #ifdef NDEBUG
 #undef NDEBUG
 #endif
@@ -24,8 +23,8 @@
 #define TOML_ENABLE_WINDOWS_COMPAT 0
 #define TOML_MAX_NESTED_VALUES 8
 #define TOML_FLOAT_CHARCONV 1  // exact in any locale
-// When checking whether a letter such as U+00E4 is white space, toml++ 3.3 reaches code that it
-// declares unreachable. The macro makes that code return false.
+// toml++ 3.3 checks whether a letter such as U+00E4 is white space. During this check, toml++
+// reaches code that it declares unreachable. The macro makes that code return false.
 #include <toml++/impl/preprocessor.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE
@@ -37,8 +36,8 @@
 namespace sleight::request {
 namespace {
 
-/// Characters that can follow a dot in a bitmap but not in a dotted key. The normalised text writes
-/// a bitmap as one string, on one line.
+/// In a bitmap, these characters can follow a dot. In a dotted key, they can't. The normalised text
+/// writes a bitmap as one string, on one line.
 constexpr std::string_view k_never_after_a_keys_dot = ".#\\";
 
 constexpr std::size_t k_value_characters_max = 40;
@@ -48,7 +47,7 @@ Place place_of(const toml::source_position& position) {
   return {std::max<std::uint32_t>(position.line, 1), std::max<std::uint32_t>(position.column, 1)};
 }
 
-/// Moves a place into the text, because the parser's place at the text's end is one column too far.
+/// Moves a place into the text. At the text's end, the parser's place is one column too far.
 Place within(std::string_view text, Place place) {
   for (std::uint32_t line = 1; line < place.line; ++line) {
     const std::size_t end = text.find('\n');
@@ -62,7 +61,7 @@ Place within(std::string_view text, Place place) {
   return {place.line, std::min(place.column, static_cast<std::uint32_t>(length) + 1)};
 }
 
-/// Returns an error with its place if the text must not be parsed.
+/// If the text must not be parsed, returns an error with its place.
 std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
   if (text.size() > k_request_bytes_max) {
     return {{Place{}, fmt::format("the file has {} bytes; the limit for a request is {} (1 MiB)",
@@ -91,7 +90,7 @@ std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
   return std::nullopt;
 }
 
-/// Returns the parser's message without its internal name for the nesting limit.
+/// Returns the parser's message. Removes the parser's internal name for the nesting limit.
 std::string syntax_message(std::string_view description) {
   std::string message = printable(description, k_syntax_message_characters_max);
   const std::string_view jargon = " (TOML_MAX_NESTED_VALUES)";

@@ -2,8 +2,8 @@
 // sections, so that only one source file compiles toml++.
 //
 // Invariants
-//   1. Section names are distinct, and so are the keys of a section (TOML forbids duplicates). All
-//      tables of an array share the array's name.
+//   1. Section names are distinct, and a section's keys are distinct (TOML forbids duplicates). All
+//      tables of an array have the array's name.
 //   2. Sections and keys are ordered by place.
 //   3. Every place is inside the file, or just behind a line's last character. Values; thread-safe
 // as such.
@@ -35,8 +35,8 @@ struct Entry {
 
 struct Section;
 
-/// An array of tables, `[[section.key]]`, with all its tables in the file. The section also has an
-/// entry with this key, of type array.
+/// An array of tables, `[[section.key]]`: all tables of this name in the file. The section also has
+/// an entry for this key; its type is array.
 struct TableArray {
   std::string key;
   std::vector<Section> tables;  ///< in order; their names are as between the brackets
@@ -63,9 +63,9 @@ struct Document {
 };
 
 inline constexpr std::size_t k_request_bytes_max = std::size_t{1} << 20;
-/// Maximum number of dots on one line. Only dots that may be part of a dotted key are counted. Such
-/// a key nests once per dot, and toml++ 3.3 frees nested tables by unlimited recursion, so a
-/// megabyte of `a.a.a` would overflow the stack.
+/// Maximum number of dots on one line. Only dots that may be part of a dotted key are counted. A
+/// dotted key nests once per dot, and toml++ 3.3 frees nested tables recursively. A megabyte of
+/// `a.a.a` would overflow the stack.
 inline constexpr std::size_t k_dots_per_line_max = 100;
 
 /// Reads TOML 1.0. Stops at the first error: invalid UTF-8, invalid TOML, duplicate keys, more than

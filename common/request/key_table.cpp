@@ -12,7 +12,8 @@ namespace {
 constexpr std::size_t k_columns = 5;
 using Row = std::array<std::string, k_columns>;
 
-/// Maximum width of a range in its column. Longer ranges, with many names, are in the last column.
+/// Maximum width of the column of ranges. A longer range is in the last column; such ranges have
+/// many names.
 constexpr std::size_t k_range_characters_max = 24;
 constexpr std::size_t k_help_characters = 60;
 
@@ -25,7 +26,8 @@ Row row_of(const KeySpec& spec) {
           fallback, is_long ? fmt::format("{}: {}", spec.help, spec.range) : spec.help};
 }
 
-/// Removes and returns the next line of `text`: as many words as fit, at least one.
+/// Removes the next line from `text` and returns it. A line has as many words as fit, but at least
+/// one.
 std::string_view next_line(std::string_view& text, std::size_t characters_max) {
   std::size_t end = text.size();
   if (end > characters_max) {
@@ -62,7 +64,7 @@ std::string aligned(const std::vector<Row>& rows) {
 }  // namespace
 
 std::vector<SectionKeys> request_keys(const WorldBinding& world) {
-  // Use a request with only this world's name, in which every key has its default.
+  // Bind a request that has only this world's name. Every key then has its default.
   Document document;
   document.sections.push_back({"world", {}, {{"name", {}, {.held = world.name, .place = {}}}}});
   Diagnostics diagnostics("keys");

@@ -60,7 +60,7 @@ std::optional<std::string> nearest(std::string_view written, std::span<const std
   std::size_t least = 0;
   for (const std::string& name : known) {
     const std::size_t edits = edit_distance(wanted, folded(name));
-    // Ignore names in which every character differs, because that is not a typing error.
+    // Ignore names that differ in every character: a typing error changes only a few characters.
     if (edits > edits_max(name) || edits >= std::min(wanted.size(), name.size())) continue;
     if (!best || edits < least) best = name, least = edits;
   }

@@ -163,8 +163,7 @@ void report_unknown(const Document& document, const SectionBinders& sections, bo
   }
 }
 
-/// Returns whether a section exists. The section may have a wrong form, which report_unknown
-/// reports.
+/// Returns whether a section exists. If the section has a wrong form, report_unknown reports that.
 bool is_mentioned(const Document& document, std::string_view section) {
   return document.find(section) != nullptr ||
          std::any_of(document.loose.begin(), document.loose.end(),
@@ -180,8 +179,8 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
   if (!stop.valid("scans") || !request.stop.scans) return;
   const std::uint64_t before = scans_before_draws(request.sampler);
   if (*request.stop.scans > before) return;
-  // If the file has none of the keys that determine the number of scans before draws, that number
-  // has its default.
+  // The number of scans before draws depends on these keys. If the file has none of these keys, the
+  // number is the default.
   const bool is_chosen = sampler.given("method") || sampler.given("anneal_scans") ||
                          sampler.given("burn_in_rounds") || sampler.given("round_scans") ||
                          sampler.given("tour_scans");
@@ -247,7 +246,7 @@ std::vector<NormalisedSection> normalised_sections(const SectionBinders& section
   return normalised;
 }
 
-/// Returns whether finds of the world named in the request can be relaxed.
+/// Returns whether the requested world's finds can be relaxed.
 bool can_be_relaxed(const Document& document, std::span<const WorldBinding> worlds) {
   const Section* world = document.find("world");
   const Entry* name = world == nullptr ? nullptr : world->find("name");
@@ -296,7 +295,8 @@ void ask_for(Document& document, const Asked& asked, std::span<const WorldBindin
   document.sections.push_back(std::move(stop));
 }
 
-/// An error without a place in the file belongs to a `--set`, whose text replaces the file name.
+/// If an error has no place in the file, it belongs to a `--set`. The text of the `--set` then
+/// replaces the file name.
 std::vector<Diagnostic> named_by_sets(std::vector<Diagnostic> errors,
                                       std::span<const KeySet> sets) {
   for (Diagnostic& error : errors) {

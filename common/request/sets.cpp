@@ -24,7 +24,7 @@ Diagnostic wrong(std::string_view text, std::string message) {
   return {printable(option_of(text), k_text_characters_max), k_no_place, std::move(message)};
 }
 
-/// A `--set` option before its ranges are expanded.
+/// A `--set` before its ranges are expanded.
 struct Written {
   std::string section;
   std::string key;
@@ -53,7 +53,7 @@ base::Result<Written, std::string> split(std::string_view text) {
   return written;
 }
 
-/// Returns a TOML value, or the text itself as a string.
+/// Returns the text's TOML value. If the text is not TOML, returns it as a string.
 base::Result<Value, std::string> value_of(std::string_view text) {
   const std::string name = "value";
   auto document = parse_document(fmt::format("{} = {}\n", name, text), "");

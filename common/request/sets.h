@@ -5,9 +5,9 @@
 // before the request is read. So a `--set` is checked like a file, and errors have a place such as
 // `--set sampler.sed=1`.
 //
-// A range makes a group of requests, one per value: `sampler.seed=1..20` (integers, both ends
-// included), or a list `sampler.chains={1,4,16}` of values and ranges. Several ranges yield all
-// combinations; the values of the first set change slowest.
+// A range makes a group of requests, one per value. A range is `sampler.seed=1..20` (integers, both
+// ends included), or a list such as `sampler.chains={1,4,16}`. A list's items are values and
+// ranges. Several ranges yield all combinations. The first range's value changes slowest.
 //
 // Invariants
 //   1. Sets of a combination have distinct keys, so their order doesn't matter.
@@ -50,17 +50,19 @@ base::Result<std::vector<std::vector<KeySet>>, std::vector<Diagnostic>> expand_s
 base::Result<std::vector<KeySet>, std::vector<Diagnostic>> plain_sets(
     std::span<const std::string> texts);
 
-/// Returns the set of SECTION.KEY, or of any key of the section if `key` is empty. Null: there is
-/// no such set. Callers use this to detect conflicts with options that set the same key.
+/// Returns the set of SECTION.KEY. If `key` is empty, returns a set of any key in the section.
+/// Null: there is no such set. Callers use this to detect conflicts with options that set the same
+/// key.
 const KeySet* find_set(std::span<const KeySet> sets, std::string_view section,
                        std::string_view key = {});
 
-/// Inserts each value into the document. The place of the n-th set is {0, n + 1}, which marks an
+/// Inserts each value into the document. The place of the n-th set is {0, n + 1}. Line 0 marks an
 /// error outside the file.
 void apply_sets(Document& document, std::span<const KeySet> sets);
 
-/// Like read_request, for the text with these sets. An error in a set has the set's text as its
-/// file name, and k_no_place as its place. `asked` replaces [stop] even if sets change [stop].
+/// Like read_request, but first applies these sets to the text. An error in a set has the set's
+/// text as its file name, and k_no_place as its place. `asked` replaces [stop] even if sets change
+/// [stop].
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request_with(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
     std::span<const KeySet> sets, std::optional<Asked> asked = {});

@@ -1,6 +1,5 @@
-// Helper for a world's serve_best, which chooses the sampler of a request (direction_request.h).
-// Each function sets a value and adds it to the normalised text.
-// Not thread-safe.
+// Helper for a world's serve_best. serve_best chooses a request's sampler (direction_request.h).
+// Each function sets a value and adds it to the normalised text. Not thread-safe.
 #pragma once
 
 #include <fmt/format.h>

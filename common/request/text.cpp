@@ -13,7 +13,8 @@ namespace {
 
 constexpr double k_radians_per_degree = 0.017453292519943295;  // pi / 180, rounded once
 
-/// Returns whether a terminal would interpret the character or reorder or hide text because of it.
+/// Returns whether the character is a control character, or can make a terminal reorder or hide
+/// text.
 bool is_unprintable(char32_t c) {
   return c < 0x20 || (c >= 0x7f && c <= 0x9f)  // C0, DEL, C1
          || c == 0xad || c == 0x61c            // soft hyphen, Arabic letter mark

@@ -18,8 +18,8 @@ struct CodePoint {
   std::size_t bytes = 0;
 };
 
-/// Returns the first character of `text`; nothing if it is not well-formed UTF-8 (overlong forms
-/// and surrogates are not). REQUIRES: text is not empty.
+/// Returns the first character of `text`. Returns nothing if it is not well-formed UTF-8. In
+/// particular, overlong forms and surrogates are not well-formed. REQUIRES: text is not empty.
 std::optional<CodePoint> front_code_point(std::string_view text);
 
 bool is_utf8(std::string_view text);
@@ -46,8 +46,8 @@ std::string toml_string(std::string_view text);
 double radians_of_degrees(double degrees);
 
 /// Returns the shortest decimal that radians_of_degrees maps exactly to `radians`: 10, not
-/// 10.000000000000002. If there is none, returns the nearest number of degrees. REQUIRES: radians
-/// is finite.
+/// 10.000000000000002. If there is no such decimal, returns the nearest number of degrees.
+/// REQUIRES: radians is finite.
 double degrees_of_radians(double radians);
 
 }  // namespace sleight::request

@@ -28,8 +28,8 @@ namespace sleight::rpc {
 namespace {
 
 constexpr std::uint64_t k_traversal_bytes_max = 64U << 20U;  // per answer
-// Maximum silence of a server: a watch without news is answered after 20 s, and a read of a file
-// sooner.
+// Maximum silence of a server. Servers answer a watch after 20 s even without news, and a read of a
+// file sooner.
 constexpr double k_silence_s_max = 90;
 
 /// Returns the event loop shared by all clients of a thread, because KJ allows only one per thread.
@@ -76,7 +76,8 @@ struct Client::Impl final : Link {
 
   // -------------------------------------------------------------------------------------- waiting
 
-  /// Waits for an answer, and throws failures as this class's exceptions. `seconds` <= 0: no limit.
+  /// Waits for an answer. Converts failures into the exceptions of client.h and link.h. `seconds`
+  /// <= 0: no limit.
   template <class T>
   T wait(kj::Promise<T> promise, double seconds) {
     try {
@@ -249,7 +250,7 @@ struct Client::Impl final : Link {
     return remote == nullptr ? std::get<std::string>(place) : access::text_of(remote->address);
   }
 
-  /// Repeats a call that lost its connection, for a limited time.
+  /// If a call loses its connection, repeats the call for a limited time.
   template <class Call>
   auto repeat(const Call& call) {
     const double began_s = now_s();
@@ -265,8 +266,8 @@ struct Client::Impl final : Link {
     }
   }
 
-  /// Makes a call: `send` returns the promise of the call's results, and `read` extracts the value
-  /// from the results.
+  /// Makes a call. `send` sends the call and returns the promise of the results. `read` extracts
+  /// the value from the results.
   template <class Send, class Read>
   auto call(const Send& send, const Read& read) {
     was_repeated = false;
@@ -318,7 +319,7 @@ struct Client::Impl final : Link {
 
   base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) override {
     auto& files = connected().files;
-    // If the file is missing, it was opened over an earlier connection, which was lost.
+    // If the file is missing, it was opened over a connection that was lost.
     if (file >= files.size()) throw Lost("lost the connection to the server");
     auto request = files[file].readRequest();
     request.setOffset(offset);
@@ -416,7 +417,7 @@ std::vector<Touched> Client::change(const ChangeAsk& ask) {
         },
         [](const auto& results) { return get_all(results.getTouched()); });
   } catch (const RefusedError& error) {
-    // The first try, whose answer was lost, may have deleted the job.
+    // The first try may have deleted the job, and its answer was lost.
     const RefusalKind kind = error.refusal().kind;
     if (ask.kind == ChangeKind::erase && impl_->was_repeated &&
         (kind == RefusalKind::not_found || kind == RefusalKind::gone))

@@ -1,13 +1,13 @@
 // The client's side of the service's calls. Each call waits for its answer.
 //
 // If a call's connection breaks, the client reconnects and repeats the call. Repeating a call has
-// no further effect (service.h). `watch` and `fetch` continue after lost connections and killed
-// daemons, unless the service has been away for too long. A watcher receives every numbered event
-// once and in order. A fetched file is complete or absent.
+// no further effect (service.h). `watch` and `fetch` continue after a connection is lost or a
+// daemon is killed. If the service is away for too long, `watch` and `fetch` fail. A watcher
+// receives every numbered event once and in order. A fetched file is complete or absent.
 //
 // A service on another machine is called over TLS, with a token. Before the client sends anything,
-// it checks the server's certificate: the certificate must equal the stored one, or an authority
-// must vouch for the certificate and the host's name.
+// it checks the server's certificate. Either the certificate equals the stored one, or an authority
+// vouches for the certificate and the host's name.
 //
 // Exceptions, all base::Error or RefusedError:
 //
@@ -66,8 +66,8 @@ struct ClientOptions {
 struct RemoteService {
   access::ServerAddress address{};
   std::string token{};
-  /// PEM of the service's own certificate (certificates.h), or of the authorities that vouch for
-  /// the service. Empty: the system's trusted authorities.
+  /// PEM of the service's own certificate (certificates.h), or PEM of the authorities that vouch
+  /// for the service. Empty: the system's trusted authorities.
   std::string certificate{};
   /// If `certificate` is the service's own: the host name in it. Empty: it is an authority's.
   std::string own_name{};
@@ -104,16 +104,17 @@ enum class Waited : std::uint8_t {
   interrupted,
 };
 
-/// Reports a fetch's progress and returns whether to continue. If the function returns false, the
+/// Receives a fetch's progress and returns whether to continue. If the function returns false, the
 /// received bytes are stored for the next attempt.
 using FetchProgress = std::function<bool(const FileView& file, std::uint64_t bytes)>;
 
-/// Checks a received file at `path` before the file is moved to its place; the service's own copy
-/// may be damaged. Throws base::Error to refuse the file, which is then removed. Its place isn't
-/// changed.
+/// Checks a received file at `path` before the file is moved to its place. The service's own copy
+/// may be damaged. Throws base::Error to refuse the file. A refused file is removed. Its place
+/// isn't changed.
 using FetchCheck = std::function<void(const std::string& path)>;
 
-/// How to treat an existing file at a fetched file's place, even if it appeared during the fetch.
+/// What happens if another file is already at a fetched file's place, or appears there during the
+/// fetch.
 enum class AtItsPlace : std::uint8_t {
   replaced,
   kept,  ///< the fetch fails (base::Error, conflict) if the contents differ
@@ -150,15 +151,17 @@ class Client {
   /// Watches each job from its WatchPoint until all jobs are settled or refused. REQUIRES: at most
   /// k_watch_jobs_max different jobs.
   Waited watch(const std::vector<WatchPoint>& points, WatchSink& sink);
-  /// Watches one job: all state changes, and the events from number `from_number` on (1: all).
+  /// Watches one job. The sink gets all state changes, and the events from number `from_number` on
+  /// (1: all).
   Waited watch(JobId job, std::uint64_t from_number, WatchSink& sink);
 
   /// Fetches the only file of `ask`: writes a temporary file, checks it and renames it to `path`.
-  /// If the service still has the same file, resumes with the part that an earlier attempt
-  /// received.
+  /// If an earlier attempt received a part and the service still has the same file, continues from
+  /// that part.
   FetchedFiles fetch_file(FetchAsk ask, const std::string& path, const FetchProgress& progress = {},
                           const FetchCheck& check = {}, AtItsPlace other = AtItsPlace::replaced);
-  /// Fetches all files of `ask` into `folder` (created if missing) under the files' own names.
+  /// Fetches all files of `ask` into `folder`, under their own names. Creates the folder if it is
+  /// missing.
   FetchedFiles fetch_folder(FetchAsk ask, const std::string& folder,
                             const FetchProgress& progress = {},
                             AtItsPlace other = AtItsPlace::replaced);
@@ -172,7 +175,7 @@ class Client {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Returns a random key for a Submission, from the system's random numbers.
+/// Draws a key for a Submission from the system's random numbers.
 std::string random_key();
 
 }  // namespace sleight::rpc

@@ -14,7 +14,7 @@
 namespace sleight::rpc {
 namespace {
 
-/// Maximum tries for a file whose received bytes are wrong.
+/// If the received bytes are wrong, a file is tried at most this often.
 constexpr int k_wrong_max = 3;
 
 constexpr std::size_t k_sha256_digits = 64;
@@ -97,8 +97,8 @@ class Fetching {
     is_over_ = is_one || !arrived.has_more || arrived.files.empty();
   }
 
-  /// Receives a file. Returns whether the content matches its digest, or nothing if the receiver
-  /// stops the fetch.
+  /// Receives a file. Returns whether the content matches its digest. Returns nothing if the
+  /// receiver stops the fetch.
   std::optional<bool> take(std::size_t file, const FileView& view, const std::string& path) {
     PartFile part(path, view);
     while (true) {

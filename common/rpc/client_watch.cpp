@@ -1,4 +1,4 @@
-// The client's side of a watch call. It uses a Link and Patience (link.h), but no sockets.
+// Implements watching over a Link (link.h), without sockets.
 #include <algorithm>
 #include <unordered_map>
 

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t k_line_bytes_max = 512;  // per text in a list of jobs
 constexpr std::size_t k_no_bound = SIZE_MAX;
 
-/// Number of values known to this program, by enumeration.
+/// Number of an enumeration's values that this program knows.
 template <class Enum>
 constexpr std::size_t k_known = 0;
 template <>
@@ -55,7 +55,7 @@ std::string_view cut(const std::string& text, std::size_t bytes_max) {
   return {text.data(), size};
 }
 
-/// Copies a truncated text, because a Cap'n Proto text must end with a zero byte.
+/// Copies the text if it must be truncated, because a Cap'n Proto text must end with a zero byte.
 void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
   const std::string_view short_text = cut(text, bytes_max);
   if (short_text.size() == text.size()) {
@@ -67,8 +67,8 @@ void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
 }
 
 // Each struct lists its fields once, in `fields`, for both Writer and Reader. Each field has two
-// functions: one sets the field in a builder, or initialises a list or struct, and the other gets
-// the field from a reader.
+// functions. The first function sets the field in a builder, or initialises a field that is a list
+// or struct. The second function gets the field from a reader.
 
 #define SLEIGHT_GET(Name) [](auto from) { return from.get##Name(); }
 #define SLEIGHT_SET(Name) [](auto to, auto value) { to.set##Name(value); }
@@ -84,8 +84,9 @@ void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
 /// Limits of a list. Elements beyond them are omitted.
 struct Bounds {
   std::size_t written = k_no_bound;
-  /// Maximum elements to read, one more than the limit, so that limits.h refuses longer lists. A
-  /// list must be truncated, because elements without content cost nothing in a message.
+  /// Maximum elements to read: one more than the limit, so that limits.h refuses longer lists.
+  /// Without a maximum, a small message could claim a huge list, because elements without content
+  /// need no bytes.
   std::size_t read = k_no_bound;
   std::size_t text_bytes = k_no_bound;  ///< per text
 };
@@ -117,8 +118,8 @@ void write(const Target& target, generated::Target::Builder to, bool) {
   }
 }
 
-// Reads a target. An unknown kind of target, from a newer client, becomes job 0, which does not
-// exist.
+// Reads a target. A newer client may send a kind of target that is unknown here. Such a target is
+// read as job 0, which never exists.
 void read(generated::Target::Reader from, Target& target) {
   target = from.isGroup() ? Target::of(GroupId{from.getGroup()})
                           : Target::of(JobId{from.isJob() ? from.getJob() : 0});

@@ -1,8 +1,9 @@
 // Converts between the values of service.h and the structs of service.capnp.
 //
-// `put` writes a value and truncates texts and lists beyond their limits, so that an answer stays
-// readable. `get` reads a value from an untrusted message: it throws kj::Exception if the message
-// is malformed, and reads unknown enumeration values as `unknown`. limits.h checks requests.
+// `put` writes a value, and truncates texts and lists beyond their limits, so that an answer stays
+// readable. `get` reads a value from an untrusted message. `get` throws kj::Exception if the
+// message is malformed, and reads unknown enumeration values as `unknown`. limits.h checks
+// requests.
 //
 // Thread safety: free functions.
 #pragma once
@@ -23,7 +24,7 @@ void put(const Submission& from, generated::Submission::Builder to);
 void put(const Submitted& from, generated::Submitted::Builder to);
 void put(const JobView& from, generated::JobView::Builder to);
 void put(const ListAsk& from, generated::ListAsk::Builder to);
-/// Writes the page's jobs without history, log and command, and truncates their texts to a line.
+/// Writes the page's jobs. Omits their history, log and command, and truncates each text to a line.
 void put(const JobPage& from, generated::JobPage::Builder to);
 void put(const Touched& from, generated::Touched::Builder to);
 void put(const ChangeAsk& from, generated::ChangeAsk::Builder to);

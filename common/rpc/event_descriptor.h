@@ -10,7 +10,8 @@ namespace sleight::rpc {
 /// Returns a non-blocking eventfd that child processes don't inherit. Throws base::Error.
 kj::AutoCloseFd make_event_descriptor();
 
-/// Returns the sum written to the descriptor since it was last read. 0: nothing.
+/// Returns the sum of the numbers written to the descriptor since the last call. 0: none was
+/// written.
 std::uint64_t drain_events(int descriptor);
 
 }  // namespace sleight::rpc

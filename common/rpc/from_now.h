@@ -1,6 +1,6 @@
 // Points in time for KJ's timers, counted from now by the clock. KJ's functions `afterDelay` and
-// `timeoutAfter` count from the loop's last wake-up, so they fire early after a long callback or a
-// pause between two calls.
+// `timeoutAfter` count from the loop's last wake-up. So after a long callback, or a pause between
+// two calls, these functions fire too early.
 #pragma once
 
 #include <kj/time.h>

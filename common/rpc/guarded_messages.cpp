@@ -9,7 +9,7 @@
 namespace sleight::rpc {
 namespace {
 
-/// Messages larger than this trigger a check of the bytes held by all connections.
+/// When a larger message is received or sent, the bytes that all connections hold are checked.
 constexpr std::size_t k_large_bytes = 64U << 10U;
 
 /// Ends the connection. The error message contains nothing that a peer sent.
@@ -123,8 +123,8 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
     case capnp::rpc::Message::ABORT:
       break;
     default:
-      // These messages are about capabilities and promises of the peer, which has none, or they
-      // answer calls that the server never made.
+      // All other messages are about the peer's capabilities and promises, or they answer calls of
+      // the server. A client has no capabilities or promises, and the server makes no calls.
       kj::throwFatalException(refusal("clients never send messages of this kind"));
   }
   if (questions_.size() > k_questions_max) kj::throwFatalException(refusal("too many open calls"));

@@ -1,15 +1,15 @@
-// A server's end of a connection as messages, within the limits of server.h.
+// The server's end of a connection: receives and sends messages within the limits of server.h.
 //
-// This class replaces Cap'n Proto's stream, which allocates a message before its bytes arrive,
-// stores every answer until the peer acknowledges it, and continues reading while answers pile up.
-// GuardedMessages differs:
+// This class replaces Cap'n Proto's stream. Cap'n Proto's stream allocates a message before the
+// message's bytes arrive. The stream stores every answer until the peer acknowledges it, and
+// continues reading while answers pile up. GuardedMessages differs:
 //
 //   1. A message starts with its size. A message that is too large ends the connection before
 //      anything is allocated. The bytes that a connection holds are counted.
 //   2. Nothing is read while an answer is being written, so a peer must read its answers to be
 //      served.
 //   3. A connection has at most k_questions_max calls whose answers it has not released. A call
-//      that asks to send its answer to someone other than the caller ends the connection.
+//      whose answer must go to anyone but the caller ends the connection.
 //   4. A peer sends no capabilities, because no call takes one (service.capnp, law 4). Messages
 //      about capabilities end the connection, because some of them make Cap'n Proto 0.9 leak the
 //      connection's memory (found by tests/attacks).

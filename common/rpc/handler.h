@@ -1,4 +1,4 @@
-// The interface of the service's calls, which the daemon implements.
+// The interface of the service's calls. The daemon implements it.
 //
 // The server (server.h) decodes a call, checks it against the limits of service.h and passes it to
 // the handler, on the loop's thread. Each call comes with a Reply. The handler answers the Reply at
@@ -7,7 +7,7 @@
 // Watching is pull-based. The server queries the handler for events that a watcher lacks, and
 // answers as soon as it gets events. The daemon calls Server::news(job) when the job may have new
 // events. After reading an answer, the watcher calls again. So a slow watcher receives every
-// numbered event, but only the newest unnumbered ones, and the service needs no queue for watchers.
+// numbered event, but only the newest unnumbered ones. The service needs no queue for watchers.
 //
 // Invariants
 //   1. A Reply is answered at most once. If a Reply is destroyed without an answer, the call is
@@ -16,8 +16,8 @@
 //      that aren't requests. Sizes and counts are within service.h's limits, and enumerations in
 //      requests are never `unknown`.
 //   3. The caller's token allows the call (see the table in service_calls.cpp).
-//   4. The user of a call is the peer's uid as reported by the kernel, or over TCP the user of the
-//      peer's token.
+//   4. The user of a call is the peer's uid, as the kernel reports it. Over TCP, the user of a call
+//      is the user of the peer's token.
 //
 // Thread safety: everything happens on the loop's thread.
 #pragma once
@@ -116,7 +116,7 @@ class Authority {
 struct Batch {
   std::vector<StateChange> changes{};  ///< consecutive, from WatchPoint::change + 1 on
   /// Numbered events, consecutive from WatchPoint::event + 1. The list may also contain unnumbered
-  /// events that the watcher's mark does not cover, at most the newest of each kind.
+  /// events: for each kind, the newest one, if the watcher's mark does not cover it.
   std::vector<events::RunEvent> events{};
   std::uint64_t mark = 0;  ///< covers this batch's unnumbered events
   /// True if the job is settled and this batch completes the watcher's numbered events. False if

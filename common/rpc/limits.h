@@ -1,8 +1,8 @@
-// Checks that requests are within the limits of service.h and contain no values unknown to this
-// program.
+// Checks that requests are within the limits of service.h, and that this program knows all their
+// values.
 //
-// Each function returns a refusal if the request is invalid, and reduces requested counts of
-// results to their maximum.
+// If the request is invalid, a function returns a refusal. If the request asks for too many
+// results, a function reduces their number to the maximum.
 //
 // Thread safety: pure functions.
 #pragma once

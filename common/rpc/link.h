@@ -1,4 +1,5 @@
-// A client's connection for watch and fetch: blocking calls with distinct failures.
+// A client's connection for watch and fetch. A Link's calls block. Each kind of failure has its own
+// exception.
 //
 // Thread safety: a Link belongs to its Client's thread.
 #pragma once
@@ -26,8 +27,8 @@ class Lost : public std::exception {
 
 class Interrupted : public std::exception {};
 
-/// A job's events and state changes as received. Events are JSON lines, because a newer service may
-/// send types of events that are unknown here.
+/// A job's events and state changes, as they were received. Events are JSON lines, because a newer
+/// service may send types of events that this program doesn't know.
 struct ArrivedBatch {
   JobId job{};
   std::optional<Refusal> refusal{};
@@ -49,7 +50,7 @@ class Link {
   virtual std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>& points) = 0;
   /// The files stay open until the next fetch(), or until the connection is lost.
   virtual ArrivedFiles fetch(const FetchAsk& ask) = 0;
-  /// Reads from a file of the last fetch. REQUIRES: `file` is an index into its files.
+  /// Reads from a file of the last fetch. REQUIRES: `file` is an index into that fetch's files.
   virtual base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) = 0;
   virtual void pause(double seconds) = 0;
   virtual double now_s() const = 0;
@@ -65,7 +66,7 @@ class Patience {
   void reset();
   /// Returns whether the last attempt failed.
   bool is_away() const { return is_away_; }
-  /// Returns whether the service has ever answered or been found running.
+  /// Returns whether the service has ever answered, or was ever seen running.
   bool was_there() const { return was_there_; }
 
  private:

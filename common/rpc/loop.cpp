@@ -25,8 +25,8 @@ constexpr std::array<int, 3> k_stop_signals = {SIGTERM, SIGINT, SIGHUP};
 /// Descriptor that the signal handler writes to; -1: none.
 std::atomic<int> signal_target = -1;
 
-/// Returns the amount that a signal adds to the eventfd's count. SIGTERM, SIGINT and SIGHUP each
-/// use 16 bits of the count.
+/// Returns how much a signal adds to the eventfd's count. SIGTERM, SIGINT and SIGHUP each use 16
+/// bits of the count.
 constexpr std::uint64_t signal_unit(std::size_t index) {
   return std::uint64_t{1} << (16 * index);
 }
@@ -122,7 +122,7 @@ void Loop::Handle::end() {
     kj::Promise<void> ended = kj::mv(*promise);
     state->promise = nullptr;
     if (state->is_calling) {
-      // The running continuation finishes, sees `is_over` and ends.
+      // The promise's continuation is running now. It sees `is_over` and ends.
       state->loop.tasks.add(kj::mv(ended));
     }
   }

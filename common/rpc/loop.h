@@ -7,7 +7,7 @@
 //      may destroy its own Handle.
 //   3. Destroy every Handle and every Server before the Loop.
 //
-// If a callback throws, run() ends with that exception.
+// If a callback throws, run() ends and throws that exception.
 //
 // Thread safety: `post` and `stop` may be called from any thread, and `stop` also from a signal
 // handler. All other functions belong to the thread that made the Loop. A thread has at most one
@@ -51,11 +51,11 @@ class Loop {
   [[nodiscard]] Handle call_later(double seconds, Callback callback);
   /// Calls `callback` periodically. Calls missed while the loop was busy are skipped.
   [[nodiscard]] Handle call_every(double seconds, Callback callback);
-  /// Calls `callback` while the descriptor is readable or its other end is closed, repeatedly until
-  /// the data are read. REQUIRES: the descriptor stays open as long as the Handle.
+  /// While the descriptor is readable or its other end is closed, calls `callback` repeatedly.
+  /// REQUIRES: the descriptor stays open as long as the Handle.
   [[nodiscard]] Handle call_when_readable(int descriptor, Callback callback);
-  /// Calls `callback` on the loop's thread, in the order of posting. Callbacks posted after run()
-  /// has returned are dropped with the Loop.
+  /// Calls `callback` on the loop's thread, in the order of posting. If a callback is posted after
+  /// the last run() has returned, it is never called.
   void post(Callback callback);
 
   /// From now on SIGTERM, SIGINT and SIGHUP call `callback` instead of ending the process. No

@@ -64,8 +64,8 @@ PartFile::PartFile(const std::string& path, FileView view)
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("another process is fetching {}", path_));
   }
-  // Hash the bytes that an earlier attempt wrote. Discard a part that is longer than the file, to
-  // which it can't belong.
+  // Hash the bytes that an earlier attempt wrote. Discard a part that is longer than the file: it
+  // can't belong to this file.
   std::vector<std::byte> buffer(k_piece_bytes_max);
   while (true) {
     const auto got = ::pread(descriptor_, buffer.data(), buffer.size(), static_cast<off_t>(bytes_));
@@ -133,8 +133,8 @@ void PartFile::put_in_place(AtItsPlace other) {
     base::PosixFileSystem().rename(part_, path_);
     return;
   }
-  // Checking for another file and renaming must be one atomic step. If the file system lacks
-  // RENAME_NOREPLACE, use link(), which is atomic too.
+  // Two actions must be one atomic step: checking that there is no other file, and renaming. If the
+  // file system lacks RENAME_NOREPLACE, use link(), because link() is atomic too.
   if (::renameat2(AT_FDCWD, part_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) == 0) return;
   if (errno != EEXIST && ::link(part_.c_str(), path_.c_str()) == 0) {
     ::unlink(part_.c_str());

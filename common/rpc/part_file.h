@@ -1,5 +1,6 @@
-// A file that is received in pieces. The pieces are written to a temporary file, the part, which is
-// checked against its digest and renamed, so that the file is complete or absent.
+// A file that is received in pieces. The pieces are written to a temporary file, the part. When the
+// part is complete, its digest is checked and the part is renamed. So the file is complete or
+// absent.
 //
 // The part's name includes the start of the digest: `.ball.h5.0123456789abcdef.part`. So a later
 // attempt resumes a part only if the content is the same.
@@ -33,10 +34,10 @@ class PartFile {
   /// REQUIRES: `piece` is not longer than the missing rest.
   void append(base::BytesView piece);
 
-  /// Moves the part to its place durably, and removes parts of other contents. Returns false and
-  /// removes the part if the content does not match the announced digest. Calls `check` with the
-  /// part's path. The part is also removed if `check` throws, or if another file at its place is
-  /// not replaced. REQUIRES: is_whole(), first call.
+  /// Moves the part to its place durably, and removes parts of other contents. Before the move,
+  /// calls `check` with the part's path. If the content does not match the announced digest,
+  /// removes the part and returns false. The part is also removed if `check` throws, or if another
+  /// file at its place must be kept. REQUIRES: is_whole(), first call.
   [[nodiscard]] bool finish(const FetchCheck& check = {}, AtItsPlace other = AtItsPlace::replaced);
 
  private:

@@ -34,8 +34,8 @@ double seconds(kj::Duration duration) {
 
 capnp::ReaderOptions reader_options(const ServerLimits& limits) {
   capnp::ReaderOptions options;
-  // Messages have a size limit of their own. The traversal limit bounds the data that a message can
-  // claim to have by pointing to the same words repeatedly.
+  // A message can claim to have more data than its size, by pointing to the same words repeatedly.
+  // The traversal limit bounds such data.
   options.traversalLimitInWords = 2 * limits.message_bytes_max / sizeof(capnp::word);
   options.nestingLimit = k_nesting_max;
   return options;
@@ -125,8 +125,8 @@ struct Server::Impl::Connection : Guest {
   bool is_idle() const {
     return conversation->calls == 0 && traffic.writes == 0 && traffic.incoming_bytes == 0;
   }
-  /// Returns how long a message or an answer has been in transit. If there is none, returns how
-  /// long the connection has been idle.
+  /// Returns how long a message or an answer has been in transit. If nothing is in transit, returns
+  /// how long the connection has been idle.
   double waiting_s(kj::TimePoint now) const {
     kj::TimePoint since = now;
     if (traffic.incoming_bytes > 0) since = kj::min(since, traffic.incoming_since);
@@ -245,7 +245,7 @@ void Server::Impl::admit(kj::Own<kj::AsyncIoStream> stream) {
   }
 }
 
-/// Ends the connection that has been idle longest, if that is long enough.
+/// Ends the connection that has been idle longest, if it has been idle for `idle_grace_s`.
 bool Server::Impl::make_room() {
   const kj::TimePoint now = timer.now();
   Connection* longest = nullptr;
@@ -269,7 +269,7 @@ std::vector<Server::Impl::Guest*> Server::Impl::strangers() const {
   return found;
 }
 
-/// Ends the oldest stranger, if it is old enough.
+/// Ends the oldest stranger, if it connected at least `idle_grace_s` ago.
 bool Server::Impl::make_room_for_stranger() {
   const std::vector<Guest*> all = strangers();
   const auto longest = std::ranges::min_element(all, {}, &Guest::began);
@@ -305,7 +305,7 @@ void Server::Impl::serve(kj::Own<kj::AsyncIoStream> stream, Caller caller, bool 
   ++accepted;
   const bool is_tls = !connection->conversation->caller.address.empty();
   auto over = connection->network.onDisconnect().exclusiveJoin(kj::mv(connection->ender.promise));
-  // If a peer breaks off, TLS reports a protocol failure.
+  // A peer may break off its connection; TLS then reports a protocol failure.
   if (is_tls) over = over.catch_([](kj::Exception&&) {});
   tasks.add(over.attach(kj::mv(connection)));
 }
@@ -356,9 +356,9 @@ void Server::Impl::taskFailed(kj::Exception&& exception) {
 Server::Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerOptions options)
     : impl_(std::make_unique<Impl>(loop, socket_path, handler, std::move(options))) {
   // Return large blocks to the system when they are freed. By default glibc raises the mmap
-  // threshold and keeps freed large blocks. The block of a file's piece is slightly too small for
-  // the message into which the piece is copied, so it could not be reused. Memory would then exceed
-  // the bound of server.h.
+  // threshold and keeps freed large blocks. A file's piece is copied into a message, and the
+  // piece's freed block is slightly too small for another message. So memory would exceed the bound
+  // of server.h.
   ::mallopt(M_MMAP_THRESHOLD, 256 << 10);
 }
 

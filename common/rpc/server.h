@@ -1,7 +1,7 @@
 // Listens on a Unix socket, optionally also over TLS, and passes calls to a Handler.
 //
-// Peers are not trusted. Whatever peers send or leave unread, ServerLimits bounds what the server
-// stores for all peers together, and other peers are still served:
+// Peers are not trusted. Whatever a peer sends or leaves unread, other peers are still served.
+// ServerLimits bounds what the server stores for all peers together:
 //   1. A connection ends if a message is too large, too deeply nested, or not complete in time, or
 //      if the peer does not read an answer in time.
 //   2. A connection has at most `calls_max` calls at once; further calls are refused. While its
@@ -12,9 +12,10 @@
 //      none has been idle for `idle_grace_s`, the new connection is closed.
 //   5. Over TLS a peer is a stranger until it has shown a token. A stranger has `login_s_max` for
 //      handshake and login, messages of at most `stranger_bytes_max`, and one try. There are at
-//      most `strangers_max` strangers, counted apart from other connections; a new stranger
-//      replaces the oldest stranger, or is refused if even the oldest connected less than
-//      `idle_grace_s` ago. A session ends as soon as its token is revoked or expires.
+//      most `strangers_max` strangers. Strangers are counted apart from other connections. If there
+//      are too many strangers, a new one replaces the oldest. If the oldest connected less than
+//      `idle_grace_s` ago, the new stranger is refused. A session ends as soon as its token is
+//      revoked or expires.
 // Ending a connection does a client no harm, because the client reconnects (client.h).
 //
 // Errors are answered as a Refusal. If a handler throws, the call is refused as a bug. `complain`
@@ -55,7 +56,7 @@ struct ServerOptions {
   ServerLimits limits{};
   std::function<void(const std::string&)> complain{};
   std::optional<std::uint32_t> group{};  ///< group that may use the socket besides its owner
-  /// `audit` is called until the last reply is destroyed, perhaps after the server's destruction.
+  /// `audit` may be called until the last reply is destroyed, even after the server's destruction.
   Audit audit{};
 };
 
@@ -71,11 +72,11 @@ struct ServerCounts {
 
 class Server {
  public:
-  /// Starts listening. Only the socket's owner can use the socket (mode 0600), or also a group
-  /// (mode 0660). The kernel reports each peer's uid. Replaces the socket file of a server that has
-  /// exited. Throws base::Error with ExitCode::conflict if another server is listening, and with
-  /// ExitCode::environment if the socket can't be created. `handler` and `loop` must outlive the
-  /// server.
+  /// Starts listening. Only the socket's owner can use the socket (mode 0600). If ServerOptions has
+  /// a group, its members can too (mode 0660). The kernel reports each peer's uid. Replaces the
+  /// socket file of a server that has exited. If another server is listening, throws base::Error
+  /// with ExitCode::conflict. If the socket can't be created, throws base::Error with
+  /// ExitCode::environment. `handler` and `loop` must outlive the server.
   Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerOptions options = {});
   /// Ends all connections and removes the socket.
   ~Server();
@@ -83,8 +84,8 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   /// Listens over TLS (1.2 or newer) too, for peers that `authority` accepts. Call at most once.
-  /// Returns the address; port 0 chooses a free port. Throws base::Error like the constructor, or
-  /// if the certificate or its key is invalid. `authority` must outlive the server.
+  /// Returns the address; port 0 chooses a free port. Throws base::Error as the constructor does,
+  /// and if the certificate or its key is invalid. `authority` must outlive the server.
   access::ServerAddress listen(const access::ServerAddress& address, const access::Keypair& keypair,
                                Authority& authority);
 

@@ -5,15 +5,14 @@
 // side of the calls, and client.h the client's side.
 //
 // Invariants
-//   1. Repeating a call has no further effect, because submissions have a client's key, and all
-//      values that calls set are absolute. A client may therefore repeat a call whose answer was
-//      lost.
+//   1. Repeating a call has no further effect. A submission has a key that its client chose, and
+//      all values that calls set are absolute. A client may therefore repeat a call whose answer
+//      was lost.
 //   2. Text for people consists of whole sentences without control characters, and doesn't mention
 //      internals of the service.
-//   3. Enumerations have the value `unknown`, which distinguishes values of a newer program from
-//      wrong ones.
+//   3. Enumerations have the value `unknown`, for values that only a newer program knows.
 //
-// Times are seconds since 1970 of the service's wall clock, for display only.
+// Times are seconds since 1970 by the service's wall clock. They are for display only.
 //
 // Thread safety: values.
 #pragma once
@@ -60,21 +59,20 @@ struct Refusal {
   RefusalKind kind = RefusalKind::bug;
   std::string sentence{};    ///< what is wrong
   std::string what_to_do{};  ///< may be empty
-  /// Errors in a submission's text, as `sleight check` reports them. `file` is the request's name.
+  /// Errors in a submitted request, as `sleight check` reports them. `file` is the request's name.
   std::vector<request::Diagnostic> diagnostics{};
   bool operator==(const Refusal&) const = default;
 };
 
 // ------------------------------------------------------------------------------------ submitting
 
-/// An option for the system that runs a job, such as Slurm's partition.
+/// An option such as Slurm's partition, for the system that runs the job.
 struct JobOption {
   std::string name{};
   std::string value{};
   bool operator==(const JobOption&) const = default;
 };
 
-/// A job to be submitted, with its request and resources.
 struct JobAsk {
   std::string name{};                    ///< for people; empty: the request's world
   std::string request{};                 ///< TOML text with overrides applied, never a path
@@ -88,10 +86,10 @@ struct JobAsk {
 };
 
 struct Submission {
-  /// Random key, drawn by the client, at most k_key_bytes_max. If the service already has a
-  /// submission of this user with the same key, it returns the first answer and submits nothing.
+  /// Random key that the client draws; at most k_key_bytes_max bytes. If the user has already
+  /// submitted jobs with this key, the service returns the first answer and submits nothing.
   std::string key{};
-  /// One job stands alone; several jobs form a group. The service accepts either all jobs or none.
+  /// Several jobs form a group. The service accepts either all jobs or none.
   std::vector<JobAsk> jobs{};
   bool is_group = false;  ///< true also for a group of one, as with --set sampler.seed=1..1
   bool operator==(const Submission&) const = default;
@@ -130,7 +128,7 @@ inline constexpr std::size_t k_job_states = 9;
 std::string_view name_of(JobState state);
 std::optional<JobState> job_state_of(std::string_view name);
 
-/// Returns whether the state is final, so that only extending or resuming the job changes it.
+/// Returns whether the state is final. Only extending or resuming the job changes a final state.
 constexpr bool is_settled(JobState state) {
   return state == JobState::done || state == JobState::failed || state == JobState::cancelled;
 }
@@ -145,7 +143,8 @@ struct StateChange {
   bool operator==(const StateChange&) const = default;
 };
 
-/// Numbers of solutions: those found by a search, and independent solutions of chains.
+/// Numbers of solutions. `found` counts a search's solutions, `in_proportion` the chains'
+/// independent solutions.
 struct SolutionCounts {
   std::uint64_t found = 0;
   std::uint64_t found_wanted = 0;  ///< 0: none requested
@@ -221,7 +220,7 @@ struct JobPage {
   bool operator==(const JobPage&) const = default;
 };
 
-/// The effect of a call on a job, named by its id or its group.
+/// A call's effect on a job. The call names the job or its group.
 struct Touched {
   JobId job{};
   JobState state = JobState::unknown;  ///< after the call
@@ -231,7 +230,8 @@ struct Touched {
 
 enum class ExtendBy : std::uint8_t { unknown, scans, rounds, solutions, odds };
 
-/// A new, absolute limit in the normalised request's [stop]; for `odds`, the relative error.
+/// A new limit in the normalised request's [stop]. It is absolute, not an increase. For `odds`, the
+/// limit is the relative error.
 struct Extension {
   ExtendBy by = ExtendBy::unknown;
   double to = 0;  ///< whole number, except for odds
@@ -263,13 +263,13 @@ struct ChangeAsk {
 
 // ---------------------------------------------------------------------------------------- watching
 
-/// The last of a job's events and state changes that a watcher has received.
+/// How far a watcher has received a job's events and state changes.
 struct WatchPoint {
   JobId job{};
   std::uint64_t event = 0;   ///< number of the last numbered event received
   std::uint64_t change = 0;  ///< number of the last state change received
-  /// The service's marker for unnumbered events, from the previous batch. 0: none received. A
-  /// service that does not recognise the mark sends the newest events.
+  /// Copied from the previous batch: the service's mark for unnumbered events. 0: there was no
+  /// batch. A service that does not recognise the mark sends the newest events.
   std::uint64_t mark = 0;
   bool operator==(const WatchPoint&) const = default;
 };
@@ -277,7 +277,7 @@ struct WatchPoint {
 // -------------------------------------------------------------------------------------------- logs
 
 /// Requests either the last lines of a log, or bytes from an offset on. Offsets count all bytes
-/// that the job has ever logged, of which the service stores only the newest.
+/// that the job has ever logged. The service stores only the newest bytes.
 struct LogAsk {
   JobId job{};
   std::optional<std::uint64_t> from{};  ///< empty: the last `lines`
@@ -287,7 +287,8 @@ struct LogAsk {
 };
 
 struct LogPiece {
-  /// Offset of the first byte, larger than requested if older bytes are lost.
+  /// Offset of the first byte. If the requested bytes are lost, the offset is larger than
+  /// requested.
   std::uint64_t first = 0;
   std::string text{};
   std::uint64_t end = 0;  ///< current end of the log
@@ -310,8 +311,8 @@ struct FetchAsk {
   FetchKind kind = FetchKind::archive;
   std::vector<std::uint64_t> ids{};  ///< of recordings; at most k_fetch_ids_max
   std::string after{};               ///< only files after this name; empty: from the first
-  /// SHA-256 in hexadecimal of a partly received file. The service sends that file if it still
-  /// exists.
+  /// SHA-256, in hexadecimal, of a file of which the client already has a part. The service sends
+  /// that file if it still exists.
   std::string sha256_wanted{};
   bool operator==(const FetchAsk&) const = default;
 };
@@ -325,7 +326,7 @@ struct FileView {
 
 // ------------------------------------------------------------------------------------------ tokens
 
-/// Permissions of a token's session, as bits. No scope includes another.
+/// Permissions of a session that logged in with a token, as bits. No scope includes another.
 enum class Scope : std::uint8_t {
   unknown = 0,
   read = 1,  ///< list, status, watch, logs, fetch, info
@@ -440,8 +441,8 @@ inline constexpr std::size_t k_tokens_max = 1000;       ///< per user and per an
 inline constexpr std::uint32_t k_no_user = UINT32_MAX;
 inline constexpr double k_token_s_max = 3650.0 * 86400;
 
-/// Returns whether a fetched file may have this name: a file name without a folder, not hidden,
-/// without control characters, at most k_name_bytes_max bytes long.
+/// Returns whether a fetched file may have this name. A valid name has no folder, is not hidden,
+/// has no control characters, and has at most k_name_bytes_max bytes.
 bool is_file_name(std::string_view name);
 
 }  // namespace sleight::rpc

@@ -46,8 +46,8 @@ std::optional<Refusal> check(const std::string& id) {
 struct Rule {
   /// Empty: no token suffices. Tokens are created, listed and revoked only over the Unix socket.
   std::optional<Scope> scope{};
-  /// Name in the audit log. Empty: the call isn't audited, because it is frequent, changes nothing
-  /// and delivers no file.
+  /// Name in the audit log. Empty: the call isn't audited. Calls that aren't audited are frequent,
+  /// change nothing and deliver no file.
   std::string_view audited_as{};
 };
 
@@ -195,14 +195,16 @@ struct Serving {
         (*fulfiller)->fulfill(std::make_unique<Answer<T>>(std::move(answer)));
       }));
     } catch (const std::exception& error) {
-      // Dropping the reply refuses the call. The exception's message is only logged.
+      // The reply is now destroyed, which refuses the call. The client doesn't get the exception's
+      // message.
       calls->complain(error.what());
     }
     return kj::mv(owed.promise);
   }
 
-  /// Handles a call: decodes its parameters, checks them, calls `start` if the call's rule allows
-  /// it, and writes the answer. `write` may return the reason why the answer can't be written.
+  /// Handles a call: decodes and checks its parameters, calls `start`, and writes the answer. If
+  /// the caller's token does not allow the call by `rule`, refuses it. `write` may return the
+  /// reason why the answer can't be written.
   template <class T, class Context, class Decode, class Start, class Write>
   kj::Promise<void> serve(const Rule& rule, Context context, const Decode& decode,
                           const Start& start, Write write) const {
@@ -489,7 +491,7 @@ class EntranceCalls final : public generated::Entrance::Server {
       return kj::READY_NOW;
     }
     const auto text = context.getParams().getToken();
-    // Check the size first, so that nothing from a stranger is copied.
+    // Check the size first: a stranger's text is copied only if it has a token's size.
     auto caller = text.size() == access::k_token_characters
                       ? authority->login(as_string(text), conversation.caller.address)
                       : base::Result<Caller, Refusal>(no_entrance("This token is not valid here."));

@@ -1,5 +1,5 @@
 // Serves the interfaces of service.capnp with a Handler: decodes, checks, forwards, answers and
-// audits calls. A table in the source lists which scope each call requires and whether it is
+// audits calls. A table in the source lists each call's required scope, and whether the call is
 // audited.
 //
 // Thread safety: everything happens on the loop's thread.
@@ -18,8 +18,8 @@
 
 namespace sleight::rpc {
 
-/// State shared by the calls of all connections. A call may outlive the server, and `handler` is
-/// then null.
+/// State shared by the calls of all connections. A call may outlive the server. After the server's
+/// end, `handler` is null.
 struct Calls {
   Handler* handler = nullptr;
   Watchers* watchers = nullptr;

@@ -1,4 +1,5 @@
-// TCP sockets as descriptors: a listening socket, and the names of a connection's ends.
+// TCP sockets as descriptors. Makes listening sockets, and returns the addresses of a connection's
+// ends.
 //
 // Thread safety: free functions.
 #pragma once
@@ -10,9 +11,9 @@
 
 namespace sleight::rpc {
 
-/// Listens at a numeric address or at a name's first address; port 0 chooses a free port. The
-/// socket is non-blocking and closed by exec. Throws base::Error: conflict if the port is in use,
-/// environment otherwise.
+/// Listens at a numeric address, or at the first address of a host name. Port 0 chooses a free
+/// port. The socket is non-blocking and closed by exec. If the port is in use, throws
+/// base::Error(conflict). For other failures, throws base::Error(environment).
 base::Descriptor listen_at(const access::ServerAddress& address);
 
 /// Returns for example "192.0.2.7:50312" or "[2001:db8::7]:50312"; "?" if unknown.

@@ -67,8 +67,8 @@ const sockaddr* as_address(const sockaddr_un& address) {
 
 }  // namespace
 
-// The socket starts to listen under a temporary name and is then renamed. So no client finds a
-// socket that is accessible to everybody or not yet listening, and a stale socket is replaced
+// The socket starts to listen under a temporary name and is then renamed. So a client never finds a
+// socket that is accessible to everybody or does not listen yet. A stale socket is replaced
 // atomically.
 ListeningSocket::ListeningSocket(const std::string& path, std::optional<gid_t> group)
     : path_(path) {

@@ -1,4 +1,4 @@
-// A Unix socket's two ends, as file descriptors.
+// The listening end and the connecting end of a Unix socket, as file descriptors.
 //
 // A socket's path may exceed the system's limit of 107 bytes, because these functions use a path
 // relative to the folder's descriptor.
@@ -18,10 +18,10 @@ namespace sleight::rpc {
 
 class ListeningSocket {
  public:
-  /// Creates the socket with mode 0600, or 0660 with `group`. Throws base::Error with
-  /// ExitCode::conflict if a server is listening there.
+  /// Creates the socket. The socket's mode is 0600, or 0660 if `group` is given. If a server is
+  /// already listening there, throws base::Error with ExitCode::conflict.
   explicit ListeningSocket(const std::string& path, std::optional<gid_t> group = {});
-  /// Closes the socket, and removes its file if the file still belongs to this socket.
+  /// Closes the socket. Removes its file, unless the file now belongs to another socket.
   ~ListeningSocket();
   ListeningSocket(const ListeningSocket&) = delete;
   ListeningSocket& operator=(const ListeningSocket&) = delete;

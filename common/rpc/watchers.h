@@ -1,7 +1,8 @@
 // Watch calls that wait for news.
 //
-// A watch call names several jobs. At first, the handler is queried for all of these jobs, and
-// later only for those with news. The call is answered once, as soon as any of its jobs has news.
+// A watch call names several jobs. At first, the handler is queried for all of these jobs. Later,
+// the handler is queried only for jobs that have news. The call is answered once, as soon as any of
+// its jobs has news.
 //
 // Thread safety: everything happens on the loop's thread.
 #pragma once
@@ -31,9 +32,9 @@ class Watchers final : kj::TaskSet::ErrorHandler {
   ~Watchers();
   KJ_DISALLOW_COPY(Watchers);
 
-  /// Returns an empty list after `wait_s_max`. Dropping the promise ends the wait. If the
-  /// connection breaks, the promise is dropped in a later turn of the loop, perhaps after this
-  /// object is destroyed.
+  /// If there is no news within `wait_s_max`, the promise gives an empty list. Dropping the promise
+  /// ends the wait. If the connection breaks, the promise is dropped in a later turn of the loop,
+  /// perhaps after this object is destroyed.
   kj::Promise<Batches> wait(const Caller& caller, std::vector<WatchPoint> points);
   void news(JobId job);
   std::size_t waiting() const { return waiting_; }

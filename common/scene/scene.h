@@ -1,10 +1,9 @@
-// A scene description: how bodies, fixed things and goals look. With it, a viewer can draw a run's
-// animations without the world's code.
+// A scene description: how bodies, fixed things and goals look. A viewer needs only this
+// description to draw a run's animations, not the world's code.
 //
 // A scene is a list of features: first the bodies, in the order of their numbers in motions
 // (common/motion), then fixed things, then goals. A feature is drawn as its parts. A Variation
-// changes the scene for one animation: displaced vertices, additional parts, or the control points
-// of a surface.
+// gives one animation additional parts, or the control points of a surface.
 //
 // Frame: right-handed, z up, SI. Parts of bodies are in the body's frame, and all other parts in
 // the scene's frame. Thread safety: values.
@@ -26,7 +25,7 @@ namespace sleight::scene {
 using math::Quat;
 using math::Vec3;
 
-/// Kind of a feature, in the order of k_kind_names.
+/// The kinds of features, in the order of k_kind_names.
 enum class FeatureKind : std::uint8_t {
   body,    ///< moves
   fixed,   ///< doesn't move, but bodies collide with it
@@ -34,7 +33,8 @@ enum class FeatureKind : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 3> k_kind_names{"body", "fixed", "wanted"};
 
-/// Shape of a part, in the order of k_shape_names, with the meaning of Part::size_m.
+/// The shapes of parts, in the order of k_shape_names. The comments define Part::size_m for each
+/// shape.
 enum class Shape : std::uint8_t {
   sphere,   ///< x: diameter
   box,      ///< x, y, z: sides
@@ -63,10 +63,11 @@ inline constexpr std::int32_t k_none = -1;
 struct Feature {
   std::string name{};  ///< for people and queries: "die 3", "table"
   FeatureKind kind = FeatureKind::body;
-  /// Number of the first body that is interchangeable with this body, or this body's own number if
-  /// no other body is.
+  /// Number of the first body that is interchangeable with this body. If there is no such body,
+  /// this body's own number.
   std::uint32_t twin_of = 0;
-  /// The body that a goal is for. None: the goal is for any body, or the feature is not a goal.
+  /// If the feature is a goal: the body that must reach it. None: any body may reach it, or the
+  /// feature is not a goal.
   std::int32_t body = k_none;
 };
 
@@ -81,12 +82,12 @@ struct Scene {
   std::vector<Part> parts{};  ///< sorted by feature
   std::vector<Vertex> vertices{};
   std::vector<std::array<std::uint32_t, 3>> triangles{};  ///< counter-clockwise seen from outside
-  /// Name of the states' variable with the vertices' offsets: (vertex, xyz), in metres. Empty:
-  /// none.
+  /// Name of the states' variable that contains the vertices' offsets: (vertex, xyz), in metres.
+  /// Empty: none.
   std::string offset_variable{};
   bool has_own_parts = false;   ///< animations have parts of their own
   bool has_own_points = false;  ///< animations have control points
-  /// A box that contains all motion of bodies, for choosing a view.
+  /// A box that contains all motion of bodies. Viewers choose a view by this box.
   Vec3 low_m{0, 0, 0};
   Vec3 high_m{0, 0, 0};
 
@@ -109,9 +110,9 @@ struct Variation {
   std::vector<ControlPoint> points{};  ///< the needed points, sorted by (j, i)
 };
 
-/// Returns the fault of a scene that was read from a file. Empty: the scene is valid. Checks that
-/// names are non-empty and unique, bodies come first, indices are in range, numbers are finite and
-/// rotations valid.
+/// Returns the fault of a scene, which may come from an untrusted file. Empty: the scene is valid.
+/// Checks that names are non-empty and unique, bodies come first, indices are in range, numbers are
+/// finite and rotations valid.
 std::string fault_of(const Scene& scene);
 /// Like fault_of, for an animation's own parts.
 std::string fault_of_parts(std::span<const Part> parts, const Scene& scene);

@@ -14,7 +14,7 @@ std::pair<std::int32_t, std::int32_t> key_of(const ControlPoint& point) {
   return {point.j, point.i};
 }
 
-/// Maximum patch index, beyond any table.
+/// Maximum patch index. No table is so large.
 constexpr double k_index_max = 1e9;
 
 std::optional<std::int32_t> patch_at(double place_m, double spacing_m) {

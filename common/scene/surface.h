@@ -1,8 +1,8 @@
 // A surface from control points. An archive stores only the points that an animation needs.
 //
 // Formula: a uniform bicubic B-spline, see Piegl and Tiller, "The NURBS Book" (2nd edition, 1997),
-// chapter 2. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise y, and depends on the
-// sixteen points from (i - 1, j - 1) to (i + 2, j + 2).
+// chapter 2. Patch (i, j) covers i spacing <= x < (i + 1) spacing and j spacing <= y < (j + 1)
+// spacing. The patch depends on the sixteen points from (i - 1, j - 1) to (i + 2, j + 2).
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -18,7 +18,8 @@
 
 namespace sleight::scene {
 
-/// Returns the values of the four basis functions at u from 0 to 1, which add up to 1.
+/// Returns the values of the four basis functions at u. The values add up to 1. REQUIRES: u is from
+/// 0 to 1.
 std::array<double, 4> spline_weights(double u);
 
 class Surface {
@@ -33,7 +34,7 @@ class Surface {
     std::int32_t i = 0;
     std::int32_t j = 0;
   };
-  /// Returns all patches that have all their points, sorted by (j, i).
+  /// Returns the patches that have all their points. Sorted by (j, i).
   const std::vector<Patch>& patches() const { return patches_; }
   double spacing_m() const { return spacing_m_; }
 
@@ -45,8 +46,8 @@ class Surface {
   std::vector<Patch> patches_{};
 };
 
-/// Returns the distinct points, as (i, j), of all patches that are touched by a square of half-side
-/// half_m around any of the places. Sorted by (j, i).
+/// Around each place, imagine a square with sides 2 half_m. Returns the points (i, j) of all
+/// patches that such a square touches, each point once. Sorted by (j, i).
 std::vector<std::array<std::int32_t, 2>> indices_about(std::span<const Vec3> places_m,
                                                        double half_m, double spacing_m);
 

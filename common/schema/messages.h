@@ -1,4 +1,4 @@
-// The messages between a batch job's ranks as plain values. wire/ encodes and decodes them.
+// The messages that a batch job's ranks exchange, as plain values. wire/ encodes and decodes them.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct Assignment {
   plan::Block block;
   std::vector<plan::GivenState> states;  ///< by member
 };
-/// Each result contains only the replica, first scan and number of scans of its unit.
+/// In each result, `unit` contains only the replica, the first scan and the number of scans.
 struct Delivery {
   std::uint64_t epoch = 0;
   std::uint64_t assignment = 0;

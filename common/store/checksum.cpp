@@ -19,8 +19,8 @@ class Checksum {
   void add(T value) {
     bytes(base::bytes_of(std::span<const T>(&value, 1)));
   }
-  /// Adds the length first, so that a checksum detects elements that moved between neighbouring
-  /// arrays.
+  /// Adds the length before the elements. So the checksum changes if an element moves to a
+  /// neighbouring array.
   void array(base::BytesView values) {
     add(std::uint64_t{values.size()});
     bytes(values);

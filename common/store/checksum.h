@@ -42,10 +42,11 @@ std::int64_t checksum_of(std::uint64_t salt, const ToldFrontier& told);
 std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::int64_t ends,
                                 std::uint64_t columns, base::BytesView numbers);
 
-/// Covers a text and its place, such as "job/17/", so that a text at another place is detected.
+/// Covers a text and its place, such as "job/17/". So the checksum of a text at a wrong place is
+/// wrong.
 std::int64_t checksum_of_text(std::string_view place, std::string_view text);
 
-/// Throws base::Error, which reports that the database at `path` was changed or damaged.
+/// Throws a base::Error whose message says that the database at `path` was changed or damaged.
 [[noreturn]] void refuse_damaged(const std::string& path, const std::string& what);
 
 }  // namespace sleight::store

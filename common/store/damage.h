@@ -1,6 +1,6 @@
-// Texts by which callers recognise the store's errors about damaged files. A supervisor needs them
-// because it receives only the message of a run's end (common/events/run_end.h). No further attempt
-// can succeed with a damaged store.
+// Texts that occur in the store's errors about damaged files. Supervisors recognise such errors by
+// these texts, because supervisors receive only the message of a run's end
+// (common/events/run_end.h). No further attempt can succeed with a damaged store.
 //
 // Pure; thread-safe.
 #pragma once
@@ -9,9 +9,9 @@
 
 namespace sleight::store {
 
-/// Text in messages of refuse_damaged (checksum.h): a file was changed.
+/// This text in a message of refuse_damaged (checksum.h) means: a file was changed.
 inline constexpr std::string_view k_damaged_words = ": damaged: ";
-/// Text in messages of DatabaseError: the file is not a database.
+/// This text in a message of DatabaseError means: the file is not a database.
 inline constexpr std::string_view k_no_store_words = "the file is not a run store or is damaged";
 
 /// Returns whether an error message contains one of these texts.

@@ -45,15 +45,16 @@ DatabaseError::Kind kind_of(int basic_code) {
   throw DatabaseError(fmt::format("{}: {}{}", path, reason, advice), kind_of(basic), reason);
 }
 
-/// Returns whether the database must be opened as immutable, because it has no log and this process
-/// can't create the log that SQLite otherwise needs even for reading.
+/// Returns whether the database must be opened as immutable. SQLite needs a log even for reading,
+/// unless the database is immutable. The result is true if there is no log and this process can't
+/// create one.
 bool nobody_can_write(const std::string& path) {
   const std::string folder = base::directory_of(path);
   return ::access((path + "-wal").c_str(), F_OK) != 0 && ::access(folder.c_str(), W_OK) != 0;
 }
 
-/// Creates the file with the umask's permissions. SQLite would create a file that only its owner
-/// can write, and gives its other files the database file's mode.
+/// Creates the file with the umask's permissions. If SQLite created the file, only its owner could
+/// write it. SQLite's other files get the same mode as this file.
 void make_file(const std::string& path) {
   const int made = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (made >= 0) ::close(made);
@@ -192,12 +193,12 @@ Database::Database(const std::string& path, Access access)
 
 void Database::set_write_mode() {
   if (is_exclusive_) {
-    // Set the mode before accessing the log, whose index would otherwise be in shared memory.
+    // Set the mode before accessing the log. Otherwise the log's index would be in shared memory.
     execute("PRAGMA locking_mode=EXCLUSIVE");
     sqlite3_db_config(connection_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   }
   Statement mode = prepare("PRAGMA journal_mode=WAL");
-  // Check the mode, because SQLite silently falls back to another mode, which would remove its
+  // Check the mode, because SQLite may silently use another one. In other modes SQLite removes its
   // journal by name.
   if (const bool is_log = mode.step() && mode.text(0) == "wal"; is_exclusive_ && !is_log) {
     throw base::Error(fmt::format(
@@ -205,7 +206,7 @@ void Database::set_write_mode() {
   }
   mode.reset();
   execute("PRAGMA synchronous=FULL");
-  // Checkpoints cost seeks, so use larger steps than the default 1,000 pages.
+  // A checkpoint needs seeks. So make checkpoints less often than the default, every 1,000 pages.
   execute("PRAGMA wal_autocheckpoint=4000");
 }
 

@@ -1,5 +1,5 @@
-// A small RAII wrapper of SQLite's C interface. The wrapper checks every return value, and throws a
-// base::Error with the file, the reason and what to do.
+// A small RAII wrapper of SQLite's C interface. The wrapper checks every return value. On failure,
+// it throws a base::Error that names the file, the reason and what to do.
 //
 // Thread safety: only one thread at a time may use a connection.
 #pragma once
@@ -34,7 +34,8 @@ class Statement {
 
   /// Returns whether a row is available.
   bool step();
-  /// Executes a statement without result rows: steps once and resets, even if it throws.
+  /// Executes a statement that returns no rows: steps once, then resets. Resets even if the step
+  /// throws.
   void run();
   void reset();
 
@@ -54,8 +55,8 @@ class Statement {
 
 enum class Access { read_only, read_write };
 
-/// A failure of SQLite: base::Error with advice for run-store users. Other callers use kind() and
-/// reason(), which has no advice.
+/// A failure of SQLite. The base::Error's message has advice for users of run stores. Other callers
+/// use kind() and reason(); the reason contains no advice.
 class DatabaseError : public base::Error {
  public:
   enum class Kind { damaged, full, busy, other };
@@ -71,16 +72,16 @@ class DatabaseError : public base::Error {
 
 class Database {
  public:
-  /// Opens a file in WAL mode with synchronous=FULL: after COMMIT returns, the rows survive kill -9
-  /// and power loss. read_write creates a missing file. On a network disk, a read_write connection
-  /// must be the file's only connection in all processes, because SQLite then uses no shared
-  /// memory. If the disk lacks file locks (fcntl), only the caller's lock excludes other
-  /// connections. On a network disk, closing a connection doesn't delete the log, because a process
-  /// that has lost its lock could otherwise delete its successor's log by name.
+  /// Opens a file in WAL mode and with synchronous=FULL. So once COMMIT has returned, the rows
+  /// survive kill -9 and power loss. read_write creates a missing file. On a network disk, a
+  /// read_write connection must be the file's only connection in all processes, because SQLite then
+  /// uses no shared memory. If the disk lacks file locks (fcntl), only the caller's lock excludes
+  /// other connections. On a network disk, closing a connection doesn't delete the log. Otherwise a
+  /// process that has lost its lock could delete its successor's log.
   Database(const std::string& path, Access access);
   /// Returns whether this connection must be the file's only one.
   bool is_exclusive() const { return is_exclusive_; }
-  /// Moves the log's contents into the file. Closing a connection also does this, unless the
+  /// Moves the log's contents into the file. Closing a connection also empties the log, unless the
   /// connection is exclusive.
   void empty_log();
 

@@ -6,7 +6,8 @@
 namespace sleight::store {
 namespace {
 
-/// Returns the approximate size of a result in the queue, by which memory and groups are limited.
+/// Returns the approximate size of a result in the queue. The limits of memory and groups use this
+/// size.
 std::size_t bytes_of(const plan::UnitResult& result) {
   std::size_t bytes = sizeof(result) + result.state_after.size();
   for (const plan::ScanRecord& scan : result.scans) {
@@ -64,15 +65,15 @@ void GroupCommit::put_into(std::vector<T> Group::*part, T what) {
   (queue_.*part).push_back(std::move(what));
   queue_bytes_ += bytes;
   ++put_;
-  // Wake the writer for a group's first entry, which starts the group's waiting time, and for its
-  // last entry.
+  // Wake the writer for a group's first entry and for its last. The first entry starts the group's
+  // waiting time.
   if (is_first || queue_bytes_ >= k_group_bytes) changed_.notify_all();
 }
 
 void GroupCommit::flush() {
   std::unique_lock lock(mutex_);
-  // Wait only for entries that are already in the queue, because other threads might never stop
-  // adding new ones.
+  // Wait only for entries that are already in the queue. Other threads might never stop adding new
+  // ones.
   const std::uint64_t wanted = put_;
   ++flushing_;
   changed_.notify_all();

@@ -4,11 +4,10 @@
 // Invariants
 //   1. Results are committed in the order of put(). An event is never committed earlier than the
 //      results that were put before it.
-//   2. committed() counts scans whose commit has returned, without prior draws. Only committed
+//   2. committed() counts scans whose commit has returned. Prior draws don't count. Only committed
 //      scans may be reported as done.
-//   3. After a failed commit nothing more is written. The next put() or flush() throws the failure
-//      in its caller's thread.
-//   4. The thread starts with the first result, so the process may fork safely before it.
+//   3. After a failed commit nothing more is written. The next put() or flush() throws the failure.
+//   4. The thread starts with the first put(). Before the first put(), the process may fork safely.
 // Thread-safe. Results lost before their commit are computed again, with the same bits.
 #pragma once
 
@@ -26,11 +25,11 @@
 
 namespace sleight::store {
 
-/// Time that a group waits for more entries.
+/// How long a group waits for more entries.
 inline constexpr double k_group_wait_s = 0.050;
-/// Size at which a group is committed at once.
+/// A group of at least this size is committed at once.
 inline constexpr std::size_t k_group_bytes = 4U << 20U;
-/// Size of the queue at which put() blocks, so that a stalled disk does not fill the memory.
+/// If the queue has at least this size, put() blocks. So a stalled disk does not fill the memory.
 inline constexpr std::size_t k_queue_bytes_max = 64U << 20U;
 
 class GroupCommit {
@@ -48,7 +47,7 @@ class GroupCommit {
   GroupCommit(const GroupCommit&) = delete;
   GroupCommit& operator=(const GroupCommit&) = delete;
 
-  /// Commits pending results without reporting failures, so call flush() first. Afterwards `commit`
+  /// Commits pending results. Doesn't report failures, so call flush() first. Afterwards `commit`
   /// is not called any more. REQUIRES: no put() follows.
   void end();
 

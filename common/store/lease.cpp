@@ -28,7 +28,7 @@ std::string value_of(std::string_view text) {
   return value;
 }
 
-/// Returns the lines `key value` below the title, or nothing if the text has another form.
+/// Returns the lines `key value` below the title. Returns nothing if the text has another form.
 std::optional<std::map<std::string, std::string, std::less<>>> lines_of(std::string_view text) {
   std::map<std::string, std::string, std::less<>> values;
   for (bool is_first = true; !text.empty(); is_first = false) {
@@ -105,7 +105,7 @@ Lease::Outcome Lease::try_take() {
     return take(newest + 1, other->owes_copies);
   if (other && files_.is_here(other->holder)) return Held{other};
 
-  // The holder is on another machine, and lives if it renews its lease.
+  // The holder is on another machine. A live holder renews its lease.
   const double lease_s = other ? other->lease_s : k_lease_s;
   if (!seen_ || seen_->generation != newest) {
     seen_ = Seen{.generation = newest, .text = *std::move(text), .since_s = seen_s};
@@ -123,8 +123,8 @@ Lease::Outcome Lease::take(std::uint64_t generation, bool owes_copies) {
   own_ = files_.make(generation, text_.to_text());
   if (!own_) return Unsure{};  // another process was faster
 
-  // Because of an out-of-date list, the generation may have been used before. In that case a newer
-  // generation exists.
+  // If the first list was out of date, this generation may have been used before. In that case a
+  // newer generation exists.
   const std::vector<std::uint64_t> all = files_.list();
   if (!all.empty() && all.back() > generation) {
     own_.reset();
@@ -148,7 +148,7 @@ bool Lease::renew() {
   const std::vector<std::uint64_t> all = files_.list();
   // A late renewal does not count, because observers may have missed it.
   const bool is_in_time = clock_.now_s() < end_s_;
-  // Nobody can have taken a lease that was renewed in time, unless this clock has stalled.
+  // If the lease was renewed in time, nobody can have taken it, unless this clock has stalled.
   const bool is_newest = all.empty() || all.back() <= generation_;
   if (!is_in_time || !is_newest) {
     is_lost_ = true;
@@ -160,7 +160,7 @@ bool Lease::renew() {
 
 void Lease::release() {
   if (!may_act()) return;
-  // Stop acting before writing, because the next holder may read the file before write() returns.
+  // Stop acting before writing. The next holder may read the file before write() returns.
   is_lost_ = true;
   text_.is_released = true;
   own_->write(text_.to_text());

@@ -1,13 +1,13 @@
 // A lock for disks that several machines share. On such disks, flock works only within one machine,
-// or not at all. The lock is a file with a lease that its holder renews.
+// or not at all. So the lock is a file with a lease. The lock's holder renews the lease.
 //
-// Each time a process takes the lock, the lease has a new number, its generation N, and a file
-// `lease.N`. The process that creates this file has the lock. Creating the file, as with link(2),
-// succeeds for exactly one process. A process that requests the lock reads the newest file. If the
-// newest holder has released the lock, is known to be dead, or has not renewed for a whole lease,
-// the process creates the next file. Nobody renames or removes the newest holder's file. Otherwise
-// there would be a moment without a file, in which a third process takes the lock while the second
-// believes that it has the lock.
+// Each time a process takes the lock, the lease gets a new number N, its generation. The process
+// that creates the file `lease.N` has the lock. Creation, as with link(2), succeeds for exactly one
+// process. A process that requests the lock reads the newest file. If the newest holder has
+// released the lock, is known to be dead, or has not renewed for a whole lease, the process creates
+// the next file. Nobody renames or removes the newest holder's file. Otherwise, for a moment, no
+// file would exist. A third process could then take the lock while the second believes that it has
+// the lock.
 //
 // Each process measures time with its own clock; clocks of different machines are never compared.
 // The holder of a 60 s lease (k_lease_s) renews it every 3 s by writing its file. The holder may
@@ -29,10 +29,11 @@
 //      allow for clocks that run at different rates.
 //   2. An expired lease is never renewed: its holder stops permanently.
 //   3. The newest file is never removed, so generations only grow. Older files are removed.
-//   4. Processes of one machine can see whether the others are running. So they notice a dead
-//      holder at once, and a live holder keeps the lock even after its lease has expired.
-// The disk must guarantee that a read that begins after a write has ended sees the write (NFS:
-// close to open). A folder's list is up to date after a change by the same machine.
+//   4. Processes of one machine can see whether the others are running. So a dead holder is noticed
+//      at once. A live holder keeps the lock even after its lease has expired.
+// The disk must guarantee two things. If a read begins after a write has ended, the read sees the
+// write (NFS: close to open). After a machine changes a folder, its own list of the folder is up to
+// date.
 //
 // This code accesses disk and time only through LeaseFiles and the clock. Thread safety: `may_act`
 // may be called from any thread, and all other functions from one thread at a time.
@@ -51,11 +52,11 @@
 namespace sleight::store {
 
 inline constexpr double k_lease_s = 60;
-/// Share of a lease during which its holder may act.
+/// After a renewal, the holder may act for this share of the lease.
 inline constexpr double k_lease_held_share = 0.75;
-/// Time between renewals as a share of the lease.
+/// Share of the lease after which it is renewed.
 inline constexpr double k_renew_share = 0.05;
-/// Longest lease accepted in a file.
+/// A file with a longer lease is refused.
 inline constexpr double k_lease_s_max = 600;
 
 /// Identifies a process that holds or requests a lock.
@@ -83,12 +84,12 @@ struct LeaseText {
 };
 inline constexpr std::size_t k_lease_text_bytes = 1024;
 
-/// The operations of a lease on the disk and the machine. Tests replace these operations;
-/// lease_files.h has the real operations. Functions throw base::Error if the disk fails.
+/// The operations by which a lease accesses the disk and the machine. lease_files.h has the real
+/// operations; tests replace them. Functions throw base::Error if the disk fails.
 class LeaseFiles {
  public:
-  /// The file that a lease created, open for writing. The object never writes another lease's file
-  /// that has the same name.
+  /// The file that a lease created, open for writing. If another lease's file has the same name,
+  /// this object does not write that file.
   class Own {
    public:
     virtual ~Own() = default;
@@ -101,7 +102,8 @@ class LeaseFiles {
   virtual std::vector<std::uint64_t> list() = 0;
   /// Returns nothing if the file does not exist.
   virtual std::optional<std::string> read(std::uint64_t generation) = 0;
-  /// Creates a generation's file with this unique text. Null if it already exists.
+  /// Creates a generation's file with this text, which no other process uses. Null if the file
+  /// already exists.
   virtual std::unique_ptr<Own> make(std::uint64_t generation, const std::string& text) = 0;
   /// Not an error if the file does not exist.
   virtual void remove(std::uint64_t generation) = 0;
@@ -130,8 +132,8 @@ class Lease {
   /// Tries to take the lease. Call this again while the result is Unsure. REQUIRES: not taken yet.
   Outcome try_take();
 
-  /// Returns true if a holder on another machine never released the lock, so that it may still
-  /// write its open files, and nobody has replaced these files since.
+  /// Returns true if a holder on another machine never released the lock, and its files haven't
+  /// been replaced since. Such a holder may still write its open files.
   bool owes_copies() const { return text_.owes_copies; }
   /// Marks the protected files as replaced. The next renewal writes the mark to the lease's file.
   void set_copied() { text_.owes_copies = false; }
@@ -141,13 +143,13 @@ class Lease {
   bool renew();
   /// Written by the next renewal.
   void set_epoch(std::uint64_t epoch) { text_.epoch = epoch; }
-  /// Releases the lease, so that the next process takes it at once. No effect if the lease was not
+  /// Releases the lease. The next process can then take it at once. No effect if the lease was not
   /// taken or has ended. REQUIRES: everything that the lock protects is finished.
   void release();
 
   /// Returns whether the protected files may be changed now.
   bool may_act() const;
-  /// Returns the process that took the lock from this one, if known.
+  /// Returns the lease of the process that took the lock from this one, if it is known.
   std::optional<LeaseText> successor();
 
   double renew_every_s() const { return text_.lease_s * k_renew_share; }
@@ -164,7 +166,8 @@ class Lease {
   std::atomic<double> end_s_ = 0;
   std::atomic<bool> is_lost_ = false;
 
-  /// The last content seen of another process's lease, and the time when it was first seen.
+  /// The last content that was read from another process's lease, and the time when this content
+  /// was first read.
   struct Seen {
     std::uint64_t generation = 0;
     std::string text{};

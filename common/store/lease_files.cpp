@@ -52,7 +52,8 @@ int open_file(const std::string& path, int flags) {
   return ::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0666);
 }
 
-/// Writes the text at once, so that a reader on this machine sees either the old or the new text.
+/// Writes the text in one call. So a reader on this machine sees either the old text or the new
+/// one.
 void write_whole(int descriptor, const std::string& path, const std::string& text) {
   const ssize_t put = ::pwrite(descriptor, text.data(), text.size(), 0);
   if (put >= 0 && static_cast<std::size_t>(put) != text.size()) errno = ENOSPC;
@@ -90,12 +91,13 @@ std::string kernel_text(const std::string& path) {
   }
 }
 
-/// Returns a local process's start time in kernel ticks. Returns nothing if there is no such
-/// process, or if it has ended but was not reaped.
+/// Returns the start time of a process on this machine, in kernel ticks. Returns nothing if there
+/// is no such process, or if it has ended but was not reaped.
 std::optional<std::uint64_t> start_of(std::int64_t process) {
   const std::string folder = fmt::format("/proc/{}", process);
   const std::string stat = kernel_text(folder + "/stat");
-  // proc(5): the command's name, in parentheses, may contain anything; the state follows it.
+  // See proc(5). The command's name is in parentheses and may contain anything. The state follows
+  // it.
   const std::size_t name_end = stat.rfind(')');
   if (name_end == std::string::npos || name_end + 2 >= stat.size()) return std::nullopt;
   std::string_view rest = std::string_view(stat).substr(name_end + 2);
@@ -127,7 +129,8 @@ bool has_no_links(int reason) {
 LeaseHolder this_process() {
   std::array<char, HOST_NAME_MAX + 1> host{};
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
-  // Identifies a boot of the machine, and within it a namespace of process ids.
+  // `boot` identifies a boot of the machine. Within a boot, `space` identifies a namespace of
+  // process ids.
   std::string boot = kernel_text("/proc/sys/kernel/random/boot_id");
   boot = boot.substr(0, boot.find('\n'));
   std::error_code failure;
@@ -149,7 +152,7 @@ LeaseHolder this_process() {
 
 std::string make_token() {
   std::array<std::uint64_t, 2> random{};
-  // Fail if there are no random bytes, because two processes could mistake each other's file for
+  // Fail if there are no random bytes. Otherwise two processes could mistake each other's file for
   // their own.
   CHECK_EQ(::getrandom(random.data(), sizeof random, 0), static_cast<ssize_t>(sizeof random));
   return fmt::format("{:016x}{:016x}", random[0], random[1]);
@@ -201,8 +204,8 @@ std::unique_ptr<LeaseFiles::Own> PosixLeaseFiles::make(std::uint64_t generation,
   }
   ::unlink(unique.c_str());
 
-  // Read the content to find out who created the file, because link() may have been repeated after
-  // a lost answer.
+  // Read the content to find out who created the file. The result of link() is uncertain: after a
+  // lost answer, the system may have repeated the call.
   Descriptor file(open_file(path, O_RDWR));
   if (!file.is_open()) {
     if (errno == ENOENT || errno == ESTALE) return nullptr;
@@ -210,8 +213,8 @@ std::unique_ptr<LeaseFiles::Own> PosixLeaseFiles::make(std::uint64_t generation,
   }
   if (read_whole(file.number(), path) != text) return nullptr;
 
-  // Remove leftovers of killed processes. If the file belongs to a live process, that process tries
-  // again and finds this lease.
+  // Remove leftovers of killed processes. If a live process loses its file, it tries again and
+  // finds this lease.
   for (const std::string& name : base::PosixFileSystem().names_in(folder_)) {
     if (name.starts_with(k_new_prefix)) ::unlink((folder_ + "/" + name).c_str());
   }

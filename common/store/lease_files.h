@@ -1,8 +1,8 @@
-// Implements LeaseFiles (lease.h): leases as files in a folder on a shared disk, and whether
-// processes of this machine are alive.
+// Implements LeaseFiles (lease.h). Leases are files in a folder on a shared disk. Also finds out
+// whether processes of this machine are alive.
 //
-// A lease's file is written completely under a temporary name, then linked to `lease.N`. link(2) is
-// exclusive on every network disk that has links. On other disks (some FUSE and SMB), O_EXCL is
+// A lease's file is written completely under a temporary name, then linked to `lease.N`. If a
+// network disk has links, link(2) is exclusive. On other disks (some FUSE and SMB), O_EXCL is
 // exclusive. The server's answer may be lost, so the file's content decides who created the file.
 //
 // Thread safety: as Lease.

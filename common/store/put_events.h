@@ -10,8 +10,8 @@
 
 namespace sleight::store {
 
-/// The results whose events have been created, and the number of those events. The next events
-/// follow from this frontier (service/coordinator/event_sequence.h).
+/// Says for which results events have been created, and how many events. The next events follow
+/// from this frontier (service/coordinator/event_sequence.h).
 struct ToldFrontier {
   std::uint64_t scans = 0;      ///< of all chains
   std::uint64_t starts = 0;     ///< of the search
@@ -21,7 +21,7 @@ struct ToldFrontier {
   bool operator==(const ToldFrontier&) const = default;
 };
 
-/// Events without numbers, which the commit assigns.
+/// Events without numbers. The commit assigns the numbers.
 struct PutEvents {
   std::vector<events::RunEvent> events;
   ToldFrontier reached;  ///< including these events

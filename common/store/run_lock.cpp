@@ -26,7 +26,7 @@
 namespace sleight::store {
 namespace {
 
-/// Interval at which another holder's lease and stop_requested are checked.
+/// Interval between checks of stop_requested and of another holder's lease.
 constexpr std::chrono::milliseconds k_look_every(100);
 
 std::string name_of(const LeaseText& lease) {
@@ -117,7 +117,8 @@ void RunLock::Leased::renew_now() {
   try {
     (void)lease.renew();
   } catch (const base::Error&) {
-    // The disk failed. Renewing is retried until the lease ends. After the end, check() throws.
+    // The disk failed. A failed renewal is repeated until the lease ends. After the end, check()
+    // throws.
   }
 }
 
@@ -192,7 +193,7 @@ void RunLock::check() const {
     const std::scoped_lock lock(leased_->mutex);
     by = leased_->lease.successor();
   } catch (const base::Error&) {
-    // The new holder isn't known here, but the next start will report it.
+    // The new holder isn't known here. The next start will report it.
   }
   throw base::Error(
       base::ExitCode::conflict,

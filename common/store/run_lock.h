@@ -1,11 +1,11 @@
-// The lock in a run's folder, which lets only one process write the run.
+// The lock in a run's folder. Only the process that has the lock may write the run.
 //
-// On a local disk the lock is flock on the file `lock`, which the kernel releases however the
-// process ends. On a network disk (base/network_disk.h) it is a lease (lease.h). A lease may end
-// during the process's life, because the disk or the process stalled for too long. Then another
-// process may have the run, and this process must not write. So `check` is called before and after
-// every commit. A folder with a lease file is always locked by a lease, so that processes that
-// disagree about the disk use the same lock.
+// On a local disk the lock is flock on the file `lock`. The kernel releases a flock however the
+// process ends. On a network disk (base/network_disk.h) the lock is a lease (lease.h). A lease may
+// end during the process's life, because the disk or the process stalled for too long. After the
+// lease's end, another process may have the run, and this process must not write. So `check` is
+// called before and after every commit. If a folder has a lease file, it is always locked by a
+// lease. So two processes use the same lock even if only one considers the disk a network disk.
 //
 // Thread safety: `check` may be called from any thread, and `set_epoch` from one thread. The owner
 // calls all other functions.
@@ -25,8 +25,8 @@ struct RunLockOptions {
   /// The lock polls this function while it waits for a dead holder's lease to end. If true, throws
   /// base::Error(interrupted).
   std::function<bool()> stop_requested{};
-  /// False: don't wait, and treat the lease of a holder on another machine as held, whether the
-  /// holder is alive or dead.
+  /// False: don't wait. A lease of a holder on another machine then counts as held, even if the
+  /// holder is dead.
   bool waits = true;
   double lease_s = k_lease_s;
   std::optional<LeaseHolder> self{};  ///< for tests: this process as on another machine
@@ -34,9 +34,10 @@ struct RunLockOptions {
 
 class RunLock {
  public:
-  /// Locks the folder, creating it if missing. Throws base::Error(conflict) naming the holder if
-  /// the lock is held. On a network disk, this takes the time of one renewal if the holder is alive
-  /// on another machine, and the time of a whole lease if the holder died there.
+  /// Creates the folder if it is missing, and locks it. If the lock is held, throws
+  /// base::Error(conflict) that names the holder. On a network disk this takes time if the holder
+  /// is on another machine: the time of one renewal if the holder is alive, and of a whole lease if
+  /// it is dead.
   explicit RunLock(const std::string& folder, RunLockOptions options = {});
   /// Releases the lock. REQUIRES: this process no longer writes the run.
   ~RunLock();
@@ -51,10 +52,10 @@ class RunLock {
   void renew();
   /// Throws base::Error(conflict) if another process may have the run now.
   void check() const;
-  /// Sets the session's number, which processes that are refused will report.
+  /// Sets the session's number. A process that is refused the lock reports this number.
   void set_epoch(std::uint64_t epoch);
-  /// Returns whether a holder on another machine never released the lock. Even without the lock,
-  /// that holder may still write its open files, so these files must be replaced (take_over.h).
+  /// Returns whether a holder on another machine never released the lock. Such a holder may still
+  /// write its open files, even without the lock. So the files must be replaced (take_over.h).
   bool owes_copies() const;
   void set_copied();
 

@@ -15,8 +15,8 @@
 namespace sleight::store {
 namespace {
 
-// The columns of densities have no type, because a REAL column would return a stored -0 as 0.
-// `failures` is NULL for scans without failures, so that its index is empty in most runs.
+// A density's column has no type, because a REAL column would return a stored -0 as 0. If a scan
+// has no failures, `failures` is NULL. So the index of `failures` is empty in most runs.
 constexpr const char* k_schema = R"(
   CREATE TABLE IF NOT EXISTS run(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
   CREATE TABLE IF NOT EXISTS scan(
@@ -142,7 +142,7 @@ void RunStore::create_or_check(const RunIdentity& identity) {
                     identity.results_version, identity.program_version));
   }
 
-  // Refuse a store that has results but lacks the keys that identify their run.
+  // Refuse a store that has results but no keys to identify their run.
   const bool is_new = !stored_text("epoch");
   Statement any =
       database_.prepare("SELECT EXISTS(SELECT 1 FROM scan), EXISTS(SELECT 1 FROM replica)");
@@ -179,7 +179,7 @@ void RunStore::take_epoch(const std::optional<std::string>& last, const RunIdent
   set.bind(1, "chains").bind(2, std::int64_t{identity.chains}).run();
   set.bind(1, "epoch").bind(2, static_cast<std::int64_t>(epoch_)).run();
 
-  // Record the session before it does anything, so that a session that dies leaves this row.
+  // Record the session before it does anything else. So even a session that dies leaves this row.
   program_version_ = identity.program_version;
   Statement sum = database_.prepare("SELECT COALESCE(SUM(next_scan), 0) FROM replica");
   if (sum.step()) scans_before_ = static_cast<std::uint64_t>(sum.integer(0));
@@ -341,8 +341,8 @@ void RunStore::commit(GroupCommit::Group& group) {
   database_.execute("BEGIN IMMEDIATE");
   std::uint64_t last = last_event_;
   try {
-    // Check the epoch (fencing), because a session that was presumed dead must not write beside its
-    // successor.
+    // Check the epoch (fencing). A session that was presumed dead must not write after its
+    // successor has begun.
     refuse_if_fenced(writer_->current_epoch);
     for (const plan::UnitResult& result : group.results)
       insert(result);
@@ -355,8 +355,8 @@ void RunStore::commit(GroupCommit::Group& group) {
     if (!group.events.empty()) set_told(group.events.back().reached);
     refuse_if_lock_is_lost();
     database_.execute("COMMIT");
-    // Check the lock again: if it ended before the commit, the next holder's copy may lack the
-    // commit.
+    // Check the lock again. If the lock ended before the commit, the next holder's copy of the
+    // store may lack the commit.
     refuse_if_lock_is_lost();
   } catch (...) {
     roll_back(database_);

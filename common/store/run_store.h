@@ -1,4 +1,4 @@
-// The run store: a SQLite database with every scan's result, stored once under its logical key
+// The run store: a SQLite database that contains every scan's result once. Its key is logical:
 // (chain, replica, scan). Archives are derived from it.
 //
 // On disk the store is the folder `<archive>.run` with `store.sqlite` and the lock (run_lock.h).
@@ -8,16 +8,16 @@
 //   2. A key's first result stays: a doubled or late result changes nothing.
 //   3. A store belongs to one request and one results version. Every session that writes takes a
 //      new epoch, and writers of older epochs are refused (fencing).
-//   4. Each replica's scans from its first, usually 0, to next_scan-1 are present without gaps, and
-//      the state after the last of these scans is present. All scans of a unit become visible in
+//   4. A replica's scans are present without gaps, from its first (usually 0) to next_scan-1. The
+//      state after the last of these scans is present too. All scans of a unit become visible in
 //      one transaction.
 //   5. Every row has a checksum. Reading refuses a row that a disk or a person changed.
 //   6. On a network disk a commit counts only if this process still holds the run's lock
 //      afterwards.
-//   7. A session that ends cleanly or by an error records how it ended (sessions.h). A session
+//   7. If a session ends cleanly or by an error, it records how it ended (sessions.h). A session
 //      without that record is running or died.
-//   8. Events are numbered from 1 without gaps in the order of put(), and each is committed with or
-//      after all results put before it (told_events.h). A session's end is an event.
+//   8. Events are numbered from 1 without gaps, in the order of put(). An event is never committed
+//      before the results that were put before it (told_events.h). A session's end is an event.
 // Thread safety: `put`, `flush` and `committed` may be called from any thread, and all other
 // functions from one thread.
 #pragma once
@@ -46,7 +46,6 @@ namespace sleight::store {
 /// Version of the tables. Stores of other versions are refused.
 inline constexpr std::int64_t k_store_format = 6;
 
-/// The request and version whose results a store contains.
 struct RunIdentity {
   std::string identity_text;    ///< the part of the normalised request that determines the chains
   std::string request_text;     ///< this session's whole normalised request
@@ -65,10 +64,10 @@ struct ReplicaProgress {
 class RunStore {
  public:
   /// Opens or creates the store in a folder, with a new epoch. Throws base::Error(conflict) if the
-  /// store belongs to another request or results version. REQUIRES: the caller holds the folder's
-  /// RunLock, which is borrowed. `lock` may be null if the folder needs no lease (run_lock.h).
+  /// store belongs to another request or results version. Borrows `lock`, which may be null if the
+  /// folder needs no lease (run_lock.h). REQUIRES: the caller holds the folder's RunLock.
   RunStore(const std::string& folder, const RunIdentity& identity, RunLock* lock = nullptr);
-  /// Commits pending results if possible, without reporting failures; call flush() first.
+  /// Commits pending results if possible. Doesn't report failures, so call flush() first.
   ~RunStore();
 
   std::uint64_t epoch() const { return epoch_; }
@@ -76,7 +75,7 @@ class RunStore {
   /// Returns what earlier sessions stored, ordered by replica; empty for a new run. Throws
   /// base::Error if the store is damaged. So does replay.
   std::vector<ReplicaProgress> progress();
-  /// Visits every stored scan of a replica in order, in batches, so that a plan can catch up.
+  /// Visits all stored scans of a replica, in order and in batches. A plan catches up by them.
   /// Records lack state and outcome. Throws base::Error if the stored rows were changed.
   void replay(plan::ReplicaKey replica, const ReplayVisit& visit);
   /// Visits the scans of all replicas. The replica that is furthest behind is visited first
@@ -84,29 +83,30 @@ class RunStore {
   void replay_all(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                            std::span<const plan::ScanRecord>)>& visit);
 
-  /// Queues a result for committing. Throws the failure of an earlier commit: a full disk, or
-  /// base::Error(conflict) if another session has taken a newer epoch (fencing).
+  /// Queues a result for committing. If an earlier commit failed, throws its failure, such as a
+  /// full disk. If another session has taken a newer epoch (fencing), the failure is
+  /// base::Error(conflict).
   void put(plan::UnitResult result);
   /// Waits until all queued results are committed. Throws like put.
   void flush();
   /// Returns the progress of event numbering in earlier sessions.
   const ToldFrontier& told() const { return told_; }
-  /// Queues events, and the frontier that is reached with these events. The events are numbered and
-  /// committed after all results put before. Throws like put.
+  /// Queues events, and the frontier that these events reach. The events are numbered and committed
+  /// after all results that were put before. Throws like put.
   void put(PutEvents events);
-  /// Sets the function that receives events with their numbers right after their commit, in the
-  /// committing thread. After this function returns, the previous listener is not called any more.
+  /// Sets the listener. Right after a commit, the committing thread passes the numbered events to
+  /// the listener. Once on_told returns, the previous listener is not called any more.
   using Told = std::function<void(std::span<const events::RunEvent>)>;
   void on_told(Told told);
-  /// Commits queued results and records how the session ended, under the store's epoch regardless
-  /// of `end.epoch`. Throws like put. A failure is recorded even if the last results can't be
-  /// committed. Returns the event number of the end. REQUIRES: no put or flush follows.
+  /// Commits queued results and records how the session ended. The record has the store's epoch;
+  /// `end.epoch` is ignored. Throws like put. A failure is recorded even if the last results can't
+  /// be committed. Returns the event number of the end. REQUIRES: no put or flush follows.
   std::uint64_t close(events::RunEnd end);
   std::uint64_t committed() const;
 
-  /// Returns a database for readers in this process, in any thread. Usually this is a separate
-  /// connection, which sees only committed rows. On a network disk, this is the writer's
-  /// connection. REQUIRES: the database is released before the store is destroyed.
+  /// Returns a database for this process's readers, in any thread. Usually the database is a
+  /// separate connection, which sees only committed rows. On a network disk, the database is the
+  /// writer's connection. REQUIRES: the database is released before the store is destroyed.
   std::shared_ptr<SharedDatabase> to_read();
 
   static std::string database_path(const std::string& folder) { return folder + "/store.sqlite"; }

@@ -88,8 +88,8 @@ bool RowReplay::step(const ReplayVisit& visit) {
     }
   }
   is_over_ = batch_.size() < k_replay_batch;
-  // No statement is active between batches. So a writer can truncate its log, or on a network disk
-  // take its turn.
+  // No statement is active between batches. So a writer can truncate its log. On a network disk,
+  // the writer can take its turn.
   if (batch_.empty()) return false;
   visit(base::ScanIndex{next_ - batch_.size()}, batch_);
   return true;

@@ -19,7 +19,7 @@ namespace sleight::store {
 /// Returns the value of a key in the store's table `run`. Throws base::Error if the key is missing.
 std::string run_value(SharedDatabase& database, std::string_view key);
 
-/// The columns that read_record reads, in order, for a SELECT on the table `scan`.
+/// The columns of the table `scan` that read_record reads, in this order. For a SELECT.
 inline constexpr const char* k_record_columns =
     "log_prior, log_constraint, inverse_temperature, satisfied, lineage, proposed, accepted, "
     "outcome, failures, overlapping_starts, method_values, state, checksum";
@@ -32,16 +32,16 @@ struct RowKey {
   std::uint64_t scan = 0;
 };
 
-/// Reads k_record_columns from column `first` of the current row. Throws base::Error with chain and
-/// scan if the row was changed.
+/// Reads k_record_columns from column `first` of the current row. If the row was changed, throws
+/// base::Error that names its chain and scan.
 void read_record(const Database& database, const RowKey& key, Statement& select, int first,
                  plan::ScanRecord& record);
 
 using ReplayVisit = std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>;
 
-/// Visits a replica's scans below `end` in order, in batches, from its first scan to the first gap.
-/// Records have no outcome. Only records of finds have a state, because chains may start from
-/// finds. Each batch is read in one turn and visited afterwards.
+/// Visits a replica's scans in order, in batches. Begins at the replica's first scan. Ends before
+/// `end`, or at a gap. Records have no outcome. Only records of finds have a state, because chains
+/// may start from finds. A batch is read in one turn, then visited.
 class RowReplay {
  public:
   /// Borrows `database`.
@@ -51,7 +51,7 @@ class RowReplay {
   /// Visits the next batch. False: no more batches.
   bool step(const ReplayVisit& visit);
   const plan::ReplicaKey& replica() const { return replica_; }
-  /// Returns the number of the scan after the last visited one; 0 before the first.
+  /// Returns 1 + the number of the last visited scan. Returns 0 if none was visited.
   std::uint64_t next() const { return next_; }
   bool is_over() const { return is_over_; }
 
@@ -66,16 +66,15 @@ class RowReplay {
   std::vector<plan::ScanRecord> batch_{};
 };
 
-/// Replays all replicas to their ends. The next batch is always read for the replica that is
-/// furthest behind. So if replicas depend on each other, as in a ladder, a plan never has to store
-/// more than some batches.
+/// Replays all replicas to their ends. Always reads the next batch of the replica that is furthest
+/// behind. So a plan has to store only some batches even if replicas depend on each other, as in a
+/// ladder.
 void replay_together(std::span<RowReplay> replays,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit);
 
-/// Visits a replica's scans below `end` in order, in batches, from its first scan to the first gap.
-/// Records lack state and outcome. Each batch is read in one turn and visited afterwards. Returns
-/// the number of the scan after the last; 0 if there is no scan.
+/// Visits the scans that a RowReplay would visit. Records lack state and outcome. Returns 1 + the
+/// number of the last scan, or 0 if there is no scan.
 std::uint64_t replay_rows(SharedDatabase& database, std::uint64_t salt,
                           const plan::ReplicaKey& replica, std::uint64_t end,
                           const ReplayVisit& visit);

@@ -1,7 +1,7 @@
-// Reads the sessions of a run from its store, for example after a process has ended in any way.
+// Reads a run's sessions from its store. Works however the last process ended.
 //
-// Uses a separate connection. On a local disk a writer may be active; on a network disk this works
-// only if nobody writes (open_to_read). Thread safety: pure functions of the file.
+// Uses a separate connection. On a local disk a writer may be active. On a network disk, nobody may
+// write (open_to_read). Thread safety: pure functions of the file.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Session {
   bool operator==(const Session&) const = default;
 };
 
-/// The request of a store, and the newest session's version.
+/// The request whose run is in the store, and the version of the newest session.
 struct StoredRequest {
   std::string identity_text;    ///< as in RunIdentity (run_store.h)
   std::string request_text;     ///< of the newest session
@@ -30,7 +30,7 @@ struct StoredRequest {
   std::string program_version;  ///< of the newest session
 };
 
-/// Throws base::Error if the folder has no readable store, or one of another format.
+/// Throws base::Error if the folder has no readable store, or a store of another format.
 StoredRequest stored_request_of(const std::string& folder);
 
 /// Returns the sessions in order. Throws base::Error if the folder has no readable store or a row

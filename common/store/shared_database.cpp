@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view k_folder_ending = ".run";
 
-/// Throws the reason why a store on a network disk can't be read now, and names what can be read
+/// Throws an error for a store on a network disk: why the store can't be read now, and what to read
 /// instead.
 [[noreturn]] void refuse_to_read(const std::string& folder, const std::string& disk,
                                  const std::string& reason) {
@@ -61,7 +61,7 @@ std::shared_ptr<SharedDatabase> open_to_read(const std::string& folder) {
   if (!disk || !base::PosixFileSystem().exists(path))
     return std::make_shared<SharedDatabase>(path, Access::read_only);
 
-  // Hold the run's lock while reading, because recovering the log may require writing.
+  // Hold the run's lock while reading. SQLite may have to recover the log, which requires writing.
   std::unique_ptr<RunLock> lock;
   try {
     lock = std::make_unique<RunLock>(folder, RunLockOptions{.waits = false});

@@ -1,14 +1,15 @@
 // A database connection that several threads use in turns.
 //
 // On a local disk, SQLite allows any number of reading connections beside a writing one. On a
-// network disk, connections can't share memory. So a process has a single connection, which group
-// commits and readers use in turns. Turns are granted in the order of requests. So a commit waits
-// for at most one turn of each other thread. In one turn a reader reads a batch of rows, which it
-// visits after the turn.
+// network disk, connections can't share memory. So the process then has a single connection. Group
+// commits and readers use this connection in turns. Turns are granted in the order of requests. So
+// a commit waits for at most one turn of each other thread. A reader reads a batch of rows in one
+// turn, and visits the rows after the turn.
 //
 // Invariants
 //   1. Between turns no statement is active and no transaction is open.
-//   2. Code that has a turn must not call functions that may take a turn. Thread-safe.
+//   2. Code that has a turn must not call functions that may take a turn.
+// Thread-safe.
 #pragma once
 
 #include <condition_variable>
@@ -45,7 +46,7 @@ class SharedDatabase {
   };
   [[nodiscard]] Turn turn() { return Turn(*this); }
   const std::string& path() const { return database_.path(); }
-  /// For an owner that takes turns explicitly or is the only user.
+  /// For an owner that takes turns itself, or is the only user.
   Database& only_database() { return database_; }
 
  private:
@@ -58,8 +59,9 @@ class SharedDatabase {
 };
 
 /// Opens a run's store in a process that does not write it. On a local disk this is a separate
-/// connection beside a writer. On a network disk the connection holds the run's lock during its
-/// life. If the lock is taken, throws base::Error(conflict) with the reason and the latest archive.
+/// connection, and a writer may be active. On a network disk the connection holds the run's lock
+/// during its life. If another process has the lock, throws base::Error(conflict) with the reason
+/// and the latest archive.
 std::shared_ptr<SharedDatabase> open_to_read(const std::string& folder);
 
 /// Returns the path of the archive that the run itself writes; "" if unknown.

@@ -23,7 +23,7 @@ constexpr const char* k_motions_schema = R"(
     checksum INTEGER NOT NULL);
 )";
 
-/// Stored size of a segment. Each element of the segment's fields is a double.
+/// Stored size of a segment. Each element of a field is stored as a double.
 constexpr std::size_t k_segment_bytes = motion::k_elements * sizeof(double);
 
 base::Bytes bytes_of(std::span<const motion::Segment> segments) {
@@ -57,8 +57,8 @@ std::optional<std::vector<motion::Segment>> segments_of(base::BytesView bytes) {
   return is_sound ? std::optional(std::move(segments)) : std::nullopt;
 }
 
-/// Returns the bytes as a map key. The key is a string instead of a vector of bytes, because GCC 12
-/// warns wrongly about comparisons of such vectors.
+/// Returns the bytes as a map key. The key is a string, because GCC 12 wrongly warns if vectors of
+/// bytes are compared.
 std::string text_of(base::BytesView bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -73,7 +73,7 @@ std::uintmax_t bytes_of_file(const std::string& path) {
 
 struct StoredMotions::File {
   explicit File(const std::string& path) : database(path, Access::read_write) {
-    // Don't sync, because motions lost in a power failure are simulated again. Don't wait for other
+    // Don't sync. If a power failure loses motions, they are simulated again. Don't wait for other
     // processes.
     database.execute("PRAGMA synchronous=OFF");
     database.execute("PRAGMA busy_timeout=200");

@@ -1,12 +1,12 @@
 // A cache of kept animations' motions beside a run's store: `motions.sqlite` in its folder.
 //
-// The cache is not part of the run: it may be deleted at any time, and missing or damaged motions
-// are simulated again. So nothing waits for the disk. Every row has a checksum, and a damaged file
-// is replaced by an empty one. If the file can't be used, nothing is cached, and this is reported
-// once. If the disk is full, the file is also removed. The file does not grow beyond
-// k_motions_file_bytes_max. Motions belong to one request and one program version, because programs
-// with the same results version may read states differently. Checksums are salted with both, so
-// that no program uses another version's motions.
+// The cache is not part of the run. The cache may be deleted at any time. Missing or damaged
+// motions are simulated again. So nothing waits for the disk. Every row has a checksum, and a
+// damaged file is replaced by an empty one. If the file can't be used, nothing is cached, and the
+// failure is reported once. If the failure is a full disk, the file is also removed. The file does
+// not grow beyond k_motions_file_bytes_max. Motions belong to one request and one program version,
+// because programs with the same results version may read states differently. Checksums are salted
+// with the request and the version, so that no program uses another version's motions.
 //
 // Thread safety: one thread at a time; several processes may share one file.
 #pragma once
@@ -24,15 +24,16 @@
 
 namespace sleight::store {
 
-/// Size of pending motions at which they are written.
+/// When pending motions have this size, they are written.
 inline constexpr std::size_t k_motions_bytes = 8U << 20U;
-/// Maximum size of the file, some 20,000 motions of ten balls. Later motions are not cached.
+/// Maximum size of the file. A file of this size has some 20,000 motions of ten balls. Later
+/// motions are not cached.
 inline constexpr std::uint64_t k_motions_file_bytes_max = std::uint64_t{2} << 30U;
 
 class StoredMotions final : public archive::Motions {
  public:
-  /// Opens or creates the file. `owner`: text of everything, besides the state, that motions depend
-  /// on. Motions with another owner count as damaged, and are replaced when they are simulated
+  /// Opens or creates the file. `owner`: a text of everything on which motions depend, except the
+  /// state. Motions with another owner count as damaged, and are replaced when they are simulated
   /// again.
   StoredMotions(const std::string& folder, const std::string& owner,
                 std::uint64_t file_bytes_max = k_motions_file_bytes_max);
@@ -50,7 +51,7 @@ class StoredMotions final : public archive::Motions {
   struct File;
   std::optional<archive::Motion> read(base::BytesView state);
   void write();
-  /// Calls `act`; if the file is damaged, replaces it by an empty one and calls `act` again.
+  /// Calls `act`. If the file is damaged, replaces it by an empty one and calls `act` again.
   void attempt(const std::function<void()>& act);
   void remove_file();
   void give_up(const std::string& reason);

@@ -14,7 +14,7 @@
 namespace sleight::store {
 namespace {
 
-/// Number of a chain's scans that are read at once for draws.
+/// Number of scans that are read at once, to find a chain's draws.
 constexpr std::uint64_t k_scans_at_a_time = 256;
 /// Number of rows per turn. The number is small, because the rows' states may be large.
 constexpr std::uint64_t k_rows_at_a_time = 64;
@@ -85,7 +85,7 @@ void StoredRun::for_each_draw(
   std::uint64_t draw = 0;
   for (const auto& [first, end] : draw_ranges()) {
     // Read some scans of all replicas, then visit them in order. No statement may be active during
-    // the visits, because it would keep a writer from truncating its log for long.
+    // the visits. Otherwise a writer could not truncate its log for a long time.
     for (std::uint64_t scan = first; scan < end; scan += k_scans_at_a_time) {
       read_some(scan, std::min(end, scan + k_scans_at_a_time));
       std::ranges::sort(some, {}, [](const Draw& one) { return std::pair(one.scan, one.replica); });
@@ -198,8 +198,8 @@ std::vector<std::pair<std::int64_t, std::int64_t>> StoredRun::find_places(
     std::uint64_t finds) const {
   std::vector<std::pair<std::int64_t, std::int64_t>> places;
   for (const std::int64_t lane : lanes()) {
-    // Each lane's finds are in order, so only the first `finds` of a lane can be among the first of
-    // all lanes.
+    // A lane's finds are in order. So only a lane's first `finds` finds can be among the first
+    // `finds` of all lanes.
     std::int64_t next = 0;
     for (std::uint64_t found = 0; found < finds;) {
       const SharedDatabase::Turn turn = database_->turn();
@@ -304,8 +304,8 @@ void StoredRun::for_each_prior_draw(
 }
 
 plan::FailureCounts StoredRun::failures() const {
-  // Count the failures of all starts up to the last find, and of all chains up to the chain of the
-  // last take.
+  // Count the failures of all starts up to the last find. Count also the failures of all chains up
+  // to the last take's chain.
   std::uint64_t starts = 0;
   std::int64_t chains = cut_.chains;
   std::uint64_t scans = cut_.scans;
@@ -316,8 +316,8 @@ plan::FailureCounts StoredRun::failures() const {
       scans = std::uint64_t{cut_.relax_scans} + 1;
     }
   }
-  // The rows are in the index's order, (scan, chain, replica). Each batch starts after the end of
-  // the previous one.
+  // The rows are in the index's order, (scan, chain, replica). Each batch continues after the
+  // previous one.
   const std::string rows = fmt::format(
       "SELECT chain, replica, scan, {} FROM scan INDEXED BY scan_failures "
       "WHERE failures IS NOT NULL AND (chain>=?2 OR (scan<?1 AND chain<?7)) AND scan>=?3 "
@@ -375,7 +375,7 @@ void for_each_stored(SharedDatabase& database,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit) {
   const std::uint64_t salt = salt_of(run_value(database, "identity"));
-  // Read the progress of all replicas at one moment, because rows up to that progress never change.
+  // Read the progress of all replicas at one moment. Rows up to this progress never change.
   std::vector<std::pair<plan::ReplicaKey, std::uint64_t>> replicas;
   {
     const SharedDatabase::Turn turn = database.turn();

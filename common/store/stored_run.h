@@ -1,4 +1,5 @@
-// A run's results as read from its store, up to a common scan. Archives are derived from them.
+// A run's results, read from its store, up to a scan that all chains have. Archives are derived
+// from them.
 //
 // Can be used while a writer is active. Reading is done in short turns, and no statement is active
 // while rows are visited. Thread safety: one thread at a time.
@@ -35,8 +36,7 @@ class StoredRun final : public archive::RunView {
   StoredRun(std::shared_ptr<SharedDatabase> database, const StoredCut& cut);
   /// Opens a separate connection (open_to_read).
   StoredRun(const std::string& folder, const StoredCut& cut);
-  /// Sets which scans are draws, for runs in which some scans are not. REQUIRES: these scans are in
-  /// the cut.
+  /// Sets which scans are draws, if not all scans are. REQUIRES: these scans are in the cut.
   void set_draws(plan::Draws draws);
 
   std::uint32_t chains() const override { return cut_.chains; }
@@ -59,8 +59,8 @@ class StoredRun final : public archive::RunView {
   plan::Report report() const override { return report_; }
   plan::FailureCounts failures() const override;
 
-  /// Visits the scans of every replica up to the cut, in batches, like RunStore::replay, so that a
-  /// plan can learn from them.
+  /// Visits the scans of all replicas up to the cut, in batches. A plan can learn from these scans.
+  /// Records are as in RunStore::replay.
   void replay(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                        std::span<const plan::ScanRecord>)>& visit) const;
   void set_report(plan::Report report) { report_ = std::move(report); }
@@ -69,7 +69,7 @@ class StoredRun final : public archive::RunView {
   std::uint32_t count_replicas() const;
   void for_each_island(
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const;
-  /// Visits rows at the given places, in batches. `what`: the name of a missing row in the error.
+  /// Visits rows at the given places, in batches. `what`: what an error calls a missing row.
   using PlaceOfRow = std::function<std::pair<base::ChainId, std::uint64_t>(std::uint64_t nth)>;
   void for_each_row(
       std::uint64_t count, const char* what, const PlaceOfRow& place_of,
@@ -81,7 +81,8 @@ class StoredRun final : public archive::RunView {
   std::vector<std::int64_t> lanes() const;
   /// Returns the first `finds` successful starts of the search, as (scan, lane), in order.
   std::vector<std::pair<std::int64_t, std::int64_t>> find_places(std::uint64_t finds) const;
-  /// Returns the chains that made the takes: the first chains whose last state satisfies.
+  /// Returns the chains that made the takes: the first chains whose last state satisfies the
+  /// constraint.
   std::vector<std::int64_t> chains_of_takes() const;
   /// The number of a find's start, and the find's row.
   struct FindRow {
@@ -100,9 +101,9 @@ class StoredRun final : public archive::RunView {
   plan::Report report_;
 };
 
-/// Visits all committed scans in batches, replica by replica, each in order. Commits that a writer
-/// makes during the visit are not seen. Records lack state and outcome. Throws base::Error if the
-/// store can't be read or was changed.
+/// Visits all committed scans, in batches. Visits one replica after the other, each replica's scans
+/// in order. Does not see what a writer commits during the visit. Records lack state and outcome.
+/// Throws base::Error if the store can't be read or was changed.
 void for_each_stored(SharedDatabase& database,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit);

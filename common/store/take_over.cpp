@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t k_piece_bytes = 4U << 20U;
 constexpr const char* k_copy_ending = ".copy";
 
-/// Copies a file's current content durably to another name.
+/// Copies a file to another name, durably.
 void copy_file(const std::string& from, const std::string& to, base::FileSystem& files,
                RunLock& lock) {
   const auto failed = [&](const std::error_code& reason) {
@@ -44,7 +44,7 @@ void copy_file(const std::string& from, const std::string& to, base::FileSystem&
   std::vector<char> piece(k_piece_bytes);
   for (std::uint64_t at = 0; at < size; at += piece.size()) {
     const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(piece.size(), size - at));
-    // A short read is a failure, because neither a database nor its log ever shrinks.
+    // A short read is a failure: neither a database nor its log ever shrinks.
     if (!source.read(piece.data(), static_cast<std::streamsize>(bytes)))
       failed(std::make_error_code(std::errc::io_error));
     failed(

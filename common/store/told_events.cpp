@@ -28,11 +28,11 @@ namespace {
 constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
 /// Maximum attempts to read both log files. An attempt fails if the writer rotates the log.
 constexpr int k_looks_max = 100;
-/// Number of bytes that are read from a file at once, far more than a line has.
+/// Number of bytes that are read from a file at once. A line is much shorter.
 constexpr std::uint64_t k_told_piece_bytes = 256U << 10U;
 
-/// Returns a connection to the store. Null: the run's tables, which are all created at once, don't
-/// exist yet.
+/// Returns a connection to the store. Null: the run's tables don't exist yet. All tables are
+/// created at once.
 std::shared_ptr<SharedDatabase> open_store(const std::string& folder) {
   if (::access(RunStore::database_path(folder).c_str(), F_OK) != 0) return nullptr;
   std::shared_ptr<SharedDatabase> database = open_to_read(folder);
@@ -76,15 +76,16 @@ class ToldEvents::LogFile {
   bool is(std::uint64_t device, std::uint64_t inode) const {
     return is_there() && device == device_ && inode == inode_;
   }
-  /// Returns whether the file contains a position after a line. A new file may reuse a deleted
-  /// file's inode.
+  /// Returns whether this is the given file and `offset` follows a line in it. `offset` is checked
+  /// too, because a new file may reuse a deleted file's inode.
   bool has(std::uint64_t device, std::uint64_t inode, std::uint64_t offset) const {
     if (!is(device, inode) || offset > bytes_) return false;
     char before = '\n';
     return offset == 0 || (::pread(descriptor_, &before, 1, static_cast<off_t>(offset - 1)) == 1 &&
                            before == '\n');
   }
-  /// Returns a piece of the file from `offset` on, up to the file's size when it was opened.
+  /// Returns a piece of the file from `offset` on. The piece ends at the latest where the file
+  /// ended when it was opened.
   std::string piece_from(std::uint64_t offset) const {
     std::string text;
     if (!is_there() || offset >= bytes_) return text;
@@ -178,7 +179,7 @@ bool ToldEvents::take(const LogFile& file, Answer& answer) {
     const std::uint64_t begin = place_.offset;
     const std::string text = file.piece_from(begin);
     if (!take_lines(text, answer)) return false;
-    // A piece without a whole line is still being written.
+    // If a piece has no whole line, its line is still being written.
     if (text.size() < k_told_piece_bytes || place_.offset == begin) return true;
   }
 }
@@ -206,7 +207,7 @@ bool ToldEvents::take_lines(const std::string& text, Answer& answer) {
   }
 }
 
-/// Adds events with numbers below `end`, as many as the answer has room for.
+/// Adds events whose numbers are below `end`, as far as the answer has room.
 void ToldEvents::fill_from_store(std::uint64_t end, Answer& answer) {
   if (answer.is_full()) return;
   const std::shared_ptr<SharedDatabase> database = open_store(folder_);

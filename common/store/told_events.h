@@ -2,12 +2,14 @@
 // the store if numbered events are missing in the log.
 //
 // Invariants
-//   1. Numbered events are returned in order from the requested number, without gaps, each once.
+//   1. Numbered events are returned in order from the requested number on, without gaps, and each
+//     only once.
 //   2. Numbered events are in the store, so they never change.
-//   3. Each answer ends with unnumbered events: the newest of each kind, if new to the reader.
+//   3. Each answer ends with unnumbered events: the newest of each kind, if the reader hasn't
+//     received it.
 //
-// Reading never delays the writer. The store is opened only if events are missing in the log; on a
-// network disk only the writer's process can do so.
+// Reading never delays the writer. The store is opened only if events are missing in the log. On a
+// network disk, only the writer's process can open the store.
 //
 // Thread safety: each reader belongs to one thread; a run may have any number of readers.
 #pragma once
@@ -21,7 +23,7 @@
 
 namespace sleight::store {
 
-/// Follows a run's events from a number, for watchers that poll repeatedly.
+/// Follows a run's events from a number on. For watchers that poll.
 ///
 ///   ToldEvents told(folder, last_number_seen + 1);
 ///   told.next(100) -> {5, 6, 7, progress}    told.next(100) -> {}    told.next(100) -> {8} ...
@@ -32,10 +34,10 @@ class ToldEvents {
   /// REQUIRES: number >= 1.
   explicit ToldEvents(std::string folder, std::uint64_t number = 1);
 
-  /// Returns the log's new events, of which at most `numbered_max` are numbered. If the log lacks
-  /// numbered events, they are read from the store. If there are no new events, this only opens a
-  /// file and reads its size. Throws base::Error if it needs the store but can't read it. REQUIRES:
-  /// numbered_max >= 1.
+  /// Returns the log's new events. At most `numbered_max` of these events are numbered. If the log
+  /// lacks numbered events, they are read from the store. If there are no new events, this function
+  /// only opens a file and reads its size. If the function needs the store but can't read it,
+  /// throws base::Error. REQUIRES: numbered_max >= 1.
   std::vector<events::RunEvent> next(std::size_t numbered_max);
 
   /// Like next(), but also returns events that are only in the store because the log couldn't be

@@ -9,9 +9,10 @@
 //   dataset /posterior/x f64 chain=4,draw=101 <SHA-256 of the values>
 //
 // Lines after the first are sorted as bytes. A double attribute is written as its 16 hexadecimal
-// digits. A dataset's values are hashed in row-major order: f64, i64 and i32 as little-endian
-// bytes, every NaN as 0x7ff8000000000000, a boolean as its byte, text as its length (8 bytes) and
-// its bytes. So the digest does not depend on chunks, compression, creation order or NaN payloads.
+// digits. A dataset's values are hashed in row-major order. Values of f64, i64 and i32 are hashed
+// as little-endian bytes, and every NaN as 0x7ff8000000000000. A boolean is hashed as its byte, and
+// a text as its length (8 bytes) and its bytes. So the digest does not depend on chunks,
+// compression, creation order or NaN payloads.
 //
 // The manifest omits the root attributes content_digest, inference_library_version, results_version
 // and run_id (format.h). A comparison of two manifests shows in which objects the archives differ.

@@ -24,7 +24,8 @@ bool same(double a, double b) {
          (std::isnan(a) && std::isnan(b));
 }
 
-/// Counts violations of a rule and records the place of the first, for one finding per rule.
+/// Counts the violations of one rule and records where the first one is. A rule gives at most one
+/// finding.
 class Rule {
  public:
   explicit Rule(std::string text) : text_(std::move(text)) {}
@@ -127,7 +128,7 @@ void check_coordinates(const Reader& reader, Findings& findings) {
   check_progression(reader, k_animations, "segment", 1, findings);
 
   if (reader.size(k_replicas, "replica") > 1) {
-    // Scans are numbered from the start of the run. Draws need not be.
+    // Scans are numbered from the start of the run. Draws may be numbered differently.
     Rule place("/replicas/scan must be a multiple of thin, or -1");
     for_each_batch(
         reader.elements(k_replicas, "scan"), [&](std::uint64_t first, std::uint64_t count) {
@@ -342,8 +343,7 @@ void check_finds(const Reader& reader, Findings& findings) {
   segments.report(findings);
 }
 
-/// Checks that each animation's rows along a dimension directly follow the previous animation's
-/// rows.
+/// Checks a dimension's rows: an animation's rows must directly follow the previous animation's.
 void check_rows(const Reader& reader, std::string_view group, const std::string& dim,
                 Findings& findings) {
   check_progression(reader, group, dim, 1, findings);

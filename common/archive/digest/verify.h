@@ -1,7 +1,7 @@
 // Checks whether an archive conforms to docs/ARCHIVE_FORMAT.md, as far as its content shows.
 //
-// The checks cover the attributes and datasets with their types and dimensions, the stored digest
-// against the recomputed one, and relations between the values, such as:
+// The checks cover the types and dimensions of attributes and datasets. The stored digest is
+// compared with a recomputed one. Relations between the values are checked, such as:
 //   - lp = log_prior + log_constraint, bit for bit; 0 <= accepted <= proposed;
 //   - draws are 0, thin, 2 thin, ... and every scan up to the cut;
 //   - kept animations are satisfied, in logical order, within keep_max and keep_per_lineage, and
@@ -16,9 +16,9 @@
 
 namespace sleight::archive {
 
-/// Returns one sentence per kind of fault, with the first place at which the fault occurs. Empty:
-/// the archive is valid. Checks values only if check_structure finds no fault. Reads the archive
-/// once or twice, in batches. If data can't be read, the source's exception is passed on.
+/// Returns one sentence for each kind of fault. The sentence says where the fault first occurs.
+/// Empty: the archive is valid. Checks values only if check_structure finds no fault. Reads the
+/// archive once or twice, in batches. If data can't be read, the source's exception is passed on.
 std::vector<std::string> verify(const Source& source);
 
 }  // namespace sleight::archive

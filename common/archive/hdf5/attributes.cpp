@@ -74,7 +74,7 @@ Attribute read_content(const Api& api, const OpenAttribute& attribute, const std
   return content;
 }
 
-/// Reads REFERENCE_LIST, an array of pairs (object reference, dimension) of fixed size.
+/// Reads REFERENCE_LIST: an array of pairs (object reference, dimension). A pair has a fixed size.
 std::vector<ScaleUse> read_uses(const Api& api, const OpenAttribute& attribute,
                                 const std::string& path) {
   struct Pair {
@@ -111,8 +111,8 @@ std::vector<ScaleUse> read_uses(const Api& api, const OpenAttribute& attribute,
   return uses;
 }
 
-/// Returns true for attributes of dimension scales and netCDF-4, and stores their marks in
-/// `object`.
+/// Returns whether the attribute belongs to dimension scales or netCDF-4. If so, stores the
+/// attribute's meaning in `object`.
 bool take_scale_attribute(const Api& api, const OpenAttribute& attribute, const std::string& path,
                           ObjectAttributes& object) {
   const std::string& name = attribute.name;

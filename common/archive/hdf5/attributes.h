@@ -1,5 +1,5 @@
-// Reads the attributes of an untrusted HDF5 object: the archive's attributes and the attributes of
-// dimension scales (reader.h).
+// Reads the attributes of an untrusted HDF5 object (reader.h). Some attributes belong to the
+// archive, others to HDF5's dimension scales.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,8 @@
 
 namespace sleight::archive::hdf5 {
 
-/// An entry of a scale's REFERENCE_LIST, which names a dataset and the dimension with this scale.
+/// An entry of a scale's REFERENCE_LIST. The entry names a dataset and the dimension to which the
+/// scale is attached.
 struct ScaleUse {
   haddr_t dataset = HADDR_UNDEF;  ///< address of the dataset's header
   std::uint32_t dimension = 0;

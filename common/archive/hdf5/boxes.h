@@ -16,8 +16,9 @@ struct Box {
   std::uint64_t elements = 1;
 };
 
-/// Returns the largest box that starts at element `first` and is a contiguous run of at most
-/// `count` elements of an array of size `dims`. REQUIRES: count >= 1; `first` is within the array.
+/// Returns a box of an array with dimensions `dims`: the largest box that starts at element
+/// `first`, is contiguous, and has at most `count` elements. REQUIRES: count >= 1; `first` is
+/// within the array.
 inline Box box_at(const std::vector<std::uint64_t>& dims, std::uint64_t first,
                   std::uint64_t count) {
   CHECK_GE(count, 1U);
@@ -29,8 +30,7 @@ inline Box box_at(const std::vector<std::uint64_t>& dims, std::uint64_t first,
     box.start[d] = first % dims[d];
     first /= dims[d];
   }
-  // While the run covers an inner dimension from beginning to end, extend the box to the next outer
-  // dimension.
+  // If the box contains a whole inner dimension, extend the box along the next outer dimension.
   for (std::size_t d = rank; d-- > 0;) {
     const std::uint64_t left = dims[d] - box.start[d];
     box.count[d] = left < count ? left : count;

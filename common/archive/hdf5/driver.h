@@ -2,7 +2,8 @@
 // refers to a State, which represents the file. HDF5 sees an unlimited address space and no block
 // structure.
 //
-// A State has a member `allocated`, HDF5's end of allocation. The functions are C callbacks.
+// A State has a member `allocated`: the end of the space that HDF5 allocated. The functions are C
+// callbacks.
 #pragma once
 
 #include <hdf5.h>
@@ -19,7 +20,7 @@ struct DriverFile {
   State* state;
 };
 
-/// The driver's data in a file-access list, which HDF5 copies bytewise.
+/// The driver's data in a file-access list. HDF5 copies them bytewise.
 template <class State>
 struct DriverInfo {
   State* state;

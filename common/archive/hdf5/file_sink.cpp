@@ -13,12 +13,13 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
-/// Fixed-size datasets up to this size are stored uncompressed, because a chunk's overhead exceeds
-/// what compression saves.
+/// Largest fixed-size dataset that is stored uncompressed. Compression would save less than a chunk
+/// costs.
 constexpr std::uint64_t k_contiguous_bytes_max = 64 * 1024;
-/// Deflate's compression level. Higher levels take three times as long and save only some percent.
+/// Deflate's compression level. Higher levels take three times as long and make the file only some
+/// percent smaller.
 constexpr unsigned k_deflate_level = 1;
-/// Assumed size of a growing first dimension, for splitting runs into boxes.
+/// If the first dimension grows, runs are split into boxes as if it had this size.
 constexpr std::uint64_t k_unbounded = std::uint64_t{1} << 62;
 
 bool is_text_array(const DatasetSpec& spec) {
@@ -89,8 +90,8 @@ void set_group_order(const Api& api, hid_t list) {
   api.ok(H5Pset_attr_creation_order(list, order), "", "track the order of attributes");
 }
 
-/// Returns a chunk with a batch's worth of elements, filling inner dimensions first, so that
-/// elements written together or read along the last dimensions are contiguous.
+/// Returns the shape of a chunk that has a batch's worth of elements. Inner dimensions are filled
+/// first. So elements that are written together, or read along the last dimensions, are contiguous.
 std::vector<hsize_t> chunk_of(const std::vector<std::uint64_t>& dims) {
   std::vector<hsize_t> chunk(dims.size(), 1);
   std::uint64_t left = k_batch_elements;

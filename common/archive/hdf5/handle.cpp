@@ -31,7 +31,7 @@ std::string innermost_reason() {
   return found.reason.empty() ? "HDF5 reported no reason" : found.reason;
 }
 
-/// With too little memory, H5open() can crash, so this function first checks that some is left.
+/// If memory is short, H5open() can crash. So this function first checks that some memory is left.
 bool start_library() {
   ::operator delete(::operator new(k_start_bytes));
   return H5dont_atexit() >= 0 && H5open() >= 0 &&

@@ -1,9 +1,10 @@
 // Ownership and error checks for the HDF5 C API. Only this folder's sources include this header.
 //
-// Every result is checked by Api::id, Api::ok or Api::count, which throw a base::Error with the
-// file, the object and HDF5's innermost reason on failure. HDF5 itself prints nothing. Plugins of
-// HDF5 are disabled, because a file must not decide which code runs. HDF5's clean-up at exit is
-// disabled: no object is open then, and the clean-up can crash after a failed write.
+// Every result is checked by Api::id, Api::ok or Api::count. On failure, these functions throw a
+// base::Error that names the file, the object and HDF5's innermost reason. HDF5 itself prints
+// nothing. Plugins of HDF5 are disabled, because a file must not decide which code runs. HDF5's
+// clean-up at exit is disabled: no object is open then, and the clean-up can crash after a failed
+// write.
 //
 // HDF5 is one global library, so only one thread of the process may use this folder at a time.
 #pragma once
@@ -65,7 +66,7 @@ class Api {
   void ok(herr_t result, std::string_view object, std::string_view action) const {
     if (result < 0) fail_call(object, action);
   }
-  /// Checks a count, size or truth value, which HDF5 returns negative on failure.
+  /// Checks a count, size or truth value. HDF5 returns a negative number on failure.
   std::uint64_t count(std::int64_t result, std::string_view object, std::string_view action) const {
     if (result < 0) fail_call(object, action);
     return static_cast<std::uint64_t>(result);

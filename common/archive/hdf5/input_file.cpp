@@ -15,7 +15,8 @@ namespace {
 
 using ReadState = InputFile::State;
 
-/// Reads from the file at `address`, with zeros past its end. False if the disk fails.
+/// Reads `size` bytes of the file from `address` on. Bytes past the file's end are zeros. Returns
+/// false if the disk fails.
 bool read_at(int descriptor, std::uint64_t address, std::byte* to, std::size_t size) {
   while (size > 0) {
     const ssize_t got = ::pread(descriptor, to, size, static_cast<off_t>(address));

@@ -1,7 +1,8 @@
 // An HDF5 file driver that reads an archive from an open descriptor.
 //
 // HDF5's own driver opens files by name. The reader process (archive/reader_program) gives up the
-// right to open files. So the process opens its archive first, and reads it through this driver.
+// right to open files. So the process opens its archive before that, and reads the archive through
+// this driver.
 //
 // Not thread-safe.
 #pragma once
@@ -20,12 +21,12 @@ class InputFile {
   InputFile& operator=(const InputFile&) = delete;
   ~InputFile();
 
-  /// Sets the driver in a file-access list, so that H5Fopen with this list reads this file and
-  /// ignores its name argument. Returns a negative value on failure, like HDF5. The list may be
-  /// used once, during this object's life.
+  /// Sets the driver in a file-access list. H5Fopen with this list then reads this file and ignores
+  /// the name. Returns a negative value on failure, like HDF5. The list may be used once, during
+  /// this object's life.
   herr_t use_in(hid_t file_access_list);
 
-  /// Returns whether HDF5's signature is at one of its possible positions.
+  /// Returns whether the file has HDF5's signature at a position that HDF5 permits.
   bool has_signature() const;
 
   struct State {

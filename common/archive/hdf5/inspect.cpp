@@ -90,7 +90,8 @@ class Walk {
                           by ? *by : "of an unknown version", *number, k_format_version));
   }
 
-  /// Returns links in creation order if the file tracks creation order, else by name.
+  /// Returns the links in creation order. If the file doesn't track creation order, returns the
+  /// links by name.
   std::vector<FoundLink> links_of(hid_t group, const std::string& path) {
     H5G_info_t info{};
     api_.ok(H5Gget_info(group, &info), path, "list");

@@ -26,8 +26,8 @@ haddr_t get_eof(const H5FD_t* file, H5FD_mem_t) {
   return state_of<State>(file).written;
 }
 
-/// Reads written bytes, and zeros beyond the end. After a failed write, reads only zeros, which are
-/// never used.
+/// Reads bytes that were written. Bytes beyond the file's end are zeros. After a failed write,
+/// reads only zeros, which are never used.
 herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size,
                   void* buffer) {
   State& state = state_of<State>(file);

@@ -1,9 +1,9 @@
 // An HDF5 file driver that writes an archive and hides write failures from HDF5.
 //
-// If a write fails (a full disk), HDF5 1.10.8 can neither close the file nor abandon it: objects
-// stay open until the process ends, and closing again crashes (both observed). So the driver
-// records the first failure, writes nothing more and reports success. HDF5 then closes cleanly, and
-// the writer checks for the failure and removes the file.
+// If a write fails (a full disk), HDF5 1.10.8 can neither close the file nor abandon it. HDF5's
+// objects then stay open until the process ends, and a second attempt to close them crashes (both
+// observed). So the driver records the first failure, writes nothing more and reports success. HDF5
+// then closes cleanly, and the writer checks for the failure and removes the file.
 //
 // Not thread-safe.
 #pragma once
@@ -26,12 +26,12 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Sets the driver in a file-access list, so that H5Fcreate with this list writes this file and
-  /// ignores its name argument. Returns a negative value on failure, like HDF5. The list may be
-  /// used once, during this object's life.
+  /// Sets the driver in a file-access list. H5Fcreate with this list then writes this file and
+  /// ignores the name. Returns a negative value on failure, like HDF5. The list may be used once,
+  /// during this object's life.
   herr_t use_in(hid_t file_access_list);
 
-  /// Throws base::Error with the first failed read or write since creation, if any.
+  /// Throws base::Error if any read or write has failed; the error describes the first one.
   void throw_failure() const;
 
   /// Closes the file. On a network file system, close may report an earlier write's failure. Throws

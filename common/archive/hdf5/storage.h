@@ -5,7 +5,8 @@
 
 namespace sleight::archive::hdf5 {
 
-/// Attribute with which xarray marks booleans, which netCDF lacks. Booleans are stored as int8.
+/// Attribute that marks booleans for xarray, because netCDF has no booleans. They are stored as
+/// int8.
 inline constexpr const char* k_dtype_attribute = "dtype";
 inline constexpr const char* k_dtype_bool = "bool";
 

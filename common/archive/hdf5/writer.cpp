@@ -23,7 +23,7 @@ class Temporary {
     try {
       file_system_.remove(path_);
     } catch (const base::Error&) {
-      // Ignore this failure, because only the first failure is reported.
+      // Ignore failures here, because an earlier failure is being reported.
     }
   }
 

@@ -93,7 +93,7 @@ bool say_values(std::uint32_t number, const Values& values) {
 }
 
 /// Answers questions. While the client processes an answer, reads the dataset's next part in
-/// advance, in case the client reads the whole dataset in order.
+/// advance, because many clients read a dataset in order.
 class ForwardReader {
  public:
   explicit ForwardReader(const Source& source) : source_(source), datasets_(numbered(source)) {}

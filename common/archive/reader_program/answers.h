@@ -1,5 +1,5 @@
-// A reader process's side of the protocol in archive/remote/messages.h: sends the archive's
-// contents, then answers questions until the pipe is closed.
+// The reader process's part in the protocol of archive/remote/messages.h. The process sends the
+// archive's contents, then answers questions until the pipe is closed.
 //
 // Not thread-safe.
 #pragma once

@@ -45,7 +45,8 @@ class Permits {
 
   void permit(int call) { note(::seccomp_rule_add(filter_.get(), SCMP_ACT_ALLOW, call, 0)); }
 
-  /// Permits `call` if its argument (counted from 0), masked with `mask`, equals `value`.
+  /// Permits the system call if its nth argument & `mask` equals `value`. `argument`: n, counted
+  /// from 0.
   void permit_if(int call, unsigned argument, std::uint64_t mask, std::uint64_t value) {
     const scmp_arg_cmp is_it{argument, SCMP_CMP_MASKED_EQ, mask, value};
     note(::seccomp_rule_add_array(filter_.get(), SCMP_ACT_ALLOW, call, 1, &is_it));
@@ -114,7 +115,7 @@ void permit_what_sanitizers_need(Permits& permits) {
 
 void end_with_lifeline(int lifeline) {
   // The kernel signals each change of the pipe. Nobody writes to the pipe, so a signal means that
-  // its other end was closed. The default action ends the process even in an endless loop.
+  // its other end was closed. The signal's default action ends the process even in an endless loop.
   const bool is_armed = ::fcntl(lifeline, F_SETOWN, ::getpid()) == 0 &&
                         ::fcntl(lifeline, F_SETFL, O_ASYNC | O_NONBLOCK) == 0;
   require(is_armed, "watch the parent process", errno);

@@ -14,8 +14,8 @@
 
 namespace sleight::archive::reader_program {
 
-/// Makes the kernel end this process, even in an endless loop, as soon as the other end of its
-/// lifeline is closed. Throws base::Error if the kernel can't watch the lifeline.
+/// Makes the kernel end this process as soon as the other end of the lifeline is closed. Even a
+/// process in an endless loop is ended. Throws base::Error if the kernel can't watch the lifeline.
 void end_with_lifeline(int lifeline);
 
 /// Confines the process from now on. messages.h defines the descriptors. Throws base::Error if the

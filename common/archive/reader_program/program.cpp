@@ -61,8 +61,8 @@ int run_confined(int argc, const char* const* argv, const std::function<int(cons
     confine(given.memory_bytes);
     code = work(given);
   } catch (const std::exception& error) {
-    // `work` sends errors about the archive to the client, so an exception here means that the
-    // process could not be confined.
+    // `work` sends errors about the archive to the client and doesn't throw them. So an exception
+    // here means that the process could not be confined.
     const std::string_view reason = error.what();
     say({.kind = remote::AnswerKind::refusal,
          .type = remote::k_of_environment,

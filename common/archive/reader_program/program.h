@@ -1,5 +1,5 @@
-// The main function of a reader process. Tests use this function too, for readers that misbehave
-// under the same limits.
+// The main function of a reader process. Tests also start misbehaving readers with this function,
+// so that the same limits apply to them.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ struct Given {
   std::uint64_t archive_bytes = 0;
 };
 
-/// Prepares the process, confines it (confine.h) and runs `work`, whose result is the process's
-/// exit code.
+/// Prepares the process, confines it (confine.h) and runs `work`. The result of `work` is the
+/// process's exit code.
 int run_confined(int argc, const char* const* argv, const std::function<int(const Given&)>& work);
 
 /// The `work` of `sleight-reader`.

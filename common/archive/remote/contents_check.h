@@ -15,13 +15,14 @@
 
 namespace sleight::archive::remote {
 
-/// Returns a description of the fault, safe for display and naming the object. Empty: no fault.
+/// Returns a description of the fault that names the object. The text is safe to display. Empty: no
+/// fault.
 std::string fault_of_contents(const std::vector<Group>& groups);
 
 /// Returns whether the dataset may have this text. Only the request's text may have several lines.
 bool is_text_for(std::string_view group, std::string_view dataset, std::string_view text);
 
-/// Returns `text` without anything that could control a terminal, truncated for display.
+/// Truncates `text` for display and replaces everything that could control a terminal.
 std::string shown_text(std::string_view text);
 
 }  // namespace sleight::archive::remote

@@ -71,7 +71,7 @@ class Decomposer {
   bool failed_ = false;
 };
 
-/// Type of the attribute's value that follows: an index of Attribute::value's alternatives.
+/// The type of the value that follows, as an index into the alternatives of Attribute::value.
 enum class AttributeKind : std::uint8_t { integer = 0, number = 1, text = 2 };
 
 void put_attributes(const std::vector<Attribute>& attributes, Composer& to) {

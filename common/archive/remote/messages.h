@@ -1,7 +1,7 @@
 // The protocol between a reader process and its client.
 //
 // The reader (archive/reader_program) starts with an answer numbered 0 that describes the archive's
-// contents. Then each question is followed by one answer with the question's number:
+// contents. The reader then answers each question. An answer repeats the question's number:
 //
 //   question  number u32, dataset u32, first u64, count u64
 //   answer    number u32, kind u8, type u8, nothing u16, bytes u64, followed by `bytes` bytes:
@@ -75,16 +75,17 @@ inline constexpr std::uint64_t k_contents_bytes_max = 16 * 1024 * 1024;
 inline constexpr std::uint64_t k_refusal_bytes_max = 64 * 1024;
 
 base::Bytes encode_contents(const std::vector<Group>& groups);
-/// Returns the groups, which fault_of_contents (contents_check.h) must check next, or why the bytes
-/// can't be decoded.
+/// Returns the groups, or the reason why the bytes can't be decoded. The caller must check the
+/// groups with fault_of_contents (contents_check.h).
 base::Result<std::vector<Group>, std::string> decode_contents(base::BytesView bytes);
 
-/// Encode and decode one answer's `count` texts, each of at most `text_bytes` bytes.
+/// Encode and decode the texts of one answer. There are `count` texts; none is longer than
+/// `text_bytes`.
 base::Bytes encode_texts(const std::vector<std::string>& texts);
 base::Result<std::vector<std::string>, std::string> decode_texts(base::BytesView bytes,
                                                                  std::uint64_t count,
                                                                  std::uint64_t text_bytes);
-/// Returns the maximum number of bytes for decode_texts.
+/// Returns the largest size of `bytes` that decode_texts accepts.
 std::uint64_t texts_bytes_max(std::uint64_t count, std::uint64_t text_bytes);
 
 /// Returns the size of a number or flag in an answer. REQUIRES: type is not text.

@@ -32,8 +32,8 @@ constexpr int k_look_every_ms = 2;
 /// Size of the answers' pipe. A batch fits into the pipe, so that the reader need not wait for this
 /// process.
 constexpr int k_pipe_bytes = 1 << 20;
-/// Lowest number for copies of descriptors. This number is greater than all descriptors of the new
-/// process, so that no copy is overwritten.
+/// Copies of descriptors get at least this number. The new process's own descriptors are lower, so
+/// they overwrite no copy.
 constexpr int k_first_free_descriptor = 10;
 
 [[noreturn]] void fail_start(const std::string& program, int reason) {
@@ -63,8 +63,8 @@ Ends pipe_of(bool is_ours_first, const std::string& program) {
   return {std::move(second), raised(first, program)};
 }
 
-/// Returns a socket pair instead of a pipe, because sending to an exited process then raises no
-/// signal.
+/// Returns a socket pair. A socket is better than a pipe: sending to an exited process then raises
+/// no signal.
 Ends socket_pair(const std::string& program) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
@@ -91,8 +91,8 @@ class SpawnOrders {
     note(::posix_spawn_file_actions_adddup2(&actions_, descriptor, at));
   }
 
-  /// Closes all other descriptors, resets ignored and blocked signals, and sets a new process
-  /// group, which gets no signals from the terminal.
+  /// Closes all other descriptors and resets ignored and blocked signals. Sets a new process group,
+  /// so that the process gets no signals from the terminal.
   void clean_all_else() {
 #ifndef SLEIGHT_SANITIZED
     // Discard standard error, except under a sanitizer, which writes its reports there.
@@ -254,7 +254,7 @@ Received ReaderProcess::receive(std::span<std::byte> bytes) {
       continue;
     }
     if (got == 0 || (errno != EAGAIN && errno != EINTR)) return Received::ended;
-    // Check the deadline here, because a reader that sends single bytes reaches this point after
+    // Check the deadline here: even if a reader sends single bytes, this point is reached after
     // each byte. Received data is never late.
     const auto left =
         std::chrono::ceil<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now());

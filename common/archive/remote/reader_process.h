@@ -1,4 +1,5 @@
-// A process that reads one archive for this process (archive/reader_program), with the pipes to it.
+// A separate process that reads one archive for this process (archive/reader_program), and the
+// pipes between the two processes.
 //
 // A damaged or hostile file can trigger known faults of HDF5 1.10.8, as early as in H5Fopen. So
 // each archive is read in a separate process. Before the reader process reads anything from the
@@ -28,8 +29,8 @@
 namespace sleight::archive::remote {
 
 struct ReaderLimits {
-  /// Limit of the process's address space. The limit is not enforced under a sanitizer, whose own
-  /// memory maps exceed any limit.
+  /// Limit of the process's address space. Under a sanitizer the limit is not enforced, because the
+  /// sanitizer's own memory maps exceed any limit.
   std::uint64_t address_space_bytes = std::uint64_t{4} << 30;
   std::uint32_t cpu_s = 600;  ///< processor time per question, and for opening
   double timeout_s = 900;     ///< wall-clock time per question, and for opening
@@ -45,8 +46,8 @@ struct ReaderEnd {
 
 class ReaderProcess {
  public:
-  /// Starts `program` with a copy of the open descriptor `archive`, which the caller still owns.
-  /// Throws base::Error if the process can't be started.
+  /// Starts `program` and gives it a copy of the descriptor `archive`. The caller keeps and owns
+  /// `archive`. Throws base::Error if the process can't be started.
   ReaderProcess(const std::string& program, int archive, const ReaderLimits& limits);
   ReaderProcess(const ReaderProcess&) = delete;
   ReaderProcess& operator=(const ReaderProcess&) = delete;
@@ -61,8 +62,8 @@ class ReaderProcess {
   /// Returns whether the process has sent bytes that nobody requested.
   bool has_unasked_words() const;
 
-  /// Ends the process, unless it exits by itself at once, and returns the reason why it ended.
-  /// REQUIRES: no other function is called afterwards, except for the destructor.
+  /// Returns the reason why the process ended. If the process does not exit by itself soon, kills
+  /// it. REQUIRES: no other function is called afterwards, except for the destructor.
   ReaderEnd end();
 
   pid_t id() const { return id_; }

@@ -24,12 +24,12 @@
 namespace sleight::archive::remote {
 namespace {
 
-/// Maximum archives of a list opened concurrently.
+/// Maximum archives that open_all opens concurrently.
 constexpr std::size_t k_opened_at_once = 8;
 
 class RemoteSource final : public Source {
  public:
-  /// Starts the reader; take_contents returns whether it opened the archive.
+  /// Starts the reader. take_contents then returns whether the reader opened the archive.
   RemoteSource(const std::string& program, std::string path, const ReaderLimits& limits)
       : path_(std::move(path)), limits_(limits) {
     // Open without blocking, in case the file is a pipe or a device.
@@ -106,8 +106,8 @@ class RemoteSource final : public Source {
     throw base::Error(failure_);
   }
 
-  /// Throws if a limit gives this process, and so the reader, less memory than a reader may use.
-  /// The file may then not be the cause of the failure.
+  /// Throws if this process's memory limit is below a reader's. The reader inherits the lower
+  /// limit. The file may then not be the cause of the failure.
   void fail_for_want_of_memory() const {
     rlimit limit{};
     if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_max >= limits_.address_space_bytes)
@@ -215,7 +215,7 @@ std::vector<OpenedArchive> open_all_by(const std::string& program,
                                        const ReaderLimits& limits) {
   std::vector<OpenedArchive> opened;
   for (std::size_t begin = 0; begin < paths.size(); begin += k_opened_at_once) {
-    // Start several readers, then receive the contents of their archives one after the other.
+    // Start several readers. Then receive each archive's contents, one archive after the other.
     std::vector<std::unique_ptr<RemoteSource>> started;
     for (const std::string& path :
          paths.subspan(begin, std::min(k_opened_at_once, paths.size() - begin))) {

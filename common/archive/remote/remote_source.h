@@ -1,14 +1,15 @@
-// Archives that may be damaged or hostile, each read by its own process (reader_process.h).
+// Reads archives that may be damaged or hostile. Each archive is read by its own process
+// (reader_process.h).
 //
 // Invariants:
 //  1. No file and no failure of its reader can stop the calling program. If a reader crashes,
-//     hangs, uses too much or sends an invalid answer, only its archive is lost: reading throws
+//     hangs, exceeds a limit or sends an invalid answer, only its archive is lost: reading throws
 //     base::Error with ExitCode::bad_archive, "<path>: <reason>". All later reads of that archive
 //     throw the same error.
 //  2. Answers are untrusted. The type, number and size of elements must be exactly as requested,
 //     and names, dimensions and texts must satisfy the rules of hdf5/reader.h.
-//  3. If the reader refuses only a part, such as a damaged chunk, that refusal is thrown too, but
-//     the reader continues and other parts can be read.
+//  3. If the reader refuses only a part, such as a damaged chunk, reading that part throws the
+//     refusal. The reader continues, and other parts can be read.
 //
 // Thread safety: one thread at a time uses a Source. Different Sources are independent, even if
 // they read the same file. Opening is thread-safe.
@@ -24,8 +25,9 @@
 
 namespace sleight::archive::remote {
 
-/// Opens an archive in a separate reader process. Throws base::Error with ExitCode::environment if
-/// the file can't be opened or the reader can't be started, or with bad_archive as above.
+/// Opens an archive in a separate reader process. If the file can't be opened or the reader can't
+/// be started, throws base::Error with ExitCode::environment. If the archive is refused or the
+/// reader fails, throws base::Error with ExitCode::bad_archive.
 std::unique_ptr<Source> open_remote(const std::string& path, const ReaderLimits& limits = {});
 
 /// For tests. Like open_remote, but with the given reader program and without read-ahead.

@@ -166,7 +166,7 @@ bool fits(const plan::Unit& unit) {
   return unit.scans > 0 && (given == 1 || given == unit.scans);
 }
 
-/// Returns whether members are at their levels and the levels are within the ladder.
+/// Returns whether each member has a level, and the levels are within the ladder.
 bool fits(const plan::Block& block) {
   if (!std::ranges::all_of(block.members, [](const auto& unit) { return fits(unit); }))
     return false;

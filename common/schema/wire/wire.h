@@ -1,8 +1,8 @@
 // Encodes and decodes the messages of messages.h as MPI messages in Cap'n Proto's encoding
 // (worker.capnp).
 //
-// Decoding refuses, with a reason, messages of unknown kind, messages with inconsistent parts, and
-// messages beyond the limits.
+// Decoding refuses a message if its kind is unknown, its parts are inconsistent, or it exceeds a
+// limit. The refusal gives the reason.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ namespace sleight::schema::wire {
 inline constexpr std::size_t k_message_bytes_max = std::size_t{1} << 30U;
 
 inline constexpr int k_message_tag = 1;
-/// A waiting rank polls at intervals that double from the minimum to the maximum. A blocking
-/// receive would use a whole core; polling uses less than 2% of a core.
+/// A waiting rank polls. The interval doubles after each poll, from the minimum to the maximum. A
+/// blocking receive would use a whole core; polling uses less than 2% of a core.
 inline constexpr double k_poll_interval_s_min = 20e-6;
 inline constexpr double k_poll_interval_s_max = 2e-3;
 
