@@ -40,7 +40,7 @@ std::optional<T> value_among(const std::array<std::pair<T, std::string_view>, n>
   return std::nullopt;
 }
 
-/// Parses a number from 1 on that is written exactly as fmt writes it.
+/// Parses a number, at least 1, that is written exactly as fmt would write it.
 std::optional<std::uint64_t> number_of(std::string_view text) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);

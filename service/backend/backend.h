@@ -1,26 +1,25 @@
-// Interface to batch systems, which run attempts of jobs. A batch system is Slurm, or any other
-// system with a program for it (program_backend.h). The interface is small, so a new engine takes
-// little work. The conformance suite (tests/programs/backend_conformance.py) tests an engine. The
-// daemon needs no backend for attempts on this machine (daemon/local_attempts.h).
+// Interface to batch systems, which run attempts of jobs. Batch systems are Slurm, and any other
+// system for which a program exists (program_backend.h). The interface is small, so a new backend
+// takes little work. The conformance suite (tests/programs/backend_conformance.py) tests backends.
+// The daemon needs no backend for attempts on this machine (daemon/local_attempts.h).
 //
 //   `launch(order)`   submits the attempt, unless the system has or had it already.
 //   `state(name)`     returns waiting, running, gone, or absent (never there, or forgotten).
-//   `list()`          returns the states of all attempts of one daemon, by one query.
+//   `list()`          returns the states of one daemon's attempts, by one query.
 //   `signal(name)`    sends SIGUSR1 to the keeper, ends a waiting attempt, or ends any attempt now.
 //   `log(name)`       returns the system's messages, such as why the attempt never began.
 //
-// A backend reports whether the system still has an attempt. How the attempt ended follows from its
-// keeper's record in the job's folder (service/keeper/attempt_record.h).
+// A backend reports whether the system still has an attempt. The keeper's record in the job's
+// folder (service/keeper/attempt_record.h) shows how the attempt ended.
 //
 // Invariants
-//   1. (daemon, job, epoch) names an attempt. If this process or a later one launches an attempt
-//      again, the attempt's command takes effect only once. First, launch() searches the system for
-//      the name. If the system's answer to a launch was lost, the command may start twice and must
-//      detect that, as a keeper does (keep.h).
+//   1. (daemon, job, epoch) names an attempt. An attempt may be launched again by this process or a
+//      later one, but its command takes effect only once. To this end, launch() first searches the
+//      system for the name. If the system's answer was lost, the command may start twice and must
+//      detect this, as a keeper does (keep.h).
 //   2. `gone` is final: no process of the attempt runs any more. An `absent` attempt may have run
 //      or not.
-//   3. If the system doesn't answer, functions throw `Away`, which doesn't mean that an attempt
-//      ended.
+//   3. If the system doesn't answer, functions throw `Away`. The attempts may still run.
 //   4. Daemons that use the same system don't see each other's attempts.
 //
 // Calls block for a bounded time. Thread safety: one thread at a time.
@@ -52,7 +51,7 @@ struct AttemptName {
 bool is_daemon_name(std::string_view text);
 /// REQUIRES: is_daemon_name(name.daemon), job and epoch from 1.
 std::string to_text(const AttemptName& name);
-/// Returns none for text that to_text() never writes.
+/// Returns none if to_text() can't have written the text.
 std::optional<AttemptName> attempt_name_of(std::string_view text);
 
 /// Further options by key; each system has its own ("account", "partition", ...).
@@ -81,7 +80,7 @@ enum class State : std::uint8_t {
 std::string_view name_of(State state);
 std::optional<State> state_of(std::string_view name);
 
-/// Why an attempt is gone, as far as the system reports it.
+/// Cause of an attempt's end, as far as the system reports it.
 enum class Cause : std::uint8_t {
   itself,     ///< ended, exceeded a limit, or couldn't begin
   taken,      ///< taken away by the system: pre-emption, a lost node
@@ -111,7 +110,7 @@ class Away : public base::Error {
   bool may_have_begun_;
 };
 
-/// Functions throw Away if the system doesn't answer, or base::Error if it refuses.
+/// Functions throw Away if the system doesn't answer, and base::Error if it refuses.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -122,7 +121,7 @@ class Backend {
   /// Returns false if there is nothing to signal. REQUIRES: a repeated `in_order` signal is
   /// harmless.
   virtual bool signal(const AttemptName& name, keeper::Stop how) = 0;
-  /// All attempts of the daemon that the system has or remembers.
+  /// Returns the daemon's attempts, as far as the system has or remembers them.
   virtual std::map<AttemptName, Seen> list(const std::string& daemon) = 0;
   /// Returns whether list() answers from a cache and queries the system only at intervals.
   virtual bool are_lists_cheap() const { return false; }
@@ -136,11 +135,12 @@ class Backend {
   virtual std::string title() const = 0;
 };
 
-/// Throws base::Error(usage) for an order that no backend can carry out: an invalid name, a
-/// relative folder, an empty command, control characters.
+/// Throws base::Error(usage) if no backend can carry out the order. The reasons are an invalid
+/// name, a relative folder, an empty command or control characters.
 void check_order(const Order& order);
 
-/// The last bytes of a file, from the beginning of a line if possible. Empty: no such file.
+/// Returns the last bytes of a file. If possible, the text begins with a whole line. Empty: no such
+/// file.
 std::string end_of_file(const std::string& path, std::size_t bytes_max);
 
 }  // namespace sleight::backend

@@ -1,10 +1,11 @@
-// The interface of backend.h as JSON, for engines that are programs. docs/BACKENDS.md specifies it.
+// The calls of backend.h as JSON, for backends that are programs. docs/BACKENDS.md specifies this
+// JSON.
 //
-// `PROGRAM VERB` reads an object, {"version": 1, ...}, and prints another. Exit code 0 means done,
-// and 75 that the system doesn't answer. Any other code means that the request was refused, with
-// the reason on stderr.
+// `PROGRAM VERB` reads an object, {"version": 1, ...}, and prints another. Exit code 0 means done;
+// 75 means that the system doesn't answer. Any other code means that the request was refused.
+// Stderr then has the reason.
 //
-// Readers ignore unknown keys and use defaults for missing ones.
+// Readers ignore unknown keys. If a key is missing, readers use its default.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -34,7 +35,7 @@ struct Question {
 
 std::string text_of_question(std::string_view verb, const Question& question);
 
-// Answers. Each function throws base::Error(usage) that names the wrong key.
+// Answers. If a key is wrong, each function throws base::Error(usage) with the key's name.
 Seen seen_of(std::string_view text);  ///< of launch and state
 bool signalled_of(std::string_view text);
 std::map<AttemptName, Seen> list_of(const std::string& daemon, std::string_view text);

@@ -11,7 +11,7 @@
 namespace sleight::backend {
 namespace {
 
-/// Treats an invalid answer as no answer, because the program's next version may give a valid one.
+/// Treats an invalid answer like no answer. The program's next version may give a valid answer.
 template <class Read>
 auto read_or_away(std::string_view verb, const Read& read) {
   try {

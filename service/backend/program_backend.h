@@ -1,5 +1,6 @@
-// A backend that runs a program, in any language, for systems other than Slurm. docs/BACKENDS.md
-// specifies the program's questions and answers; messages.h has the JSON. Not thread-safe.
+// A backend for systems other than Slurm. The backend runs a program, which may be written in any
+// language. docs/BACKENDS.md specifies the program's questions and answers; messages.h has the
+// JSON. Not thread-safe.
 #pragma once
 
 #include <atomic>

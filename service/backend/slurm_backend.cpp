@@ -11,7 +11,7 @@
 namespace sleight::backend {
 namespace {
 
-/// Slurm's messages about jobs that it has forgotten or that have ended.
+/// Slurm's messages if a job has ended or Slurm has forgotten it.
 bool says_gone(const std::string& words) {
   return words.find("Invalid job id") != words.npos ||
          words.find("already completing or completed") != words.npos;
@@ -53,7 +53,7 @@ keeper::ToolEnd SlurmBackend::run(const std::vector<std::string>& command) {
 const SlurmQueue& SlurmBackend::queue(bool afresh) {
   const double now_s = clock_.now_s();
   if (!afresh && asked_s_ && now_s - *asked_s_ < settings_.list_every_s) return queue_;
-  // After an unanswered query, don't repeat the query for each job.
+  // If a query got no answer, don't repeat it for each job.
   if (away_s_ && now_s - *away_s_ < settings_.list_every_s) throw Away(away_words_);
   try {
     ask(now_s);
@@ -69,7 +69,7 @@ const SlurmQueue& SlurmBackend::queue(bool afresh) {
 void SlurmBackend::ask(double now_s) {
   const keeper::ToolEnd end = run({settings_.squeue, fmt::format("--user={}", ::getuid()),
                                    "--states=all", "--noheader", "-o", k_squeue_format});
-  // With a truncated queue, missing attempts would count as absent.
+  // If the queue were truncated, missing attempts would count as absent.
   if (end.exit_code != 0 || end.is_cut)
     throw Away(fmt::format("squeue: {}", end.is_cut ? "the output is too long" : end.why()));
   queue_ = slurm_queue_of(end.output);
@@ -163,8 +163,8 @@ bool SlurmBackend::signal(const AttemptName& name, keeper::Stop how) {
     const bool is_told = how == keeper::Stop::in_order && job.seen.state != State::waiting;
     std::vector<std::string> command{settings_.scancel};
     if (is_told) command.insert(command.end(), {"--signal=USR1", "--batch"});
-    // --state=PENDING spares a job that has begun in the meantime. A later signal reaches that
-    // job's keeper.
+    // With --state=PENDING, a job that has begun in the meantime isn't cancelled. A later signal
+    // reaches that job's keeper.
     if (how == keeper::Stop::in_order && !is_told) command.emplace_back("--state=PENDING");
     command.push_back(job.id);
     const keeper::ToolEnd end = run(command);

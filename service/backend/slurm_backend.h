@@ -1,20 +1,20 @@
 // Slurm as a backend, used through the commands sbatch, squeue and scancel.
 //
-//   `launch`   searches the queue for an earlier submission with the comment NAME, then runs sbatch
-//              --parsable --no-requeue --comment=NAME ... direct.sbatch --attempt COMMAND.
-//   `list`     runs squeue for this user's jobs, at most every list_every_s, for all attempts.
-//   `signal`   runs scancel; for a running job scancel --signal=USR1 --batch, which reaches its
+//   `launch`   first searches the queue for an earlier submission with the comment NAME. If there
+//              is none, it runs sbatch --parsable --no-requeue --comment=NAME ... direct.sbatch
+//              --attempt COMMAND.
+//   `list`     runs squeue for all of this user's jobs, at most every list_every_s.
+//   `signal`   runs scancel. A running job gets scancel --signal=USR1 --batch, which signals its
 //              keeper.
-//   `log`      reads the output of Slurm and the keeper in the job's folder.
+//   `log`      reads what Slurm and the keeper wrote into a file in the job's folder.
 //
 // No Slurm job number is stored: an attempt is found by its name, which is its Slurm job's comment.
 // So a restarted daemon finds its attempts again, even if sbatch was killed before it printed the
 // job number. If sbatch's answer is lost, there may be two Slurm jobs for one attempt. Only one of
 // the two jobs starts the program, because the second keeper finds the attempt begun (keep.h).
 //
-// Slurm keeps ended jobs in its queue for MinJobAge (default 300 s). After that time the jobs are
-// absent, and the keeper's records show how they ended. sacct isn't used, because many sites lack
-// it.
+// Slurm keeps ended jobs in its queue for MinJobAge (default 300 s). After that time, a job is
+// absent, and its keeper's record shows how it ended. sacct isn't used, because many sites lack it.
 //
 // Not thread-safe.
 #pragma once
@@ -44,7 +44,7 @@ struct SlurmSettings {
   std::string scancel = "scancel";
 };
 
-/// Output of Slurm and the keeper, in the job's folder.
+/// Slurm and the keeper write into this file in the job's folder.
 inline constexpr const char* k_slurm_log_name = "keeper.err";
 
 class SlurmBackend final : public Backend {

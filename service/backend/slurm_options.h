@@ -1,13 +1,13 @@
 // Options that jobs can set for Slurm, as arguments of sbatch.
 //
 //   `account`, `partition`, `qos` and `time` are sbatch's options of the same names.
-//   `more` has further options of sbatch, separated by spaces, each beginning with --, such as
-//          "--constraint=a100 --exclusive".
+//   `more` has further options of sbatch, such as "--constraint=a100 --exclusive". Each option
+//          begins with --; spaces separate the options.
 //
 // Options that would break the service are refused by name, including abbreviations that sbatch
-// accepts. Refused options include options for finding a job again (--comment, --clusters), for the
-// command (--wrap, --array), for its files (--chdir, --output), for restarts (--requeue) and for
-// stopping (--signal). Options for a job's cores and ranks are refused too.
+// accepts. For example, the refused options find a job again (--comment, --clusters), or set its
+// command (--wrap, --array), files (--chdir, --output), restarts (--requeue), stopping (--signal),
+// cores or ranks.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -24,8 +24,9 @@ struct SlurmWishes {
   bool says_memory = false;  ///< so the job's own memory isn't requested
 };
 
-/// Combines the defaults with the job's options, which take precedence. In `more`, the defaults'
-/// words come before the job's words. Throws base::Error(usage) that names the wrong option.
+/// Combines the defaults with the job's options. The job's options take precedence. In `more`, the
+/// defaults' words come before the job's words. If an option is wrong, throws base::Error(usage)
+/// that names it.
 SlurmWishes slurm_wishes_of(const Options& defaults, const Options& options);
 
 }  // namespace sleight::backend

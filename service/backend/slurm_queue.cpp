@@ -82,7 +82,7 @@ Seen seen_of_slurm(std::string_view state, std::string_view reason) {
   seen.state = known->state;
   seen.cause = known->cause;
   const bool has_reason = !reason.empty() && reason != "None";
-  // Slurm also reports FAILED, with one of these reasons, for jobs that it lost.
+  // If Slurm lost a job, it also reports FAILED, but with one of these reasons.
   if (seen.state == State::gone &&
       std::ranges::find(k_taken_reasons, reason) != std::end(k_taken_reasons))
     seen.cause = Cause::taken;
@@ -124,7 +124,7 @@ const SlurmJob& telling_one(const std::vector<SlurmJob>& jobs) {
 }
 
 std::string slurm_number_in(std::string_view text) {
-  // A site's own messages may precede the job number.
+  // The site's own messages may precede the job number.
   std::string number;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());

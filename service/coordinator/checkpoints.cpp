@@ -83,8 +83,8 @@ void Checkpoints::work() {
     changed_.wait(lock, [&] { return stop_ || wanted_; });
     if (stop_) return;
     const request::Cut reached = *std::exchange(wanted_, std::nullopt);
-    // A stop doesn't cancel the first archive with all finds, because the archive is small and
-    // people wait for it.
+    // A stop doesn't cancel the first archive that has all finds. This archive is small, and people
+    // wait for it.
     const std::atomic<bool> never = false;
     const std::atomic<bool>& stop = is_first_of_finds_ ? never : stop_;
     is_making_ = true;

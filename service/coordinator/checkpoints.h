@@ -1,16 +1,16 @@
-// Checkpoints: archives of a run so far, for people who watch the run.
+// A checkpoint is an archive of the run so far, for people who watch the run.
 //
 // A separate thread derives checkpoints, so that the run never waits for them. The first checkpoint
-// is made as soon as a search has its finds, or with the first solution. Later checkpoints are made
-// at intervals of at least `every_s`. Intervals are longer if checkpoints would take more than
-// k_checkpoint_share_max of the workers' time. The time of checkpoints doesn't include simulating
-// the motions of kept animations, because each motion is simulated once for all archives.
+// is made as soon as a search has its finds, or at the first solution. Later checkpoints are made
+// at intervals of at least `every_s`. If checkpoints would take more than k_checkpoint_share_max of
+// the workers' time, intervals are longer. The simulation of kept animations' motions doesn't
+// count, because each motion is simulated once for all archives.
 //
-// The thread runs at normal priority, because a slow reader of the store prevents SQLite from
-// shortening its log. When the thread ran at SCHED_IDLE, a run's log grew by 1.2 GB in 90 s.
+// The thread runs at normal priority: if a reader of the store is slow, SQLite can't shorten its
+// log. At SCHED_IDLE, a run's log grew by 1.2 GB in 90 s.
 //
 // If a checkpoint can't be written, a warning is logged once and the checkpoint is tried again
-// later. The run continues, and derives an archive at its end in any case.
+// later. The run continues and derives an archive at its end anyway.
 //
 // Thread safety: one thread calls the class.
 #pragma once
@@ -29,11 +29,11 @@
 
 namespace sleight::coordinator {
 
-/// Maximum time for a checkpoint, as a share of the workers' time between two checkpoints.
+/// Maximum ratio of a checkpoint's time to the workers' time between two checkpoints.
 inline constexpr double k_checkpoint_share_max = 0.01;
-/// Time before the first checkpoint, because a run that ends earlier writes its archive anyway.
+/// Time before the first checkpoint. A run that ends earlier writes its archive anyway.
 inline constexpr double k_checkpoint_after_s = 0.5;
-/// Delay before another try if the first checkpoint failed or shows no solution.
+/// If the first checkpoint fails or shows no solution, the next try follows after this delay.
 inline constexpr double k_checkpoint_retry_s = 1;
 
 class Checkpoints {
@@ -43,7 +43,7 @@ class Checkpoints {
     double motions_s = 0;  ///< processor time that new motions took
   };
   /// Derives the archive of the given cut. Called in the checkpoints' thread. Throws DeriveStopped
-  /// (derive.h) soon after `stop` becomes true, or any other exception on failure.
+  /// (derive.h) soon after `stop` becomes true. On failure, throws any other exception.
   using Derive = std::function<Made(const request::Cut& reached, const std::atomic<bool>& stop)>;
 
   /// Borrows the clock, which must be thread-safe. `every_s` 0: no checkpoints. `has_archive`: an

@@ -1,7 +1,8 @@
 // A crew computes a run's blocks. Members are threads of this process and, in an MPI job, the other
 // ranks.
 //
-// A crew only carries messages: plans, stores and scheduling are elsewhere. One thread drives it.
+// A crew only carries messages. A crew has no plan, no store and no scheduler. One thread drives
+// it.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +24,7 @@ class Crew {
  public:
   virtual ~Crew() = default;
 
-  /// Returns the members that exist from the beginning.
+  /// Returns the members that exist at the beginning.
   virtual std::vector<core::Joined> members() const = 0;
   virtual void send(core::WorkerId worker, schema::Assignment assignment) = 0;
   virtual void send(core::WorkerId worker, const schema::Ping& ping) = 0;

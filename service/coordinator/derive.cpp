@@ -20,7 +20,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Forwards an archive to another sink, and checks for a stop between batches.
+/// Forwards an archive to another sink. Between batches, checks whether to stop.
 class StoppableSink final : public archive::Sink {
  public:
   StoppableSink(archive::Sink& sink, std::function<void()> ask)
@@ -59,7 +59,7 @@ auto timed(double* total_s, const Work& work) {
   return result;
 }
 
-/// Measures the processor time for simulating motions, which happens once per run.
+/// Measures the processor time for simulating motions. Each motion is simulated once per run.
 class TimedReader final : public archive::ForwardingReader {
  public:
   TimedReader(const archive::StateReader& reader, double* motions_s)
@@ -73,17 +73,18 @@ class TimedReader final : public archive::ForwardingReader {
   double* motions_s_;
 };
 
-/// Returns a text of everything on which saved motions depend, except the states.
+/// Returns a text that contains everything on which saved motions depend, except the states.
 std::string owner_of_motions(const request::DirectionRequest& request) {
   return fmt::format("{}\n{}", base::version(), request::identity_text(request));
 }
 
-/// Returns an id that all archives of a run share, for any cut and any deriving process.
+/// Returns an id that all archives of a run share, whatever their cut and whichever process derived
+/// them.
 std::string run_id(const request::DirectionRequest& request, const std::string& results_version) {
   return hash::sha256_hex(fmt::format("{}\n{}", run_identity(request), results_version));
 }
 
-/// Passes the scans of the cut to a fresh plan, which learns from them again.
+/// Passes the cut's scans to a fresh plan. The plan learns from these scans again.
 void teach(plan::Plan& learner, const store::StoredRun& view, const std::function<void()>& ask,
            const archive::HearWriting& hear) {
   archive::WritingProgress now{.part = archive::WritingProgress::Part::learning};
@@ -138,7 +139,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
     view.emplace(view_of(0));
   }
 
-  // Write the draws, with motions that are saved or simulated now.
+  // Write the draws and their motions. A motion is read if it is saved, otherwise simulated.
   const request::OutputParameters& keep = inputs.request.output;
   const archive::ArchiveOptions options{
       .request_text = request::normalised_text_of(inputs.request, cut),

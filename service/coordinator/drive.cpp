@@ -66,7 +66,7 @@ class Driver {
   /// Passes the input to the scheduler and carries out its effects.
   void carry_out(core::Input input) {
     if (const auto* delivered = std::get_if<core::Delivered>(&input)) {
-      // Threads of one worker may deliver results out of order, so never let the count decrease.
+      // A worker's threads may deliver results out of order, so never decrease the count.
       plan::CacheUse& known = caches_[delivered->worker];
       const plan::CacheUse& said = delivered->delivery.cache;
       if (said.hits + said.misses >= known.hits + known.misses) known = said;
@@ -85,7 +85,7 @@ class Driver {
     const plan::Finds finds = plan_.finds();
     if (finds.found > counted_.finds.found) counted_.found_s = clock_.now_s() - begin_s_;
     counted_.finds = finds;
-    // Report at once when a search has all its finds.
+    // If a search has all its finds, report at once.
     if (!std::exchange(had_finds_, has_finds()) && had_finds_) tell_standing();
   }
 

@@ -19,7 +19,7 @@
 
 namespace sleight::coordinator {
 
-/// The session's work besides computing, for people who tune runs.
+/// What a session did besides computing, for people who tune runs.
 struct Handling {
   core::Counts counts{};
   Traffic traffic{};
@@ -37,8 +37,8 @@ struct Standing {
   std::size_t workers = 1;  ///< computing threads
 };
 
-/// Default wait for blocks in progress after a stop: most units take milliseconds, and a person
-/// should not wait longer.
+/// Default time to wait for blocks in progress after a stop. Most units take milliseconds, and a
+/// person should not wait longer.
 inline constexpr double k_stop_grace_s = 2;
 
 struct DriveOptions {
@@ -50,17 +50,17 @@ struct DriveOptions {
   std::function<void()> stopping{};        ///< called once, at a stop request; may be empty
   std::function<void(const events::Progress&)> report{};  ///< may be empty
   double log_natural_throw = 0;                           ///< as WorldLayout has it
-  /// Receives the run's state every report_every_s, and when a search has its last find. Must be
-  /// quick. May be empty.
+  /// Receives the run's state every report_every_s and at a search's last find. Must be quick. May
+  /// be empty.
   std::function<void(const Standing&)> standing{};
-  /// Receives all results: initially those of earlier sessions, then each new result before it is
-  /// put into the store. The results of each replica arrive in order. May be empty. `standing` can
-  /// use what the plan derived from these results.
+  /// Receives all results: first the results of earlier sessions, then each new result before it is
+  /// stored. The results of each replica arrive in order. May be empty. `standing` can use what the
+  /// plan derived from these results.
   std::function<void(const plan::ReplicaKey&, base::ScanIndex first_scan,
                      std::span<const plan::ScanRecord>)>
       consumed{};
-  /// Receives simulations that failed in this session, each once, and at most a few per unit. May
-  /// be empty.
+  /// Receives this session's failed simulations. Each failure arrives once, and a unit has at most
+  /// a few failures. May be empty.
   std::function<void(const plan::ReplicaKey&, const plan::FailedSimulation&)> failed{};
   bool strict = false;  ///< a failed simulation, even of an earlier session, ends the run
 };

@@ -8,7 +8,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// If the replica makes starts or islands, returns the start's or island's number. Otherwise
+/// If the replica makes starts or islands, returns the number of the start or island. Otherwise
 /// returns the scan's number in archives.
 std::uint64_t place_of(const plan::ReplicaKey& replica, std::uint64_t scan) {
   if (plan::is_search_lane(replica.chain)) return plan::start_number(replica.chain, scan);
@@ -119,7 +119,7 @@ void EventSequence::advance_chains(const plan::Plan& plan, std::vector<events::R
                                                           .swaps = round.swaps,
                                                           .round_trips = round.round_trips}}});
   }
-  // Use a stable sort, because events of one sort are already in order.
+  // Use a stable sort, because events of the same kind are already in order.
   std::ranges::stable_sort(known, {},
                            [](const Known& one) { return std::tuple(one.scans, one.sort); });
   for (Known& one : known)

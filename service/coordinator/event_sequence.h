@@ -3,27 +3,27 @@
 // Events follow from results in logical order, not in the order of arrival:
 //
 //   The search's starts 0, 1, 2, ... come first. Each start has its failures, then its find.
-//   Scans 1, 2, ... of all chains follow. The events of a scan that all chains have made are:
+//   Scans 1, 2, ... of all chains follow. If all chains have made a scan, its events are:
 //     - failures, by (chain, replica, kind);
 //     - solutions that the scan decides, by (chain, scan);
 //     - rounds that end with the scan, by chain.
 //
 // So the chains' events are reported only after the search is over. Search and chains are computed
-// concurrently, but the search goes first and takes little of a run's time.
+// concurrently, but the search has priority and takes little time.
 //
 // Invariants
-//   1. The events up to a frontier are a function of the results up to that frontier. Events don't
-//      depend on how the frontier advances, nor on threads, ranks, killed processes or earlier
+//   1. The events up to a frontier are a function of the results up to that frontier. Nothing else
+//      affects events: not the frontier's steps, threads, ranks, killed processes or earlier
 //      sessions.
-//   2. Reported events are final: a frontier only advances. A longer [stop] adds events. If [stop]
-//      is shorter or fewer finds are requested, there are no events until the run passes the
-//      frontier. If more finds are requested, the search resumes at its frontier, so its new finds
-//      follow the chains' events that were reported before.
-//   3. A failure is reported once per scan and kind, up to k_failures_told_max failures per run.
-//      Progress and summaries also count the failures beyond this maximum.
+//   2. Reported events are final: a frontier only advances. A longer [stop] adds events. With a
+//      shorter [stop] or fewer finds, there are no events until the run passes the frontier. If
+//      more finds are requested, the search resumes at its frontier. Its new finds then follow
+//      chains' events that were already reported.
+//   3. A failure is reported once per scan and kind. At most k_failures_told_max failures are
+//      reported per run, but progress and summaries count all failures.
 //
-// Failure files aren't results: only the failures that arrive first get a file (failure_files.h).
-// Pure, and not thread-safe.
+// Failure files aren't results. The first failures to arrive get a file (failure_files.h). Pure,
+// and not thread-safe.
 #pragma once
 
 #include <compare>
@@ -47,7 +47,7 @@ inline constexpr std::uint64_t k_failures_told_max = 1000;
 
 class EventSequence {
  public:
-  /// Returns the file of the first failure of a kind in a scan. Empty: no file is stored.
+  /// Returns the file of a scan's first failure of this kind. Empty: no file is stored.
   using FileOf = std::function<std::string(const plan::ReplicaKey& replica, base::ScanIndex scan,
                                            plan::FailureKind kind)>;
 
@@ -59,7 +59,8 @@ class EventSequence {
   void consumed(const plan::ReplicaKey& replica, base::ScanIndex first_scan,
                 std::span<const plan::ScanRecord> records);
 
-  /// Returns the new events up to the plan's frontier, without numbers, and advances frontier().
+  /// Returns the new events up to the plan's frontier and advances frontier(). The events have no
+  /// numbers yet.
   std::vector<events::RunEvent> advance(const plan::Plan& plan);
 
   /// Returns the place up to which all events are reported.
@@ -73,11 +74,11 @@ class EventSequence {
     plan::FailureKind kind{};
     friend auto operator<=>(const FailurePlace&, const FailurePlace&) = default;
   };
-  /// Failures beyond the frontier, at most as many as may still be reported.
+  /// Failures beyond the frontier: at most the number that may still be reported.
   using Waiting = std::set<FailurePlace>;
 
   void remember(Waiting& waiting, const FailurePlace& place) const;
-  /// Removes and returns the next failure to report, among those before `end`.
+  /// Returns and removes the next failure to report. Considers only failures before `end`.
   std::optional<events::Failure> next_failure(Waiting& waiting, std::uint64_t end);
   void advance_search(const plan::Plan& plan, std::vector<events::RunEvent>& events);
   void advance_chains(const plan::Plan& plan, std::vector<events::RunEvent>& events);

@@ -35,7 +35,8 @@ FailureFiles::FailureFiles(const std::string& run_folder, std::string request_te
   }
 }
 
-/// A changed or unreadable file still counts towards the maximum, but matches no failure.
+/// A file that was changed or can't be read still counts towards the maximum. It matches no
+/// failure.
 void FailureFiles::describe(Kept& kept) {
   kept.replica.chain = base::ChainId{UINT32_MAX};
   try {
@@ -69,8 +70,8 @@ std::optional<std::string> FailureFiles::keep(const plan::ReplicaKey& replica,
   if (files_.exists(path)) return path;
   if (kept_.size() >= k_failure_files_max) return std::nullopt;
   files_.make_folder(folder_);
-  // Write a temporary file first, so that a killed process leaves no incomplete file under the
-  // final name.
+  // Write a temporary file first. If the process is killed, no incomplete file then has the final
+  // name.
   const std::string unfinished = path + ".tmp";
   base::write_text_file(files_, unfinished,
                         failure_file::to_text({.program_version = std::string(base::version()),

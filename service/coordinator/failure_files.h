@@ -1,6 +1,6 @@
 // Writes failed simulations as files in `<output>.run/failures`, for `sleight replay`.
 //
-// A file's name is the simulation's place in the run, so a failure that arrives twice is written
+// A file's name is the simulation's place in the run. So if a failure arrives twice, it is written
 // once. Not thread-safe.
 #pragma once
 
@@ -22,13 +22,13 @@ class FailureFiles {
   /// Borrows the file system. REQUIRES: `run_folder` exists.
   FailureFiles(const std::string& run_folder, std::string request_text, base::FileSystem& files);
 
-  /// Writes the file with which `sleight replay` repeats a failure, and returns its path. None: the
-  /// run has k_failure_files_max files already. Throws base::Error if the disk fails.
+  /// Writes a file from which `sleight replay` can repeat the failure, and returns the file's path.
+  /// None: the run has k_failure_files_max files already. Throws base::Error if the disk fails.
   std::optional<std::string> keep(const plan::ReplicaKey& replica,
                                   const plan::FailedSimulation& failed);
 
-  /// Returns the path of the file of a scan's first failure of a kind, from any session. Empty:
-  /// there is no file.
+  /// Returns the path of a scan's first failure of this kind, in any session. Empty: there is no
+  /// file.
   std::string path_of(const plan::ReplicaKey& replica, base::ScanIndex scan,
                       plan::FailureKind kind) const;
 
@@ -48,7 +48,7 @@ class FailureFiles {
   static void describe(Kept& kept);
 
   std::vector<Kept> kept_;
-  // The last failure, for numbering the failures of one scan.
+  // The last failure. It serves to number a scan's failures.
   plan::ReplicaKey last_replica_;
   base::ScanIndex last_scan_;
   std::size_t nth_ = 0;

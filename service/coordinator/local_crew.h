@@ -1,4 +1,4 @@
-// Threads of this process that compute blocks: one worker, number 0.
+// Threads of this process that compute blocks. All threads together are worker number 0.
 #pragma once
 
 #include <condition_variable>
@@ -18,13 +18,13 @@ namespace sleight::coordinator {
 inline constexpr core::WorkerId k_local_worker{0};
 
 /// Each thread takes the oldest assignment. Only the driving thread calls send() and receive(). The
-/// threads start with the first assignment. Until then the process may fork in order to read
+/// threads start at the first assignment. Before that, the process may fork in order to read
 /// untrusted files.
 class LocalCrew final : public Crew {
  public:
   /// Borrows the worker. REQUIRES: threads >= 1.
   LocalCrew(const plan::BlockWorker& worker, std::uint32_t threads);
-  /// Waits for running blocks and drops waiting ones.
+  /// Waits for running blocks and drops waiting blocks.
   ~LocalCrew() override;
   LocalCrew(const LocalCrew&) = delete;
   LocalCrew& operator=(const LocalCrew&) = delete;
@@ -33,8 +33,8 @@ class LocalCrew final : public Crew {
   void send(core::WorkerId worker, schema::Assignment assignment) override;
   void send(core::WorkerId worker, const schema::Ping& ping) override;
   std::vector<core::Input> receive(double timeout_s) override;
-  /// Returns whether a thread is running a block. If a run ends while a block is running, the
-  /// program should exit without destroying the crew, because the destructor waits for the block.
+  /// Returns whether a thread is running a block. If a block is running when a run ends, the
+  /// program should exit without destroying the crew: the destructor would wait for the block.
   bool is_busy();
 
  private:

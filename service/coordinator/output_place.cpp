@@ -24,7 +24,7 @@ void refuse_unusable_place(const std::string& output, base::FileSystem& files) {
         fmt::format("{}: the folder is the run store of another output; choose another folder",
                     output));
   }
-  // The archive's temporary file has a name of this form. Try the longest suffix.
+  // Create a file that is named like the archive's temporary file. Try the longest suffix.
   const std::string trial = output + ".tmp.4194304";
   if (const auto file = files.create(trial); !file) {
     throw base::Error(fmt::format("{}: can't write the file: {}", output, file.error().message()));
@@ -47,7 +47,7 @@ void refuse_foreign_file(const std::string& output, const std::vector<std::strin
     ours = std::ranges::any_of(
         beginnings, [&](const std::string& beginning) { return request.starts_with(beginning); });
   } catch (const base::Error& failure) {
-    // The file could be an archive of this run, but can't be read.
+    // The file may be an archive of this run, but it can't be read.
     if (failure.exit_code() == base::ExitCode::environment) throw;
   }
   if (ours) return;

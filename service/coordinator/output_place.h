@@ -10,17 +10,17 @@
 
 namespace sleight::coordinator {
 
-/// Throws base::Error if no archive can be written to `output`, so that a run fails at its start
-/// and not after an hour of computing. ExitCode::usage: `output` names no file.
+/// Throws base::Error if no archive can be written to `output`. A run then fails at its start, not
+/// after an hour of computing. ExitCode::usage: `output` names no file.
 void refuse_unusable_place(const std::string& output, base::FileSystem& files);
 
-/// Returns the possible beginnings of the request text in archives of this run, including archives
-/// with only finds.
+/// Returns the possible beginnings of the request text in an archive of this run. The archive may
+/// have only finds.
 std::vector<std::string> beginnings_of(const request::DirectionRequest& request);
 
-/// Throws base::Error(conflict) if the file is not an archive, or if its request begins with none
-/// of `beginnings`: somebody else put that file there. Throws base::Error(environment) if the file
-/// can't be read. REQUIRES: the file exists.
+/// Throws base::Error(conflict) if somebody else put the file there: it isn't an archive, or its
+/// request has none of the `beginnings`. Throws base::Error(environment) if the file can't be read.
+/// REQUIRES: the file exists.
 void refuse_foreign_file(const std::string& output, const std::vector<std::string>& beginnings);
 
 }  // namespace sleight::coordinator

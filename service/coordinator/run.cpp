@@ -43,7 +43,7 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   if (!fresh || !has_run) return;
   if (files.exists(output)) refuse_foreign_file(output, {""});
   logging::info(fmt::format("--fresh: deleting the earlier run of {}", output));
-  // Delete the archive first: an archive without its store would be refused above.
+  // Delete the archive first. If only the store were deleted, the archive would be refused above.
   files.remove(output);
   // Next, delete the database before its log. A database without its log may be inconsistent.
   for (const char* suffix : {"", "-wal", "-shm"}) {
@@ -55,8 +55,8 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   files.remove(events::old_event_log_path(folder));
 }
 
-/// Deletes unfinished archives of killed processes. No other process writes while the lock is held.
-/// If a file can't be deleted, logs a warning and continues.
+/// Deletes unfinished archives that killed processes left. While the lock is held, no other process
+/// writes. If a file can't be deleted, logs a warning and continues.
 void remove_leftovers(const std::string& output, base::FileSystem& files) {
   const std::string folder = base::directory_of(output);
   const std::string beginning = output.substr(output.find_last_of('/') + 1) + ".tmp.";
@@ -94,7 +94,7 @@ void say_stopping() {
                   k_stop_grace_s));
 }
 
-/// Reports if the new archive has fewer scans than the store, because an earlier session made more.
+/// If an earlier session made more scans than this archive has, says so.
 void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
                           std::uint64_t scans) {
   std::optional<std::uint64_t> stored;
@@ -109,7 +109,7 @@ void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
                   output, scans, *stored));
 }
 
-/// Stores failures as files, and logs only the first one. Progress and summary count all failures.
+/// Stores failures as files. Logs only the first failure. Progress and summary count all failures.
 class FailureNotes {
  public:
   FailureNotes(const std::string& folder, const std::string& request_text, base::FileSystem& files)
@@ -194,7 +194,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
   checkpoints.stop();
   run_events.advance(inputs.plan);
 
-  // Derive the archive of the scans that all chains have.
+  // Derive an archive of the scans that every chain has.
   RunSummary summary{.end = outcome.end,
                      .scans = outcome.reached.scans,
                      .found = outcome.reached.found,
@@ -207,7 +207,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
   if (summary.scans > 0 || summary.found > 0) {
     run_events.say(k_writing);
     WritingWords words([&](const std::string& phase) { run_events.say(phase); }, inputs.clock);
-    // After a stop request the run still writes its archive, unless the signal is repeated.
+    // After a stop request, the run still writes its archive. A second signal prevents this.
     const bool is_stopping = summary.end == DriveEnd::stop_requested;
     try {
       std::tie(summary.digest, summary.scans) = archive_of(
@@ -239,7 +239,7 @@ events::End end_of(const RunSummary& summary) {
   return events::End::simulation_failed;
 }
 
-/// Returns a sentence for people that explains the end. Empty: the end needs no explanation.
+/// Explains the run's end to people in one sentence. Empty: no explanation is needed.
 std::string words_of(const RunSummary& summary) {
   if (summary.is_archive_given_up)
     return "stopped while writing the archive; any previous archive is unchanged";

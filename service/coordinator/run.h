@@ -1,10 +1,10 @@
 // Carries out one run, from request to archive, on this machine: reserves the output, resumes an
 // earlier session's run, drives the plan and derives the archive.
 //
-// A run with output `ball.h5` has two parts: the archive `ball.h5`, which is derived and replaced
-// atomically, and the folder `ball.h5.run` with the run store and the failed simulations
-// (failure_files.h). A deleted archive can be derived again. A run whose folder was deleted can't
-// be resumed, and only the archive's contents remain.
+// A run with output `ball.h5` has two parts: the archive `ball.h5` and the folder `ball.h5.run`.
+// The folder has the run store and the failed simulations (failure_files.h). The archive is derived
+// from the run store and replaced atomically. If the archive is deleted, it can be derived again.
+// If the folder is deleted, the run can't be resumed, and only the archive remains.
 #pragma once
 
 #include <cstdint>
@@ -30,13 +30,13 @@ struct RunInputs {
   const request::DirectionRequest& request;
   const archive::StateReader& reader;
   plan::Plan& plan;  ///< fresh
-  /// Returns a fresh plan that ends at a cut, to learn again from the scans of an archive.
+  /// Returns a fresh plan that ends at a cut. The plan learns again from an archive's scans.
   std::function<std::unique_ptr<plan::Plan>(const request::Cut& cut)> plan_of;
   Crew& crew;
   const base::Clock& clock;
-  /// File access for the output and the archive. SQLite accesses the run store's files by itself.
+  /// Gives access to the output's files. SQLite itself accesses the run store's files.
   base::FileSystem& files;
-  /// The program's results version. Only the version that began a run can resume it.
+  /// The program's results version. A run can be resumed only by the version that began it.
   std::string results_version;
 };
 
@@ -45,14 +45,14 @@ struct RunOptions {
   bool fresh = false;       ///< delete an earlier run of this output
   double time_limit_s = 0;  ///< 0: no limit
   std::function<bool()> stop_requested{};
-  /// Receives all events (run_events.h) in the calling thread. May be empty. Other processes read
+  /// Receives all events (run_events.h) in the calling thread. May be empty. Other processes find
   /// the same events in the run's folder (common/store/told_events.h).
   std::function<void(const events::RunEvent&)> hear{};
   /// Interval of run checkpoints (checkpoints.h). 0: none.
   double checkpoint_every_s = 60;
   bool strict = false;  ///< a failed simulation ends the run
-  /// Receives the session's end once, after the attempt to store it. May be empty. Not called if
-  /// the session is refused before opening the store.
+  /// Receives the session's end once, after the end was stored or storing failed. May be empty. Not
+  /// called if the session was refused before the store was opened.
   std::function<void(const events::RunEnd&)> ended{};
 };
 
@@ -69,11 +69,11 @@ struct RunSummary {
   Handling handling{};
 };
 
-/// Throws base::Error: conflict if the output belongs to another request, another results version,
-/// a running process or an unknown owner; environment if the disk fails.
+/// Throws base::Error(conflict) if the output belongs to another request, another results version,
+/// a running process or an unknown owner. Throws base::Error(environment) if the disk fails.
 RunSummary run_request(const RunInputs& inputs, const RunOptions& options);
 
-/// Returns the exit code of a program whose run ended in this way.
+/// Returns the exit code for a run that ended in this way.
 base::ExitCode exit_code_of(DriveEnd end);
 
 std::string run_folder(const std::string& output);

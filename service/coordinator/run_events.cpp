@@ -71,8 +71,8 @@ void RunEvents::ended(std::uint64_t number, const events::RunEnd& end) {
   tell({.number = number, .what = end});
 }
 
-/// Calls the listener before starting the log's thread, because the process may rely on having one
-/// thread until the listener has returned.
+/// Calls the listener before the log's thread starts. Until the listener has returned, the process
+/// may rely on having only one thread.
 void RunEvents::tell(events::RunEvent event) {
   if (hear_) hear_(event);
   log(std::move(event));

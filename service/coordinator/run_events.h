@@ -1,5 +1,5 @@
-// Reports what happens in a run to its watchers: to a listener in this process, and to other
-// processes by a log (common/events/event_log.h) and the store in the run's folder.
+// Reports a run's events. A listener in this process receives the events; other processes read the
+// log (common/events/event_log.h) and the store in the run's folder.
 //
 // Data flow:
 //   drive ──results, plan──▶ EventSequence ──▶ RunStore: numbered, committed after the results
@@ -8,9 +8,9 @@
 //     └───────────────────────────────────▶ a thread ──▶ events.log
 //
 // Invariants
-//   1. A numbered event is reported after it and its results are committed.
-//   2. The driving thread never waits for the log. The log omits lines that a slow disk does not
-//      accept in time. Readers restore the numbered lines from the store (store/told_events.h).
+//   1. Before a numbered event is reported, the event and its results are committed.
+//   2. The driving thread never waits for the log. If the disk is too slow, the log omits lines.
+//      Readers restore the numbered lines from the store (store/told_events.h).
 //   3. The listener is called only in the thread that calls this class.
 //   4. The log's thread starts with the first event, after the listener has received it.
 //
@@ -39,7 +39,7 @@ namespace sleight::coordinator {
 
 /// Interval at which progress is logged. The listener receives all progress.
 inline constexpr double k_progress_logged_every_s = 1;
-/// Maximum lines that wait to be written to the log.
+/// Maximum lines that aren't yet written to the log.
 inline constexpr std::size_t k_lines_waiting_max = 10'000;
 
 class RunEvents {
@@ -58,8 +58,8 @@ class RunEvents {
   void show(const events::Progress& progress);
   void archive_written(events::ArchiveWritten archive);
 
-  /// Like EventSequence's functions. Call consumed() with results in the order in which they are
-  /// put into the store, then advance() with the plan that has consumed them.
+  /// Like EventSequence's functions. Call consumed() with results in the order of the store. Then
+  /// call advance() with the plan that has consumed these results.
   void consumed(const plan::ReplicaKey& replica, base::ScanIndex first_scan,
                 std::span<const plan::ScanRecord> records);
   void advance(const plan::Plan& plan);

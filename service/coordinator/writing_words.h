@@ -1,8 +1,8 @@
-// Describes the progress of writing an archive for people: "writing the archive: 1,200 of 5,000
-// draws (24%)  0:12 left  310 draws/s".
+// Tells people how far the writing of an archive is: "writing the archive: 1,200 of 5,000 draws
+// (24%) 0:12 left 310 draws/s".
 //
-// Messages are at least k_writing_said_every_s apart, so a short part may have no message. Not
-// thread-safe.
+// The time between messages is at least k_writing_said_every_s. So if a part is short, it may have
+// no message. Not thread-safe.
 #pragma once
 
 #include <functional>

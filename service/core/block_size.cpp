@@ -17,7 +17,7 @@ plan::BlockLimits BlockSize::limits(const Threads& threads, std::uint64_t scans_
   const double scans = std::clamp(wanted_s / cost_s, 1.0, most);
   const double of_one =
       std::clamp(std::max(static_cast<double>(scans_max), least_s / cost_s), 1.0, scans);
-  // Limit the threads to the number that the coordinator can supply with a split ladder's blocks.
+  // Limit the threads: the coordinator can supply only `fed` threads with blocks of a split ladder.
   const double fed = std::max(1.0, k_part_scans * cost_s / options_.handling_s);
   const double whole = std::min<double>(options_.scans_max, options_.whole_s_max / cost_s);
   return {.unit_scans_max = static_cast<std::uint32_t>(of_one),

@@ -11,7 +11,7 @@
 
 namespace sleight::core {
 
-/// A process that computes blocks, with one or more threads.
+/// A process that computes blocks. It has at least one thread.
 using WorkerId = base::Id<struct WorkerTag, std::uint32_t>;
 
 /// A worker has joined. In a new incarnation the worker has lost its earlier assignments.
@@ -24,7 +24,7 @@ struct Joined {
 struct Left {
   WorkerId worker;
 };
-/// A worker has run an assignment, or reports that it lacks a state.
+/// A worker has run an assignment or reports that it lacks a state.
 struct Delivered {
   WorkerId worker;
   schema::Delivery delivery;
@@ -48,7 +48,7 @@ struct Assign {
   WorkerId worker;
   schema::Assignment assignment;
 };
-/// Ask a worker for its assignments, because it has been silent for too long.
+/// Ask a worker for its assignments. The worker has been silent for too long.
 struct Ask {
   WorkerId worker;
   schema::Ping ping;

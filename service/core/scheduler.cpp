@@ -61,13 +61,13 @@ void Scheduler::take(Delivered& input) {
     ++counts_.refused;
     return;
   }
-  // Results are right even if the worker has been replaced.
+  // The results are right even if the worker has been replaced since.
   const auto task = tasks_.find(given->second.task);
   std::optional<plan::Block> block;  // The block that the results complete.
   if (task == tasks_.end()) {
     ++counts_.refused;
   } else if (delivery.results.empty()) {
-    // The worker lacks a state, so the next worker gets the state as bytes.
+    // The worker lacks a state. The next worker gets the state's bytes.
     ++counts_.states_missing;
     task->second.preferred.reset();
     for (const plan::Unit& member : task->second.block.members) {
@@ -79,7 +79,8 @@ void Scheduler::take(Delivered& input) {
     block = std::move(task->second.block);
     done(task->first);
   }
-  // If this delivery hasn't completed the block, the block waits again, or is dropped after a stop.
+  // If this delivery hasn't completed the block, the block waits again. After a stop, it is dropped
+  // instead.
   end_lease(delivery.assignment);
   take_back(delivery.assignment);
   if (block) accept(input.worker, *block, std::move(delivery.results));
@@ -133,7 +134,7 @@ void Scheduler::take(const Answered& input) {
   if (found == workers_.end() || input.pong.epoch != options_.epoch) return;
   heard(input.worker);
 
-  // A missing assignment was lost on the way to the worker, or its result was lost on the way back.
+  // If the worker doesn't list an assignment, either the assignment or its result was lost.
   const std::set<AssignmentId> has(input.pong.assignments.begin(), input.pong.assignments.end());
   const std::set<AssignmentId> before_it = found->second.before_it;
   for (const AssignmentId id : before_it) {
@@ -159,7 +160,7 @@ void Scheduler::take(const Tick& input) {
   if (now_s_) {
     CHECK_GE(input.now_s, *now_s_);
   } else {
-    // The first tick sets the clock, so shift the leases given out before it.
+    // The first tick sets the clock. Shift the leases that were given out before this tick.
     for (const auto& [end_s, id] : std::exchange(leases_, {})) {
       assignments_.at(id).lease_end_s += input.now_s;
       leases_.emplace(assignments_.at(id).lease_end_s, id);
@@ -204,8 +205,8 @@ void Scheduler::heard(WorkerId id) {
   threads_ += found->second.threads;
   silent_.erase(id);
   place(id);
-  // The worker may have lost assignments. Renew their ended leases, so that the scheduler asks
-  // about them when the leases end again.
+  // The worker may have lost assignments. Renew their ended leases. When the leases end again, the
+  // scheduler asks about the assignments.
   for (const AssignmentId assignment : found->second.before_it) {
     const Given& given = assignments_.at(assignment);
     if (leases_.contains({given.lease_end_s, assignment})) continue;
@@ -280,11 +281,11 @@ void Scheduler::place(WorkerId id) {
 }
 
 void Scheduler::fetch() {
-  // With several workers, a block may wait for the worker that holds its states.
+  // If there are several workers, a block may wait for the worker that holds its states.
   const std::size_t wanted = workers_.size() > 1 ? k_lookahead : 1;
   while (waiting_.size() < wanted) {
-    // Limit units to the number of scans that all chains have. So the chains' numbers of scans
-    // differ at most by a factor of two, and an early stop leaves results of every chain.
+    // A unit gets at most as many scans as every chain already has. So chains differ at most by a
+    // factor of two in their scans, and an early stop leaves results of every chain.
     const std::uint64_t blocks = assignments_.size() + waiting_.size() + 1;
     const BlockSize::Threads threads{.all = threads_, .at_work = std::min(threads_, blocks)};
     std::optional<plan::Block> block =
@@ -303,7 +304,8 @@ void Scheduler::hand_out(std::optional<WorkerId> heard_of) {
   while (!roomy_.empty() && roomy_.begin()->first < 1) {
     const WorkerId worker = roomy_.begin()->second;
     if (!has_work()) {
-      // Smaller blocks of a ladder leave more work to other threads. Blocks of plain chains don't.
+      // If a ladder's blocks are smaller, other threads get more work. Blocks of plain chains
+      // don't.
       if (heard_of && splits_ladders_) size_.starved();
       return;
     }
@@ -379,7 +381,8 @@ void Scheduler::give(WorkerId id, TaskId task_id) {
   task.leases.insert(assignment);
   if (task.given++ > 0) ++counts_.copies;
 
-  // If the worker made the state last, send only its version (the member's first scan).
+  // If the worker was the last to make the state, send only the state's version, which is the
+  // member's first scan.
   std::vector<plan::GivenState> states;
   for (const plan::Unit& member : task.block.members) {
     plan::GivenState& state = states.emplace_back();

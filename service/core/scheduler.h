@@ -1,35 +1,36 @@
 // The scheduler decides which worker runs which block, as a pure state machine. Each step takes an
 // input and returns effects. The scheduler uses no network, disk, clock or thread. The scheduler
-// tracks the plan's units, the versions of states, and which worker holds which state.
+// knows the plan's units, the versions of states, and which worker holds which state.
 //
 // Idea. The scheduler requests blocks from the plan, gives each block to a worker, and accepts each
 // block's first result from any worker. A result is a pure function of its block, so several
-// workers may run the same block: if a worker is silent for too long (its lease ends), another
-// worker gets the block too. A state's version is the number of the scan that follows it. A state
-// is sent as bytes unless the worker made it last.
+// workers may run the same block. If a worker is silent for too long, its lease ends, and another
+// worker also gets the block. A state's version is the number of the scan that follows it. If the
+// worker was the last to make the state, the state's version is sent, otherwise its bytes.
 //
 //   plan ── block ──▶ waiting ──▶ given out ──▶ first result: stored, into the plan
 //                        ▲            │
 //                        └── lease ends, worker leaves or doesn't have it
 //
 // Invariants
-//   1. Exactly one result of each block reaches the plan and is stored. Repeated, late or foreign
-//      results, and results of another epoch, change nothing.
-//   2. A block that is not done either waits or is assigned under a running lease. So after any
-//      failures of workers and messages, the block completes if some worker eventually answers.
-//   3. By the scheduler's count, a worker has at most threads * blocks_per_thread assignments. A
-//      silent worker gets no assignments until it sends a message. Each assignment of a worker that
-//      isn't silent has a lease, so the scheduler asks about lost assignments.
-//   4. Effects are a function of the inputs' order alone.
+//   1. Exactly one result of each block reaches the plan and is stored. Other results change
+//      nothing: repeated, late or foreign results, and results of another epoch.
+//   2. Until a block is done, it either waits or is assigned under a running lease. So whichever
+//      workers or messages fail, the block completes if some worker eventually answers.
+//   3. As far as the scheduler knows, a worker has at most threads * blocks_per_thread assignments.
+//      A silent worker gets no assignments until it sends a message. If a worker isn't silent, each
+//      of its assignments has a lease. So the scheduler asks about lost assignments.
+//   4. Effects depend only on the order of inputs.
 //
 // A step decides in this order:
 //   1. Process the input. A result changes the plan and the states, and leads to a Keep, before
 //      anything is assigned.
-//   2. While a worker has an idle thread, and a block waits or the plan has one, choose the worker
-//      with the fewest assignments per thread (the lowest id among equals). Among the oldest
-//      blocks, give the worker the first that prefers this worker or was passed over too often;
-//      otherwise the oldest block. A block prefers the worker that holds most of its states.
-//   3. While the worker that sent the input has room, give blocks to it in the same way. Stop at a
+//   2. This step repeats while a worker has an idle thread, and a block waits or the plan has one.
+//      Choose the worker with the fewest assignments per thread; among equals, the lowest id. Look
+//      through the oldest blocks for one that prefers this worker or was passed over too often.
+//      Give the worker the first such block; if there is none, the oldest block. A block prefers
+//      the worker that holds most of its states.
+//   3. While the worker that sent the input has room, give it blocks in the same way. Stop at a
 //      block that prefers another worker.
 //
 // Not thread-safe.
@@ -52,23 +53,23 @@ namespace sleight::core {
 struct SchedulerOptions {
   std::uint64_t epoch = 1;  ///< Epoch of the run store, which assignments and deliveries carry.
   BlockSizeOptions size{};
-  /// Number of blocks that wait at a worker for each of its threads, so that the thread need not
-  /// wait for a message. 0 if a scan takes longer than ahead_s_max.
+  /// Number of blocks that wait at a worker for each of its threads. With such a block, the thread
+  /// need not wait for a message. 0 if a scan takes longer than ahead_s_max.
   std::uint32_t blocks_ahead = 1;
   double ahead_s_max = 0.1;
-  /// A lease is at least lease_s, and at least lease_factor times the expected duration of the
-  /// worker's work.
+  /// A lease lasts at least lease_s. A lease also lasts at least lease_factor times the expected
+  /// duration of the worker's work.
   double lease_s = 30;
   double lease_factor = 20;
   /// Interval at which a silent worker is asked for its assignments.
   double ask_every_s = 5;
 };
 
-/// The scheduler looks through this many waiting blocks for one whose states the worker holds.
+/// The scheduler searches this many waiting blocks for one that prefers the worker.
 inline constexpr std::size_t k_lookahead = 32;
-/// Maximum number of times that a block is passed over for others.
+/// Maximum number of times that other blocks overtake a block.
 inline constexpr std::uint32_t k_passed_over_max = 64;
-/// Each earlier copy of a block doubles the lease, at most this many times.
+/// Each earlier copy of a block doubles the lease. There are at most this many doublings.
 inline constexpr std::size_t k_lease_doublings_max = 10;
 
 struct Counts {
@@ -83,18 +84,19 @@ struct Counts {
 
 class Scheduler {
  public:
-  /// Borrows the plan; nothing else may drive it. REQUIRES: the plan is fresh; or it has consumed
-  /// the run store's results, and resume() sets their states before the first step.
+  /// Borrows the plan; nothing else may drive it. REQUIRES: either the plan is fresh, or it has
+  /// consumed the run store's results and resume() sets their states before the first step.
   Scheduler(plan::Plan& plan, const SchedulerOptions& options);
 
-  /// Sets the state from which a replica continues at scan `next_scan`.
+  /// Sets a replica's state. The replica continues from this state at scan `next_scan`.
   void resume(const plan::ReplicaKey& replica, std::uint64_t next_scan, base::Bytes state);
 
   std::vector<Effect> step(Input input);
 
-  /// Whether the plan is finished, or a stop was requested and all assignments have come back.
+  /// Whether the run has ended: the plan is finished, or all assignments have come back after a
+  /// stop request.
   bool ended() const { return plan_.finished() || (stopping_ && tasks_.empty()); }
-  /// Number of threads of the workers that aren't silent.
+  /// Number of threads, without those of silent workers.
   std::uint64_t threads() const { return threads_; }
   std::size_t given_out() const { return assignments_.size(); }
   const Counts& counts() const { return counts_; }

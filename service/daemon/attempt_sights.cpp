@@ -16,7 +16,7 @@
 namespace sleight::daemon {
 namespace {
 
-/// With less free space than this, a failure of the environment counts as a full disk.
+/// If less space is free than this, a failure of the environment counts as a full disk.
 constexpr std::uint64_t k_full_below_bytes = std::uint64_t{16} << 20U;
 
 jobs::EndKind end_kind_of(events::End end) {
@@ -50,7 +50,7 @@ AttemptSights::AttemptSights(Parts parts) : parts_(std::move(parts)) {}
 
 WatchedRun AttemptSights::watch(jobs::JobId job, bool is_found) {
   WatchedRun run{.since_s = parts_.clock.now_s(), .is_found = is_found};
-  // Version of the program that was started. The program may have been replaced since.
+  // Version of the program that was started. The file may have been replaced since.
   run.results_version = is_found ? run_results_version(job) : results_version_;
   const auto& progress = parts_.feeds.of(job).progress();
   run.scans_before = progress ? progress->scans_done : 0;
@@ -124,7 +124,7 @@ std::string AttemptSights::run_results_version(jobs::JobId job) const {
   }
 }
 
-/// Returns what prevented a run from continuing. None: the run itself was at fault.
+/// Returns what prevented a run from continuing. None: the run itself failed.
 jobs::Hindrance AttemptSights::hindrance_of(jobs::JobId job, const keeper::AttemptEnd& end) const {
   const bool said_why = end.run_end && end.run_end->end == events::End::failed;
   const base::ExitCode code = said_why ? end.run_end->exit_code : base::ExitCode::ok;
@@ -156,7 +156,7 @@ jobs::Ended AttemptSights::ended(jobs::JobId job, const keeper::AttemptRecord& r
                     .results_version = run_results_version(job)};
   if (!end.run_end) {
     ended.words = signal_words(end);
-    // The program was stopped before it could handle the signal, so the signal killed it.
+    // The program couldn't handle the signal yet, so the signal killed it.
     if (end.stop_asked && end.signal == SIGUSR1) ended.kind = jobs::EndKind::stop_requested;
     return ended;
   }

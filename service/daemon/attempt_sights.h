@@ -1,5 +1,5 @@
-// Reads jobs' folders and creates the reports on attempts for the machine of jobs: a run's
-// progress, its end, and what prevents it from continuing. Thread safety: only the loop's thread
+// Reads jobs' folders and reports on attempts to the machine of jobs. A report tells a run's
+// progress, its end, or what prevents it from continuing. Thread safety: only the loop's thread
 // makes calls.
 #pragma once
 
@@ -16,17 +16,18 @@
 
 namespace sleight::daemon {
 
-/// Memory of a job's process without its cache.
+/// Memory that a job's process needs without its cache.
 inline constexpr std::uint64_t k_process_bytes = std::uint64_t{256} << 20U;
-/// Intervals at which runs are inspected: before a run's first commit, and later.
+/// Intervals at which a run is inspected: the first applies before the run's first commit, the
+/// second later.
 inline constexpr double k_look_young_s = 0.1;
 inline constexpr double k_look_s = 1;
-/// Interval of reports to the machine about a running job.
+/// Interval at which a running job is reported to the machine.
 inline constexpr double k_tell_running_s = 5;
 /// Interval at which the size of a job's folder is measured.
 inline constexpr double k_measure_s = 10;
 
-/// A running job as it was last seen.
+/// What the last inspection of a running job showed.
 struct WatchedRun {
   double since_s = 0;     ///< time of the launch, or when the run was found
   bool is_found = false;  ///< an earlier daemon launched it at an unknown time
@@ -54,7 +55,7 @@ class AttemptSights {
 
   WatchedRun watch(jobs::JobId job, bool is_found);
   jobs::Running running(jobs::JobId job, WatchedRun& run);
-  /// Returns a report on the run if an inspection is due and the machine needs the report.
+  /// If an inspection is due, inspects the run. Returns a report if the machine needs one.
   std::optional<jobs::Running> news(jobs::JobId job, WatchedRun& run, double now_s);
 
   /// REQUIRES: the record has an end.
@@ -65,7 +66,7 @@ class AttemptSights {
   jobs::LaunchFailed launch_failed(jobs::JobId job, jobs::Attempt attempt,
                                    const std::string& words) const;
 
-  /// Returns a note for the machine if the programs were replaced since the last call. The first
+  /// If the programs were replaced since the last call, returns a note for the machine. The first
   /// call always returns a note.
   std::optional<jobs::BackendNote> look_at_programs();
 

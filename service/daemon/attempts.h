@@ -1,9 +1,10 @@
 // The daemon's side of a backend: carries out the machine's effects on attempts, and reports the
-// attempts' states. There are two implementations. local_attempts.h is for this machine and notices
-// a keeper's end at once. system_attempts.h is for batch systems, which it queries periodically.
+// attempts' states. There are two implementations. local_attempts.h runs attempts on this machine
+// and notices a keeper's end at once. system_attempts.h runs them in a batch system and queries the
+// system periodically.
 //
-//   `Launch` writes request.toml and starts a keeper, whose record leads to Launched.
-//   `Look` asks for the attempt's state, which is reported as a Sight.
+//   `Launch` writes request.toml and starts a keeper. The keeper's record leads to Launched.
+//   `Look` leads to a Sight, at once or soon.
 //   `Stop` sends a signal to the keeper.
 //
 // Thread safety: only the loop's thread makes calls. launch(), stop() and look() never call `hear`
@@ -39,8 +40,7 @@ class Attempts {
   virtual void stop(const jobs::Stop& stop) = 0;
   virtual void look(const jobs::Look& look) = 0;
 
-  /// Returns a note if programs were replaced since the last call
-  /// (AttemptSights::look_at_programs).
+  /// Returns AttemptSights::look_at_programs().
   virtual std::optional<jobs::BackendNote> look_at_programs() = 0;
 
   /// Returns the number of attempts whose end is awaited.

@@ -97,10 +97,10 @@ void AuditLog::tell_more(double now_s) {
   }
 }
 
-/// Opens the file. After a failure, each further line calls this function again.
+/// Opens the file. If this function fails, it is called again for each further line.
 void AuditLog::open_file() {
   const std::string path = folder_ + "/audit.log";
-  // O_NONBLOCK: opening a pipe would block the daemon.
+  // O_NONBLOCK: if the file is a pipe, opening it must not block the daemon.
   file_.reset(::open(path.c_str(),
                      O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600));
   const int error = file_ ? EINVAL : errno;
@@ -125,8 +125,8 @@ void AuditLog::write(const std::string& line) {
   if (lost_ > 0)
     whole = text_of({{"time", time_now()}, {"call", "lines were lost"}, {"times", lost_}});
   whole += line;
-  // Write a line with one call, so that a killed daemon leaves only whole lines, except perhaps the
-  // last one.
+  // Write a line with one call. If the daemon is killed, all lines are then whole, except perhaps
+  // the last.
   const ssize_t put = file_ ? ::write(file_.get(), whole.data(), whole.size()) : -1;
   if (put == static_cast<ssize_t>(whole.size())) {
     lost_ = 0;

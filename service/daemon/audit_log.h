@@ -3,20 +3,20 @@
 //   {"time":"2026-11-27T14:05:09Z","call":"submit","user":1000,"from":"192.0.2.7:50312",
 //    "token":"7k2m9q4x1c","of":"2 jobs","outcome":"done","made":"17 18"}.
 //
-//   `call` is login, submit, a change's kind (cancel, set_priority), fetch, drain, stop, or one of
-//          create_token, list_tokens, revoke_token.
+//   `call` is login, submit, fetch, drain, stop, create_token, list_tokens, revoke_token, or a
+//          change's kind such as cancel or set_priority.
 //   `from` is a peer's address, or "process 4242" of this machine.
 //   `token` is absent for calls over the Unix socket.
-//   `outcome` is "done", or the refusal's kind and sentence.
+//   `outcome` is "done". If the call was refused, `outcome` is the refusal's kind and sentence.
 //
 // When `audit.log` is full, it is renamed to `audit.old.log`. A rate limit prevents users from
 // pushing out older lines. For each kind of call, a user can cause k_audit_burst lines at once,
-// then one per ten seconds. Further lines are only counted, and the count is logged periodically as
-// {"call":"pin","user":1000,"more":812}.
+// then one line per ten seconds. Further lines are only counted. The count is logged periodically
+// as {"call":"pin","user":1000,"more":812}.
 //
-// Logins with wrong tokens are logged at most once per second, with their count. If the file can't
-// be written, lines are lost but calls continue. The daemon's log reports the failure, and the
-// number of lost lines is logged once writing works again.
+// If logins have wrong tokens, their count is logged at most once per second. If the file can't be
+// written, lines are lost but calls continue. The daemon's log reports the failure. Once writing
+// works again, the number of lost lines is logged.
 //
 // Thread safety: one thread.
 #pragma once
@@ -47,7 +47,7 @@ class AuditLog {
   void note(const rpc::Caller& caller, const rpc::AuditLine& line);
   /// Logs a login with a wrong token.
   void note_stranger(const std::string& address);
-  /// Logs the pending counts of wrong tokens and of lines beyond the rate limit.
+  /// Logs how many wrong tokens and how many lines beyond the rate limit haven't been logged yet.
   void flush();
 
  private:

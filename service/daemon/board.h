@@ -1,6 +1,5 @@
-// The board shows the durable state of all jobs, which is what clients see. The state machine
-// of jobs may already contain changes that are still being saved, and that the board lacks. Thread
-// safety: one thread.
+// The board has the durable state of all jobs. Clients see only this state. The machine of jobs may
+// be ahead of the board by changes that are still being saved. Thread safety: one thread.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +12,7 @@
 
 namespace sleight::daemon {
 
-/// A job, and its request's data without the text.
+/// A job and what is known about its request, without the request's text.
 struct Posted {
   jobs::Job job{};
   StoredRequest asked{};      ///< without its text
@@ -25,7 +24,7 @@ class Board {
   Board() = default;
   explicit Board(const StoredJobs& stored);
 
-  /// Applies a durable save. Returns the jobs that the save changed.
+  /// Applies a durable save. Returns the changed jobs.
   std::vector<jobs::JobId> take(const Save& save);
 
   /// Null: the job doesn't exist or is being deleted.

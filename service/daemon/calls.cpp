@@ -23,7 +23,7 @@ rpc::Refusal not_there(rpc::JobId job, bool was_there) {
           .what_to_do = "`sleight list` shows existing jobs."};
 }
 
-/// Returns whether the list request selects the job.
+/// Returns whether this call of `list` selects the job.
 bool matches(const rpc::ListAsk& ask, const Posted& posted) {
   const jobs::Job& job = posted.job;
   if (ask.group && job.group.value != ask.group->value) return false;
@@ -34,7 +34,7 @@ bool matches(const rpc::ListAsk& ask, const Posted& posted) {
   return ask.name_part.empty() || job.name.find(ask.name_part) != std::string::npos;
 }
 
-/// A cursor is the id of the last job on its page.
+/// A cursor is the id of the last job on the previous page.
 std::optional<std::uint64_t> id_of_cursor(const std::string& cursor) {
   std::uint64_t id = 0;
   const char* end = cursor.data() + cursor.size();
@@ -81,7 +81,7 @@ Calls::Calls(rpc::Loop& loop, JobRunner& runner, Tokens& tokens, ServerFacts fac
                  .sleight = runner.options().programs.sleight}) {}
 
 bool Calls::is_operator(const rpc::Caller& caller) const {
-  // Require the scope, so that a restricted token of an operator doesn't see all jobs.
+  // Require the scope: with a restricted token, even an operator doesn't see all jobs.
   return caller.scopes.has(rpc::Scope::operate) && (caller.user == 0 || caller.user == ::geteuid());
 }
 
@@ -159,8 +159,8 @@ void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
     submissions.push_back(
         {.submit = {.token = 0,
                     .user = jobs::UserId{caller.user},
-                    // Give each job of a group its own key, so that the machine recognises each one
-                    // in a repeated submission.
+                    // Give each job of a group its own key. If the submission is repeated, the
+                    // machine then recognises each job.
                     .client_key = submission.key.empty() ? std::string()
                                   : is_group             ? fmt::format("{}/{}", submission.key, i)
                                                          : submission.key,
@@ -231,7 +231,7 @@ void Calls::list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::Jo
   reply.answer(std::move(page));
 }
 
-/// `with_progress` adds an active run's progress, for which its log may have to be read.
+/// `with_progress` adds an active run's progress. The run's log may have to be read for this.
 rpc::JobView Calls::view(const Posted& posted, bool with_progress) {
   const events::Progress* progress = nullptr;
   if (with_progress && jobs::is_active(posted.job.state)) {
@@ -241,7 +241,7 @@ rpc::JobView Calls::view(const Posted& posted, bool with_progress) {
   return view_of({.posted = posted, .machine = runner_.machine(), .progress = progress});
 }
 
-/// Adds a failed job's last output and the command that repeats the failure.
+/// Adds a failed job's last output, and the command to repeat the failure.
 void Calls::add_end(rpc::JobView& view, const Posted& posted) const {
   if (posted.job.state != jobs::State::failed) return;
   try {
@@ -314,7 +314,7 @@ void Calls::logs(const rpc::Caller& caller, rpc::LogAsk ask, rpc::Reply<rpc::Log
   }
 }
 
-/// Returns the request of an extended job. None: the machine no longer has the job, and will refuse
+/// Returns the request of an extended job. None: the machine no longer has the job and will refuse
 /// the change.
 base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
     jobs::JobId job, const rpc::Extension& extension) const {
@@ -338,8 +338,8 @@ base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
   return std::optional(std::move(longer).value());
 }
 
-/// Changes each job and answers when all changes are durable. If the target is a single job and
-/// this job can't be changed, the call is refused. In a group, each job has its own answer.
+/// Changes each job and answers when all changes are durable. If the target is a single job that
+/// can't be changed, refuses the call. If the target is a group, answers for each job.
 void Calls::change(const rpc::Caller& caller, rpc::ChangeAsk ask,
                    rpc::Reply<std::vector<rpc::Touched>> reply) {
   const auto found = jobs_of(caller, ask.target);

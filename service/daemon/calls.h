@@ -1,4 +1,4 @@
-// The service's answers to its clients: implements common/rpc's Handler with a JobRunner.
+// Answers the service's clients: implements common/rpc's Handler with a JobRunner.
 //
 // A caller sees and changes only its own jobs; the daemon's user and root see all jobs. Another
 // user's job is reported as not found.
@@ -31,7 +31,7 @@ struct ServerFacts {
   std::vector<rpc::NamedLimit> limits{};
   RequestLimits request_limits{};
   std::uint32_t job_cores = 0;  ///< default for jobs without a wish; 0: whatever is free
-  /// Throws base::Error for options that the backend doesn't support. Empty: it supports none.
+  /// Throws base::Error if the backend doesn't support the options. Empty: it supports none.
   std::function<void(const std::map<std::string, std::string>&)> check_options{};
   std::string backend = "local";
   // The TCP address, if the server listens on TCP.
@@ -65,13 +65,13 @@ class Calls final : public rpc::Handler {
   void revoke_token(const rpc::Caller& caller, std::string id,
                     rpc::Reply<rpc::TokenView> reply) override;
 
-  /// Sets the server's TCP address, for clients that request it.
+  /// Sets the server's TCP address. Clients can request it.
   void listens_at(std::string address, std::string fingerprint);
 
  private:
   bool is_operator(const rpc::Caller& caller) const;
   bool sees(const rpc::Caller& caller, const Posted& posted) const;
-  /// Returns the job as the board shows it, or a refusal if the caller can't see the job.
+  /// Returns the job as the board has it. If the caller can't see the job, returns a refusal.
   base::Result<const Posted*, rpc::Refusal> look_up(const rpc::Caller& caller,
                                                     rpc::JobId job) const;
   base::Result<std::vector<jobs::JobId>, rpc::Refusal> jobs_of(const rpc::Caller& caller,

@@ -1,4 +1,4 @@
-// Implements the part of calls.h about tokens: their limits, and the calls that manage tokens.
+// Implements the calls that manage tokens, and the limits of tokens (calls.h).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace sleight::daemon {
 
-/// Refuses a call that adds `more` unfinished jobs if they would exceed the token's limit. The
-/// user's limits apply as well.
+/// `more`: number of unfinished jobs that a call adds. If the token's limit would be exceeded,
+/// refuses the call. The user's limits also apply.
 std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::size_t more) const {
   if (caller.token_jobs_max == 0) return std::nullopt;
   const auto being = being_submitted_.find(caller.token_id);
@@ -28,8 +28,8 @@ std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::
       .what_to_do = "Wait until some jobs end, or use a token with a higher limit."};
 }
 
-/// If the token has limits, refuses to resume or extend jobs of other tokens, or more jobs than the
-/// token's limit. The token's own jobs already respect its limit of cores.
+/// A token with limits can't resume or extend other tokens' jobs, and no more jobs than its limit
+/// allows. The token's own jobs already respect its limit of cores.
 std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
                                                   const std::vector<jobs::JobId>& jobs) const {
   if (caller.token_jobs_max == 0 && caller.token_cores_max == 0) return std::nullopt;
@@ -48,8 +48,8 @@ std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
   return revived == 0 ? std::nullopt : beyond_token(caller, revived);
 }
 
-/// Applies the token's maximum of cores to a job: refuses a higher wish, and sets a missing wish to
-/// the maximum.
+/// Applies the token's maximum of cores to a job. Refuses a job that requests more. If the job
+/// requests no number of cores, sets the number to the maximum.
 std::optional<rpc::Refusal> Calls::fit_to_token(const rpc::Caller& caller, rpc::JobAsk& ask) {
   const std::uint32_t cores_max = caller.token_cores_max;
   if (cores_max == 0) return std::nullopt;

@@ -26,7 +26,7 @@
 namespace sleight::daemon {
 namespace {
 
-/// Creates the folder, readable only by its owner.
+/// Creates a folder that only its owner can read.
 void make_state_folder(const std::string& state) {
   std::error_code reason;
   std::filesystem::create_directories(state, reason);
@@ -36,7 +36,7 @@ void make_state_folder(const std::string& state) {
   }
 }
 
-/// Returns the state folder's name in batch systems, which is drawn at random the first time.
+/// Returns the state folder's name in batch systems. The first call draws the name at random.
 std::string daemon_id_of(const std::string& state) {
   base::PosixFileSystem files;
   const std::string path = state + "/daemon.id";
@@ -64,7 +64,7 @@ std::string daemon_id_of(const std::string& state) {
 void run_daemon(const DaemonOptions& options) {
   make_state_folder(options.runner.state);
   const std::unique_ptr<store::RunLock> lock = lock_state_folder(options.runner.state);
-  // The audit log must outlive all objects that hold replies, because dropping a reply writes to
+  // If an object holds replies, the audit log must outlive it, because dropping a reply writes to
   // the log.
   base::SteadyClock clock;
   AuditLog audit(options.runner.state, clock);

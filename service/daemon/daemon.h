@@ -1,18 +1,20 @@
-// The whole daemon: its state folder with its jobs, and the socket on which it answers.
+// The whole daemon: its state folder, its jobs and its socket.
 //
 //   State folder (0700):
-//     `lock`          is held while the daemon lives, so that a folder has one daemon.
-//     `socket`        is where the daemon answers (0600); a socket for a group (0660) is elsewhere.
+//     `lock`          is held while the daemon lives, so that a folder has only one daemon.
+//     `socket`        is where the daemon answers (mode 0600). A socket for a group (mode 0660) is
+//                     elsewhere.
 //     `jobs.sqlite`   is the job store (job_store.h).
 //     `jobs/17/`      is a job's folder (job_folder.h, service/keeper).
-//     `server.log`    has the output of a daemon in the background.
+//     `server.log`    has the daemon's output if it runs in the background.
 //     `audit.log`     records who did what (audit_log.h).
 //     `daemon.id`     is the daemon's name in a batch system.
-//     `tokens.json`   has access tokens of peers over TCP (tokens.h).
-//     `tls/`          has a self-signed certificate for TCP, unless another one is configured.
+//     `tokens.json`   has the access tokens for TCP (tokens.h).
+//     `tls/`          has a self-signed certificate for TCP, unless another certificate is
+//                     configured.
 //
-// A killed daemon loses no change that it has already answered. The jobs continue, and the next
-// daemon takes them over.
+// If the daemon is killed, no answered change is lost. The jobs continue, and the next daemon takes
+// them over.
 //
 // Thread safety: run() belongs to one thread. SIGTERM and SIGINT end the daemon cleanly.
 #pragma once
@@ -31,7 +33,7 @@ namespace sleight::daemon {
 struct DaemonOptions {
   RunnerOptions runner{};
   std::string socket{};
-  /// Group whose members can connect too. None: only the daemon's own user.
+  /// Members of this group can also connect. None: only the daemon's own user can.
   std::optional<std::uint32_t> group{};
   /// Address to listen on over TCP. None: no TCP.
   std::optional<access::ServerAddress> address{};
@@ -42,9 +44,9 @@ struct DaemonOptions {
   ReadRequest read{};
 };
 
-/// Serves until a call, SIGTERM or SIGINT stops the daemon; jobs keep running. Throws base::Error:
-/// conflict if another daemon has the folder or the socket, environment if the folder is unusable
-/// or the job store is damaged (job_store.h).
+/// Serves until a call, SIGTERM or SIGINT stops the daemon; jobs keep running. Throws
+/// base::Error(conflict) if another daemon has the folder or the socket. Throws
+/// base::Error(environment) if the folder is unusable or the job store is damaged (job_store.h).
 void run_daemon(const DaemonOptions& options);
 
 }  // namespace sleight::daemon

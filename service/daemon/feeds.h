@@ -1,8 +1,9 @@
-// The feeds of jobs (job_feed.h): created on demand, dropped after a time without use.
+// The feeds of jobs (job_feed.h). A feed is created on demand and dropped after a time without use.
 //
-// A job's feed reads its run's events while the run is active, and frequently while somebody
-// watches the job. Network disks don't notify of changes, so the daemon polls a watched run's log
-// every k_watched_s. A poll checks an open file's size, which takes a few microseconds.
+// While a run is active, its job's feed reads the run's events. While somebody watches the job, the
+// feed reads more often. The daemon polls a watched run's log every k_watched_s, because network
+// disks don't notify it of changes. A poll checks an open file's size, which takes a few
+// microseconds.
 //
 // Thread safety: one thread.
 #pragma once
@@ -18,21 +19,22 @@
 
 namespace sleight::daemon {
 
-/// Interval of polls of watched runs: k_watched_each_s per watched run, but at least k_watched_s.
+/// Interval at which watched runs are polled: k_watched_each_s times the number of watched runs,
+/// but at least k_watched_s.
 inline constexpr double k_watched_s = 0.02;
 inline constexpr double k_watched_each_s = 0.0002;
-/// A job counts as watched for this time after a request for its events. A watch without news
-/// returns after 20 s, and the client repeats it.
+/// After a request for its events, a job counts as watched for this time. If there is no news for
+/// 20 s, the request returns and the client repeats it.
 inline constexpr double k_watched_for_s = 30;
-/// Feeds of jobs that don't run are dropped this long after their last use.
+/// If a job doesn't run, its feed is dropped this long after its last use.
 inline constexpr double k_feed_idle_s = 60;
 
 class Feeds {
  public:
-  /// `news` is called for each job whose feed has found new events, whichever function read them.
+  /// `news` is called for a job when its feed has found new events, whichever function read them.
   Feeds(const JobFolders& folders, const base::Clock& clock, std::function<void(jobs::JobId)> news);
 
-  /// Returns the job's feed, which is created and read on first use.
+  /// Returns the job's feed. The first call creates and reads the feed.
   const JobFeed& of(jobs::JobId job);
   /// Returns the job's feed after reading it again (job_feed.h).
   const JobFeed& read(jobs::JobId job, bool thoroughly);
@@ -42,7 +44,7 @@ class Feeds {
 
   /// Returns the watched jobs; drops unused feeds.
   std::vector<jobs::JobId> watched_now();
-  /// Returns the interval of polls of the watched jobs. 0: no job is watched.
+  /// Returns the interval at which watched jobs are polled. 0: no job is watched.
   double watch_every_s() const;
 
  private:

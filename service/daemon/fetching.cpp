@@ -92,7 +92,8 @@ void Fetching::fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string s
        std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
 }
 
-/// Runs the program, which isn't counted among the jobs' cores and is killed when the daemon ends.
+/// Runs the program. The program's core doesn't count as one of the jobs' cores. When the daemon
+/// ends, the program is killed.
 keeper::ToolEnd Fetching::run_maker(const std::vector<std::string>& command) const {
   return keeper::run_tool(command, {.seconds_max = k_make_s_max,
                                     .environment = keeper::program_environment(),
@@ -111,7 +112,7 @@ Fetching::Files Fetching::derived(jobs::JobId job, const std::string& made) cons
       {.path = made, .name = fmt::format("job-{}.h5", job.value), .is_ours = true}};
 }
 
-/// Returns the newest archive, or one derived from the store if the run wrote none.
+/// Returns the newest archive. If the run wrote no archive, derives one from the store.
 Fetching::Files Fetching::newest(jobs::JobId job, const std::string& made) const {
   const std::string archive = parts_.folders.archive(job);
   if (std::filesystem::exists(archive))
@@ -158,8 +159,8 @@ std::vector<Fetching::Found> Fetching::failures(jobs::JobId job, const std::stri
   return found;
 }
 
-/// Creates another link to the file and hashes the contents. The link keeps these contents even if
-/// another file replaces the original. Throws base::Error.
+/// Creates another link to the file and hashes the contents. If another file replaces the original,
+/// the link still has these contents. Throws base::Error.
 Fetching::Hashed Fetching::hashed(Found file, const std::string& beside) {
   const std::string own = beside + "-" + file.name;
   std::error_code reason;
@@ -190,7 +191,7 @@ Fetching::Files Fetching::find(const rpc::FetchAsk& ask, const std::string& segm
   return newest(job, beside + ".h5");
 }
 
-/// Finds or derives the files and hashes them, in a worker's thread.
+/// In a worker's thread, finds or derives the files and hashes them.
 void Fetching::make(std::uint32_t user, const rpc::FetchAsk& ask, const std::string& segments,
                     std::shared_ptr<rpc::Reply<rpc::Fetched>> reply) {
   const std::string beside = fmt::format("{}/{}", parts_.folders.fetched(), ++made_);
@@ -253,7 +254,8 @@ std::unique_ptr<rpc::Source> Fetching::held(const std::string& sha256) {
   }
 }
 
-/// Stores the file's link for a while. Stores only the newest derived file per name.
+/// Stores the file's link for a while. If derived files have the same name, keeps only the
+/// k_held_made_max newest.
 void Fetching::hold(const std::string& sha256, const Found& file) {
   const auto [at, is_new] = held_.try_emplace(
       sha256, Held{.path = file.path, .name = file.name, .is_ours = file.is_ours});

@@ -1,8 +1,9 @@
-// Files of a job that clients fetch: its newest archive, an archive derived on request, recordings
-// of kept animations, and failed simulations.
+// Provides a job's files for fetching: its newest archive, an archive derived on request,
+// recordings of kept animations, and failed simulations.
 //
-// Hashing and deriving are slow, so worker threads do them. An announced file stays open for a
-// while. So a client can fetch the rest of the file later, even if the run has written a newer one.
+// Hashing and deriving are slow, so worker threads do them. An announced file is kept for a while.
+// So a client can fetch the rest of the file later, even if the run has meanwhile written a newer
+// file.
 //
 // Thread safety: only the loop's thread makes calls; `folders`, `loop` and `worker` must outlive
 // the object.
@@ -26,12 +27,12 @@
 
 namespace sleight::daemon {
 
-/// Maximum files held for clients that return after losing their connection.
+/// Maximum kept files. A client that lost its connection can fetch the rest of a kept file.
 inline constexpr std::size_t k_held_files_max = 16;
-/// Maximum derived files per name, because an active job's archive is different each time.
+/// Maximum derived files of one name. An active job's archive is different each time.
 inline constexpr std::size_t k_held_made_max = 2;
 inline constexpr double k_held_for_s = 600;
-/// Maximum unfinished fetches of a user. A fetch continues if its client disconnects.
+/// Maximum unfinished fetches of a user. If a client disconnects, its fetch continues.
 inline constexpr std::size_t k_fetches_of_user_max = 32;
 /// Maximum time for deriving an archive or recordings.
 inline constexpr double k_make_s_max = 900;
@@ -46,7 +47,7 @@ class Fetching {
     std::string sleight{};  ///< the program that makes archives and recordings
   };
   explicit Fetching(Parts parts);
-  /// Waits for the current work of both workers, which uses this object.
+  /// Waits until both workers have finished their current work, because it uses this object.
   ~Fetching();
   Fetching(const Fetching&) = delete;
   Fetching& operator=(const Fetching&) = delete;

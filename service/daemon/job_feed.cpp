@@ -65,7 +65,7 @@ JobFeed::News JobFeed::after(std::uint64_t after, std::uint64_t mark, std::size_
     }
     news.is_all = !news.events.empty() && news.events.back().number == last_number_;
   }
-  // A mark above this feed's mark comes from another daemon.
+  // If a mark is above this feed's mark, it comes from another daemon.
   const std::uint64_t covered = mark > mark_ ? 0 : mark;
   for (const auto& [kind, marked] : newest_)
     if (marked.mark > covered) news.events.push_back(marked.event);

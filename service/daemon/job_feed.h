@@ -1,13 +1,13 @@
-// Caches a job's newest run events: progress for lists of jobs, and all kinds for watchers.
+// Caches a job's newest run events. Lists of jobs show progress; watchers get all kinds of events.
 //
 // The run writes its events into its folder (common/store/told_events.h), and the feed follows
-// them. If a watcher is missing more events than the feed holds, the events are read from the
-// folder. So the feed's size is bounded, and nothing depends on its contents.
+// them. If a watcher needs older events than the feed holds, they are read from the folder. So the
+// feed's size is bounded, and nothing depends on its contents.
 //
-// Each unnumbered event gets a mark, which is a number, so that a watcher gets the newest event of
-// each kind once. A feed's first mark is the wall clock's microseconds, so a later feed, even of
-// another daemon, usually has higher marks. For an unknown mark, a feed returns the newest event of
-// every kind.
+// Each unnumbered event gets a mark. So a watcher gets the newest event of each kind only once. A
+// feed's first mark is the wall clock in microseconds. So if a feed is created later, even by
+// another daemon, its marks are usually higher. For an unknown mark, a feed returns the newest
+// event of every kind.
 //
 // Thread safety: one thread.
 #pragma once
@@ -32,12 +32,12 @@ class JobFeed {
 
   JobFeed(std::string run_folder, std::uint64_t first_mark);
 
-  /// Reads new events and returns whether there were any. `thoroughly` also reads the store, for
-  /// events that are missing in the log. An unreadable folder has no new events.
+  /// Reads new events and returns whether there were any. `thoroughly` also reads the store,
+  /// because the log may lack events. If the folder can't be read, there are no new events.
   bool read(bool thoroughly);
 
-  /// Numbered events from `after` + 1 on, at most `count_max`; then, for each kind, the newest
-  /// unnumbered event if it is newer than `mark`.
+  /// Contains at most `count_max` numbered events, from `after` + 1 on. If a kind's newest
+  /// unnumbered event is newer than `mark`, it follows.
   struct News {
     std::vector<events::RunEvent> events{};
     std::uint64_t mark = 0;

@@ -1,4 +1,4 @@
-// Paths in a job's folder, and the daemon's operations on them; the keeper (service/keeper) writes
+// Paths in a job's folder, and the daemon's operations on them. The keeper (service/keeper) writes
 // the other files. Thread safety: one thread at a time per folder.
 #pragma once
 
@@ -16,7 +16,7 @@ class JobFolders {
   explicit JobFolders(std::string state) : state_(std::move(state)) {}
 
   std::string all() const { return state_ + "/jobs"; }
-  /// Folder of files that clients fetch, emptied when a daemon starts.
+  /// Folder of files that clients fetch. A daemon empties the folder when it starts.
   std::string fetched() const { return state_ + "/fetched"; }
   std::string folder(jobs::JobId job) const;
   std::string request(jobs::JobId job) const;
@@ -24,16 +24,16 @@ class JobFolders {
   std::string run(jobs::JobId job) const;  ///< folder of the run store, the events and failures
   std::string failures(jobs::JobId job) const;
 
-  /// Creates the folder if necessary; replaces the request atomically and durably. Throws
+  /// Replaces the request atomically and durably. If the folder is missing, creates it. Throws
   /// base::Error.
   void write_request(jobs::JobId job, const std::string& text, base::FileSystem& files) const;
 
-  /// Highest job id of any job folder, whether or not the job is known. 0: there are no folders.
+  /// Highest job id among the job folders. The job may be unknown. 0: there are no folders.
   std::uint64_t highest() const;
 
-  /// Renames the folder, so that clear_away() deletes it. Returns whether the folder existed.
+  /// Renames the folder. clear_away() will delete it. Returns whether the folder existed.
   bool set_aside(jobs::JobId job) const;
-  /// Deletes all folders that were set aside by this or an earlier daemon, as far as possible. Slow
+  /// As far as possible, deletes all folders that this daemon or an earlier daemon set aside. Slow
   /// for large folders.
   void clear_away() const;
 

@@ -22,7 +22,7 @@ void counts_fields(Visit& visit, Counts& counts) {
   visit("failures", counts.failures);
 }
 
-// Each list of fields is used for both writing and reading, so the two can't differ.
+// Each list of fields is used for both writing and reading, so that writer and reader can't differ.
 
 template <class Visit, class Job>
 void job_fields(Visit& visit, Job& job) {

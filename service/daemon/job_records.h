@@ -1,8 +1,7 @@
 // Jobs, changes and usages as lines of JSON, as the job store saves them.
 //
-// A missing field has its type's default, and an unknown field is ignored, because a later build of
-// the store format may add fields. Readers return none for lines that these functions did not
-// write.
+// A later build may add fields to the same format. So an unknown field is ignored, and a missing
+// field has its type's default. If these functions can't have written a line, readers return none.
 //
 // Thread safety: pure functions.
 #pragma once

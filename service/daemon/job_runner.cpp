@@ -32,7 +32,7 @@ std::optional<jobs::Save> take_save(std::vector<jobs::Effect>& effects) {
   return taken;
 }
 
-/// Joins two steps into one, with a single save.
+/// Joins two steps into one step that has a single save.
 void append(std::vector<jobs::Effect>& first, std::vector<jobs::Effect> second) {
   std::optional<jobs::Save> later = take_save(second);
   if (later) {
@@ -70,7 +70,7 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const st
         JobStore store(store_path(options_.state), lock);
         to_read_ = store.to_read();
         StoredJobs stored = store.load();
-        // If somebody deleted the store, job folders remain. New jobs must not reuse the ids of
+        // If somebody deleted the store, job folders remain. New jobs must not have the ids of
         // these folders.
         if (const std::uint64_t highest = folders_.highest(); highest >= stored.next_id) {
           logging::warn(
@@ -279,7 +279,7 @@ void JobRunner::plan_tick() {
 }
 
 void JobRunner::look_at_room() {
-  // Check the programs before reporting Room, so that no unchecked program starts.
+  // Check the programs first, because they may start once Room is reported.
   if (auto note = attempts_->look_at_programs()) hear(*std::move(note));
   hear(jobs::Room{.cores = options_.cores,
                   .memory_bytes = options_.memory_bytes,

@@ -4,9 +4,10 @@
 //   calls, sights, time ──▶ machine ──▶ Save ──▶ store (a thread) ──▶ board, answers, attempts
 //
 // Invariants
-//   1. A decision of the machine is durable before anybody sees it and before any program is
-//      started or stopped because of it. All effects are carried out in the order of their steps.
-//   2. A request's text becomes durable in the same save as its job or its revision.
+//   1. Each decision of the machine is durable before anybody sees it. Each decision is also
+//      durable before a program is started or stopped because of it. All effects are carried out in
+//      the order of their steps.
+//   2. A request's text is saved together with its job or its revision.
 //
 // Thread safety: only the loop's thread makes calls.
 #pragma once
@@ -51,13 +52,13 @@ struct RunnerOptions {
       daemon_id{};  ///< the state folder's name in the batch system (backend::is_daemon_name)
 };
 
-/// Interval at which free disk space and folder sizes are measured while jobs run or wait.
+/// While jobs run or wait, free disk space and folder sizes are measured at this interval.
 inline constexpr double k_room_every_s = 2;
 
 class JobRunner {
  public:
   using Answered = std::function<void(const jobs::Answer&)>;
-  /// Called for each job with news: a durable change, or events.
+  /// Called for each job that has a durable change or events.
   using News = std::function<void(jobs::JobId)>;
 
   /// Opens the job store, with the folder's lock. Throws base::Error as JobStore does.
@@ -73,8 +74,8 @@ class JobRunner {
     jobs::Submit submit{};
     StoredRequest request{};
   };
-  /// Submits all jobs or, if one is refused, none. `answered` receives all answers in order, once
-  /// the changes are durable.
+  /// Submits all jobs. If one job is refused, submits none. `answered` receives all answers in
+  /// order, once the changes are durable.
   void submit(std::vector<Submission> submissions,
               std::function<void(const std::vector<jobs::Answer>&)> answered);
   /// `request`: if jobs are extended, the new revision's request.
@@ -93,7 +94,7 @@ class JobRunner {
   jobs::GroupId next_group() const { return jobs::GroupId{next_id_}; }
   /// Why saving currently fails. Empty: saving works.
   const std::string& stalled() const { return stalled_; }
-  /// From now on, delivers the job's events with little delay.
+  /// From now on, delivers the job's events sooner.
   void watch(jobs::JobId job);
 
  private:

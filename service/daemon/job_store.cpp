@@ -40,7 +40,7 @@ std::int64_t checksum_of(const Place& place, std::string_view text) {
                                  text);
 }
 
-/// Throws if the text has changed since it was written at this place.
+/// Throws if the text isn't what was written at this place.
 void verify(const store::Database& database, const Place& place, std::string_view text,
             std::int64_t checksum) {
   if (checksum_of(place, text) == checksum) return;
@@ -103,7 +103,7 @@ Place place_of_asked(jobs::JobId job, std::uint64_t revision) {
 
 namespace {
 
-/// Runs `work`. Adds advice for job stores to the error if the file is damaged.
+/// Runs `work`. If the file is damaged, adds advice about job stores to the error.
 template <class Work>
 auto with_advice(const std::string& path, const Work& work) {
   try {
@@ -235,7 +235,7 @@ void JobStore::save(std::span<const Save* const> saves) {
     try {
       database_.execute("ROLLBACK");
     } catch (const base::Error&) {
-      // SQLite has already rolled back, for example because the disk is full.
+      // SQLite may already have rolled back, for example because the disk is full.
     }
     throw;
   }

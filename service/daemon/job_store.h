@@ -1,16 +1,19 @@
 // The job store: a SQLite database `jobs.sqlite` in the state folder, which survives power loss.
 //
 //   `job`      has one row per job: its current record.
-//   `change`   has one row per change of a job, numbered from 1 without gaps.
-//   `request`  has one row per revision of a request: the normalised text and what clients see.
+//   `change`   has one row per change of a job. Each job's changes are numbered from 1 without
+//              gaps.
+//   `request`  has one row per revision of a request. A row has the normalised text and what
+//              clients see.
 //   `usage`    has one row per user: the use so far.
 //   `state`    has format, service time and next id.
 //
 // Invariants
-//   1. A save is one transaction. A save is durable when `save` returns, and otherwise has no
-//      effect.
-//   2. Every row has a checksum that also covers its key. If a checksum is wrong, reading throws
-//      and doesn't change the store. A store of another format is refused too.
+//   1. A save is one transaction. A save is durable when `save` returns. If `save` throws, it has
+//      no effect.
+//   2. Every row has a checksum that covers its key too. If a disk or a person changed a row,
+//      reading refuses it and leaves the store untouched. If the store has another format, it is
+//      also refused.
 //   3. Erasing a job erases its requests.
 //
 // Thread safety: one thread at a time.
@@ -34,10 +37,10 @@
 
 namespace sleight::daemon {
 
-/// Format of the tables; a store of another format is refused.
+/// Format of the tables. If a store has another format, it is refused.
 inline constexpr std::int64_t k_job_store_format = 1;
 
-/// A revision of a job's request. Lists of jobs don't read the request's text.
+/// A revision of a job's request. Listing jobs doesn't read the text.
 struct StoredRequest {
   jobs::JobId job{};
   std::uint64_t revision = 1;
@@ -51,7 +54,8 @@ struct StoredRequest {
   bool operator==(const StoredRequest&) const = default;
 };
 
-/// One transaction. REQUIRES: each new revision of a job, including its first, has its request.
+/// One transaction. REQUIRES: `requests` contains the request of each new revision, including a
+/// job's first revision.
 struct Save {
   jobs::Save jobs{};
   std::vector<StoredRequest> requests{};
@@ -68,23 +72,23 @@ struct StoredJobs {
 
 class JobStore {
  public:
-  /// Opens or creates the store. Throws base::Error: conflict if the store has another format,
-  /// environment if it is damaged or the disk fails. If there is a `lock`, a save succeeds only
-  /// while the lock is held, because the run lease of a network disk can expire.
+  /// Opens or creates the store. Throws base::Error(conflict) if the store has another format, and
+  /// base::Error(environment) if it is damaged or the disk fails. With a `lock`, a save succeeds
+  /// only while the lock is held. On a network disk, the lock's lease can expire.
   explicit JobStore(const std::string& path, const store::RunLock* lock = nullptr);
 
-  /// A connection for reading, besides the writer's connection. On a network disk, all users share
-  /// one connection.
+  /// Returns a connection for reading. On a network disk, this is the writer's connection;
+  /// otherwise it is a separate connection.
   std::shared_ptr<store::SharedDatabase> to_read() const;
 
   /// Loads everything, for a starting daemon. Throws base::Error if a row was changed.
   StoredJobs load();
 
   /// Saves durably, or throws base::Error and saves nothing. ExitCode::conflict means that the lock
-  /// is lost and another daemon may have the folder.
+  /// is lost, so another daemon may have the folder.
   void save(std::span<const Save* const> saves);
 
-  /// Moves SQLite's write-ahead log into the database file, so that the file is complete by itself.
+  /// Moves SQLite's write-ahead log into the database file. The file is then complete.
   void empty_log();
 
  private:
@@ -109,7 +113,7 @@ class JobReader {
     std::uint64_t number = 0;
     jobs::Change change;
   };
-  /// Changes from number `from` on, at most `count_max`.
+  /// Returns at most `count_max` changes, from number `from` on.
   std::vector<NumberedChange> changes(jobs::JobId job, std::uint64_t from, std::size_t count_max);
   std::uint64_t change_count(jobs::JobId job);
   /// None: the revision doesn't exist, or it was erased.

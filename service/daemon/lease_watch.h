@@ -1,5 +1,6 @@
-// Watches a run lease (common/store/lease.h) to find out whether a process on another machine can
-// still write the run. The watch takes no lease, so it blocks no other process. Not thread-safe.
+// Watches a run lease (common/store/lease.h). The watch shows whether a process on another machine
+// can still write the run. The watch takes no lease, so it blocks no other process. Not
+// thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,8 @@ class LeaseWatch {
   /// `run_folder`: the run store's folder, which may be missing.
   explicit LeaseWatch(std::string run_folder) : run_folder_(std::move(run_folder)) {}
 
-  /// Returns false if there is no lease, if its holder released it or is known to be dead, or if
-  /// calls have seen no renewal for the length of a lease. Returns true if the disk can't be read.
+  /// Returns false if no lease exists, if its holder released it or is known to be dead, or if no
+  /// call has seen a renewal for the length of a lease. If the disk can't be read, returns true.
   bool may_live(double now_s);
 
  private:

@@ -50,7 +50,7 @@ void LocalAttempts::launch(const jobs::Launch& launch) {
   }
 }
 
-/// Waits for the keeper's record. If the keeper ends before writing the record, nothing has begun.
+/// Waits for the keeper's record. If the keeper ends without a record, nothing has begun.
 void LocalAttempts::await_begin(jobs::JobId job, jobs::Attempt attempt) {
   const auto run = running_.find(job);
   if (run == running_.end() || run->second.attempt != attempt || run->second.has_begun) return;
@@ -80,7 +80,8 @@ void LocalAttempts::stop(const jobs::Stop& stop) {
   const keeper::Stop how =
       stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   try {
-    // The handle from launching the keeper works even before the keeper has written a record.
+    // If this daemon launched the keeper, use its handle: it works even before the keeper has
+    // written a record.
     const auto run = running_.find(stop.job);
     if (run != running_.end() && run->second.attempt == stop.attempt) {
       run->second.keeper->stop(how);
@@ -97,8 +98,8 @@ void LocalAttempts::look(const jobs::Look& look) {
   see(look.job, look.attempt);
 }
 
-/// Reports the attempt's state according to its folder. If the attempt's keeper is running, begins
-/// to wait for the keeper's end.
+/// Reports the attempt's state, which its folder shows. If the attempt's keeper is running, begins
+/// to wait for its end.
 void LocalAttempts::see(jobs::JobId job, jobs::Attempt attempt) {
   const std::string folder = parts_.folders.folder(job);
   const auto number = static_cast<std::uint32_t>(attempt.value);
@@ -185,7 +186,7 @@ bool LocalAttempts::tell_unbegun(jobs::JobId job, jobs::Attempt attempt) {
   }
 }
 
-/// Polls as often as the youngest run requires.
+/// The youngest run determines how often to poll.
 void LocalAttempts::plan_poll() {
   double every_s = 0;
   for (const auto& [job, run] : running_) {
@@ -207,7 +208,7 @@ void LocalAttempts::poll() {
   plan_poll();
 }
 
-/// Stops runs whose folder was deleted, because their results would be lost.
+/// If a run's folder was deleted, stops the run, because its results would be lost.
 void LocalAttempts::end_those_without_folder(double now_s) {
   std::vector<jobs::JobId> gone;
   for (const auto& [job, run] : running_) {

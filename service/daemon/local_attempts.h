@@ -1,9 +1,10 @@
 // Attempts on this machine. The daemon awaits each keeper's end (service/keeper/backend.h).
 //
-//   `Launch` writes request.toml and starts a keeper, whose record leads to Launched.
+//   `Launch` writes request.toml and starts a keeper. The keeper's record leads to Launched.
 //   `Look` reads the folder's record and reports a Sight. A running keeper's end is awaited.
 //   `Stop` sends a signal to the keeper.
-//   When a keeper exits, Sight {Ended or Died} follows, or LaunchFailed if there is no record.
+//   When a keeper exits, Sight {Ended or Died} follows. If there is no record, LaunchFailed
+//     follows.
 //   From time to time, running attempts lead to Sight {Running}.
 //
 // Thread safety: as Attempts.
@@ -24,7 +25,7 @@
 
 namespace sleight::daemon {
 
-/// Delay before another look at a keeper without a record, or at one that can't be awaited yet.
+/// Delay before another look at a keeper that has no record or can't be awaited yet.
 inline constexpr double k_again_s = 0.02;
 
 class LocalAttempts final : public Attempts {

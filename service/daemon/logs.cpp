@@ -53,8 +53,8 @@ rpc::LogPiece Logs::read(const std::string& folder, const rpc::LogAsk& ask) {
   const OnDisk old = look(old_path);
   const OnDisk now = look(path);
   Known& known = known_[folder];
-  // `log` has become `log.old`. The bytes of the previous `log.old` are lost but still count in the
-  // numbering.
+  // `log` has become `log.old`. The bytes of the previous `log.old` are lost, but their numbers
+  // aren't used again.
   if (known.inode != 0 && old.inode == known.inode) known.base += known.old_size;
   known = {.old_inode = old.inode,
            .inode = now.inode,

@@ -2,7 +2,7 @@
 // (service/keeper/bounded_log.h) form one text with numbered bytes.
 //
 // Byte 0 is the oldest byte that existed when the daemon first read the job's log. When `log`
-// replaces `log.old`, the lost bytes still count.
+// replaces `log.old`, the lost bytes keep their numbers.
 //
 // Thread safety: one thread.
 #pragma once

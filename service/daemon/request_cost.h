@@ -1,11 +1,11 @@
-// The minimum cost of a request, computed before the run. A request that would run for years or
-// exceed the memory is refused, and the refusal shows the cost.
+// The minimum cost of a request, computed before the run. If a request would run for years or
+// exceed the memory, it is refused. The refusal shows the cost.
 //
-//   `states`       are chains x temperatures, or x particles of an island. Each state is stored in
-//                  memory, in the run store and in the archive.
-//   `simulations`  are states x iterations per scan x scans, if [stop] limits the scans. Annealing
-//                  and other work besides scans isn't counted. The cost isn't known for stop rules
-//                  that depend on results (solutions, odds); limits on core-hours and bytes bound
+//   `states`       are chains x temperatures, or chains x particles of an island. Each state is
+//                  stored in memory, in the run store and in the archive.
+//   `simulations`  are states x iterations per scan x scans, if [stop] limits the scans. Only scans
+//                  count; annealing, for example, doesn't. If a stop rule depends on results
+//                  (solutions, odds), the cost is unknown; limits on core-hours and bytes bound
 //                  such runs.
 //
 // Thread safety: pure functions.
@@ -35,7 +35,7 @@ struct RequestCost {
 
 RequestCost cost_of(const request::DirectionRequest& request);
 
-/// Returns a refusal with the cost, or none if the cost is within the limits.
+/// If the cost exceeds the limits, returns a refusal that shows the cost.
 std::optional<rpc::Refusal> beyond_limits(const RequestCost& cost, const RequestLimits& limits);
 
 }  // namespace sleight::daemon

@@ -33,7 +33,7 @@ rpc::Refusal no_extension(std::string why) {
           .what_to_do = "No job was changed."};
 }
 
-/// Converts within the type's range. read_request() then checks the key's range.
+/// Converts within the range of the type. read_request() then checks the range of the key.
 template <class Number>
 std::optional<Number> whole(double value) {
   constexpr double k_most = 1e15;

@@ -1,4 +1,4 @@
-// Checks requests with the worlds and normalises their text. Thread safety: that of `read`.
+// Checks requests by means of the worlds, and normalises their text. Thread safety: that of `read`.
 #pragma once
 
 #include <functional>
@@ -29,7 +29,7 @@ base::Result<StoredRequest, rpc::Refusal> extended_request(const StoredRequest& 
                                                            const ReadRequest& read,
                                                            const RequestLimits& limits);
 
-/// Returns a digest of the ask and its normalised request, which is equal for equal asks.
+/// Returns a digest of the ask and its normalised request. Equal asks have equal digests.
 std::string content_of(const rpc::JobAsk& ask, const std::string& request);
 
 }  // namespace sleight::daemon

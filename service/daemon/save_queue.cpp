@@ -64,7 +64,7 @@ bool SaveQueue::save(std::vector<Waiting>& group) {
     store_.save(saves);
   } catch (const base::Error& failure) {
     if (failure.exit_code() == base::ExitCode::conflict) {
-      // Another daemon may have the folder, so write nothing more, and make the owner end.
+      // Another daemon may have the folder. Write nothing more, and make the owner end.
       is_over_ = true;
       post_([failure] { throw failure; });
       return false;

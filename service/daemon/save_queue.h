@@ -1,12 +1,12 @@
-// Saves the daemon's changes in a separate thread, in groups: all saves that arrive while one group
+// Saves the daemon's changes in a separate thread, in groups. All saves that arrive while a group
 // is written form the next group. So one sync serves several submits, and the loop never waits for
 // the disk.
 //
 // Invariants
-//   1. Saves become durable in the order of `put`, each completely or not at all.
-//   2. A save's `then` is posted after the save is durable, in the same order.
-//   3. A failing disk loses nothing. A group that fails is retried every k_retry_s until it is
-//      durable, and later saves wait.
+//   1. Saves become durable in the order of `put`. Each is saved completely or not at all.
+//   2. A save's `then` is posted after the save is durable. The order is that of `put`.
+//   3. A failing disk loses nothing. If a group fails, it is retried every k_retry_s until it is
+//      durable. Later saves wait.
 //   4. If the store's lock is lost, nothing more is saved, and the error is thrown in the owner's
 //      thread.
 //
@@ -33,15 +33,15 @@ class SaveQueue {
   /// Calls the callback soon, in the owner's thread.
   using Post = std::function<void(Callback)>;
 
-  /// `stalled` is posted with the disk's error if saving fails, and with an empty text when saving
-  /// works again.
+  /// If saving fails, `stalled` is posted with the disk's error. When saving works again, it is
+  /// posted with an empty text.
   SaveQueue(JobStore store, Post post, std::function<void(const std::string&)> stalled);
-  /// Tries once more to save the queue, without calling any `then`.
+  /// Tries once more to save the queue. Calls no `then`.
   ~SaveQueue();
   SaveQueue(const SaveQueue&) = delete;
   SaveQueue& operator=(const SaveQueue&) = delete;
 
-  /// Posts `then` after all earlier callbacks, and once `save` (if any) is stored.
+  /// Posts `then` after all earlier callbacks. If there is a `save`, first stores it.
   void put(std::optional<Save> save, Callback then);
 
  private:

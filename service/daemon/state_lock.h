@@ -9,7 +9,8 @@
 
 namespace sleight::daemon {
 
-/// Locks the folder. Throws base::Error (conflict), naming the other process, if the lock is taken.
+/// Locks the folder. If the lock is taken, throws base::Error(conflict) that names the other
+/// process.
 std::unique_ptr<store::RunLock> lock_state_folder(const std::string& state);
 
 }  // namespace sleight::daemon

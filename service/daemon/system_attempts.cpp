@@ -20,7 +20,7 @@ bool may_be_stopped(const keeper::AttemptEnd& end) {
          end.run_end->end == events::End::time_limit;
 }
 
-/// Opens the folder, which makes a shared disk load the folder's newest state.
+/// Opens the folder, so that a shared disk loads its newest state.
 void refresh(const base::FileSystem& files, const std::string& folder) {
   try {
     static_cast<void>(files.names_in(folder));
@@ -68,7 +68,7 @@ SystemAttempts::Run* SystemAttempts::find(jobs::JobId job, jobs::Attempt attempt
   return run == runs_.end() || run->second.attempt != attempt ? nullptr : &run->second;
 }
 
-/// Returns the attempt's entry, which is created if necessary. Drops an older attempt's entry.
+/// Returns the attempt's entry. Creates it if necessary. Drops an older attempt's entry.
 SystemAttempts::Run& SystemAttempts::run_of(jobs::JobId job, jobs::Attempt attempt) {
   if (Run* run = find(job, attempt)) return *run;
   Run& run = runs_[job];
@@ -171,7 +171,7 @@ void SystemAttempts::stop(const jobs::Stop& stop) {
       stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   ask([this, name = name_of(stop.job, stop.attempt), how] {
     try {
-      // If the attempt was still queued, only list() can show how it ended.
+      // If the attempt was still queued, only list() can show its end.
       if (parts_.backend->signal(name, how)) parts_.loop.post([this] { list(); });
     } catch (const base::Error& failure) {
       // The machine repeats the stop.
@@ -263,8 +263,8 @@ bool SystemAttempts::is_gone(const Run& run) const {
 jobs::Outside SystemAttempts::outside_of(const Run& run) const {
   if (!run.seen || run.is_stopped || run.seen->state != backend::State::gone)
     return jobs::Outside::nothing;
-  // If the system takes an attempt away before it begins, count that as a failure, because it may
-  // recur forever.
+  // If the system takes an attempt away before it begins, count a failure. Otherwise this might
+  // repeat forever.
   if (run.seen->cause == backend::Cause::taken)
     return run.has_begun ? jobs::Outside::taken : jobs::Outside::nothing;
   return run.seen->cause == backend::Cause::cancelled ? jobs::Outside::cancelled
@@ -279,7 +279,7 @@ std::string SystemAttempts::words_of(const Run& run) const {
   return fmt::format("{} job {}: {}", title, run.seen->id, run.seen->words);
 }
 
-/// Judges the attempt from the system's answer and the folder's record, and reports the result.
+/// Judges the attempt by the system's answer and by the folder's record. Reports the result.
 void SystemAttempts::judge(jobs::JobId job) {
   const auto found = runs_.find(job);
   if (found == runs_.end()) return;
@@ -318,7 +318,7 @@ bool SystemAttempts::judge_begun(jobs::JobId job, Run& run, const keeper::Attemp
     tell(jobs::Launched{.job = job, .attempt = run.attempt});
   }
   if (!record.end) return false;
-  // If somebody else stopped the attempt, the system reports this only once the attempt is gone.
+  // If somebody else stopped the attempt, the system doesn't report this until the attempt is gone.
   if (may_be_stopped(*record.end) && !run.is_stopped && !is_gone(run)) return false;
   jobs::Ended ended = sights_.ended(job, record, run.watched.first_commit_after_s);
   ended.outside = outside_of(run);
@@ -327,13 +327,13 @@ bool SystemAttempts::judge_begun(jobs::JobId job, Run& run, const keeper::Attemp
   return true;
 }
 
-/// Judges an attempt that is gone and has no recorded end. Returns whether the attempt is over.
+/// Judges an attempt that is gone but has no recorded end. Returns whether the attempt is over.
 bool SystemAttempts::judge_gone(jobs::JobId job, Run& run, const keeper::AttemptRecord* record) {
   const double now_s = parts_.clock.now_s();
   if (!run.gone_s) run.gone_s = now_s;
   if (now_s - *run.gone_s < parts_.settle_s) return false;
   if (record != nullptr) {
-    // The system may have lost contact to a machine on which the run is still alive.
+    // The run may still be alive on a machine to which the system lost contact.
     if (!run.lease) run.lease.emplace(parts_.folders.run(job));
     if (run.lease->may_live(now_s)) return false;
     jobs::Died died = sights_.died(job, record, words_of(run) + ".");
@@ -354,8 +354,8 @@ bool SystemAttempts::judge_gone(jobs::JobId job, Run& run, const keeper::Attempt
   return false;
 }
 
-/// Fetches the output of the system and the keeper, the only information about an attempt without a
-/// record.
+/// Fetches the output of the system and the keeper. If an attempt has no record, nothing else tells
+/// about it.
 void SystemAttempts::fetch_last_words(jobs::JobId job, Run& run) {
   ask([this, job, attempt = run.attempt, folder = parts_.folders.folder(job)] {
     std::string log;
@@ -399,7 +399,7 @@ void SystemAttempts::judge_there(jobs::JobId job, Run& run) {
   }
 }
 
-/// Stops the run if somebody deleted its folder, because its results would be lost.
+/// If somebody deleted the run's folder, stops the run, because its results would be lost.
 bool SystemAttempts::is_folder_gone(jobs::JobId job, Run& run) {
   if (!run.has_begun || parts_.files.exists(parts_.folders.folder(job))) return false;
   stop({.job = job, .attempt = run.attempt, .how = jobs::StopHow::now});

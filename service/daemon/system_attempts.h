@@ -1,12 +1,13 @@
-// Attempts in a batch system (service/backend). A thread queries the system, and polls read what
-// the keepers on other machines write into the jobs' folders.
+// Attempts in a batch system (service/backend). A thread queries the system. Keepers on other
+// machines write into the jobs' folders, which are polled.
 //
-//   `Launch` writes request.toml and calls backend.launch, which leads to Sight {Pending}, or to
+//   `Launch` writes request.toml and calls backend.launch. The launch leads to Sight {Pending} or
 //     LaunchFailed.
-//   `Look` awaits the next list of all attempts and reads the folder's record for a Sight.
+//   `Look` awaits the next list of all attempts, reads the folder's record and reports a Sight.
 //   `Stop` calls backend.signal.
-//   The folders' records are read each second, which leads to Launched or Sight {Running or Ended}.
-//   From time to time, a list of all attempts leads to Sight {Pending}, or to a result below.
+//   Each second, the folders' records are read. They lead to Launched or Sight {Running or Ended}.
+//   From time to time, all attempts are listed. The list leads to Sight {Pending} or to a result
+//     below.
 //
 //     In the system     | the folder's record | result
 //     waiting, running  | none                | Pending, with the system's words
@@ -18,7 +19,7 @@
 //     absent            | none                | NeverBegan, as an answer to a Look
 //     doesn't answer    | none, without end   | Unknown, as an answer to a Look; never an end.
 //
-// Shared disks show new files late, so the record of an attempt that is gone is read for another
+// Shared disks show new files late. So if an attempt is gone, its record is read for another
 // k_settle_s.
 //
 // Thread safety: as Attempts.
@@ -45,12 +46,12 @@
 
 namespace sleight::daemon {
 
-/// If a Look awaits a list, the list is requested after this share of list_every_s.
+/// If a Look awaits a list, the list is requested earlier: after this share of list_every_s.
 inline constexpr double k_list_soonest_share = 0.2;
-/// Maximum delay until an ended attempt's record becomes visible.
+/// Maximum delay until the record of an ended attempt is visible.
 inline constexpr double k_settle_s = 5;
-/// Maximum bytes of the system's and the keeper's output in the report on an attempt without a
-/// record.
+/// If an attempt has no record, the report has at most this many bytes of the system's and the
+/// keeper's output.
 inline constexpr std::size_t k_system_log_bytes = 2000;
 
 class SystemAttempts final : public Attempts {

@@ -20,7 +20,7 @@ void refuse_if_others_read(const std::string& path) {
   if (::stat(path.c_str(), &seen) != 0 || !S_ISREG(seen.st_mode))
     return;  // the later read reports the error
   if ((seen.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
-  // Accept a group that owns keys for services, such as Debian's ssl-cert.
+  // Accept a group that exists for services' keys, such as Debian's ssl-cert.
   const bool is_group_reader = (seen.st_mode & S_IRWXO) == 0 && (seen.st_mode & S_IWGRP) == 0;
   if (is_group_reader && seen.st_uid != ::geteuid()) return;
   throw base::Error(
@@ -62,7 +62,7 @@ access::Keypair keypair_of(const std::string& state, const std::string& certific
     }
     const access::Keypair made = access::make_self_signed();
     files.make_folder(folder);
-    // Write the key first, so that if the certificate exists, the key exists too.
+    // Write the key first. If the certificate exists, the key then also exists.
     base::replace_text_file(files, key, made.key, base::Readers::owner);
     base::replace_text_file(files, certificate, made.certificate);
     return made;

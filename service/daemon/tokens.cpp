@@ -44,7 +44,7 @@ json::Value json_of(const rpc::TokenView& view, const std::string& hash) {
           {"user", view.user}};
 }
 
-/// Thrown for a value in the file that this class can't have written.
+/// Thrown if this class can't have written a value in the file.
 struct Unsound {};
 
 template <class T>
@@ -128,7 +128,7 @@ void Tokens::write() {
   has_new_uses_ = false;
 }
 
-/// Returns whether the token is valid. Records the expiry of an expired token.
+/// Returns whether the token is valid. If the token has expired, records this.
 bool Tokens::is_valid(Kept& kept) {
   rpc::TokenView& view = kept.view;
   if (!view.has_expired && view.expires_s > 0 && wall_s_() >= view.expires_s) {
@@ -208,7 +208,7 @@ base::Result<rpc::TokenView, rpc::Refusal> Tokens::revoke(std::optional<std::uin
                         .what_to_do = "`sleight token list` shows existing tokens."};
   }
   rpc::TokenView& view = found->second.view;
-  // The token is revoked before the write and stays revoked even if the write fails.
+  // The token is revoked before the write. If the write fails, the token stays revoked.
   if (view.revoked_s > 0 && is_saved_) return view;
   if (view.revoked_s <= 0) view.revoked_s = wall_s_();
   write();
@@ -220,8 +220,8 @@ base::Result<rpc::Caller, rpc::Refusal> Tokens::login(const std::string& text,
   const auto token = access::token_of(text);
   if (!token) return wrong_token();
   const auto found = tokens_.find(token->id);
-  // Compare an unknown token with a hash that no token has, so that refusing it takes as long as
-  // refusing a wrong secret.
+  // If the token is unknown, compare its secret with a hash that no token has. Refusing an unknown
+  // token then takes as long as refusing a wrong secret.
   const std::string& kept_hash =
       found == tokens_.end() ? std::string(k_hash_characters, '-') : found->second.hash;
   const bool is_equal = access::are_equal_hashes(access::hash_of(*token), kept_hash);

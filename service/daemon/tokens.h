@@ -1,15 +1,15 @@
 // Access tokens of peers over TCP, stored as `tokens.json` in the state folder.
 //
-// Only a hash of a token's secret is stored. A token belongs to a user: a session that logs in with
-// the token acts as that user, within the token's scopes.
+// Only a hash of a token's secret is stored. A token belongs to a user. If a session logs in with
+// the token, it acts as that user within the token's scopes.
 //
 // Invariants
 //   1. create() and revoke() answer when their change is durable. The time of a token's last use is
-//      written periodically; a killed daemon loses the last minute of these times.
+//      written periodically. If the daemon is killed, the last minute of these times is lost.
 //   2. login() doesn't reveal whether a token is unknown, wrong, expired or revoked.
-//   3. A token that was revoked or found expired is never valid again, whatever the clock
-//      shows later. The token stays in lists for some time. Expiry is checked at each use and once
-//      per minute.
+//   3. If a token was revoked or found expired, it is never valid again, whatever the clock shows
+//      later. The token stays in lists for some time. Expiry is checked at each use and once per
+//      minute.
 //
 // Thread safety: only the loop's thread makes calls.
 #pragma once
@@ -25,7 +25,7 @@
 
 namespace sleight::daemon {
 
-/// How long revoked and expired tokens stay listed.
+/// How long a token stays in lists after it was revoked or expired.
 inline constexpr double k_over_token_listed_s = 30.0 * 86400;
 /// Interval at which the times of last use are saved.
 inline constexpr double k_token_uses_saved_s = 60;
@@ -39,16 +39,16 @@ struct KeptToken {
 class Tokens final : public rpc::Authority {
  public:
   /// `wall_s` returns seconds since 1970. Throws base::Error if the file can't be read or isn't
-  /// valid, because a file that may have been changed must authorize nobody.
+  /// valid. Such a file may have been changed and must authorize nobody.
   Tokens(base::FileSystem& files, std::string path, std::function<double()> wall_s,
          std::size_t of_user_max = rpc::k_tokens_max);
 
-  /// Creates a token for `ask.for_user` if set, otherwise for `user`. Repeating a call returns the
-  /// first answer.
+  /// Creates a token for `ask.for_user` if set, otherwise for `user`. If a call is repeated,
+  /// returns the first answer.
   base::Result<rpc::TokenView, rpc::Refusal> create(std::uint32_t user, const rpc::TokenAsk& ask);
-  /// Tokens of a user, newest first. None: of all users.
+  /// Returns a user's tokens, newest first. None: of all users.
   std::vector<rpc::TokenView> of(std::optional<std::uint32_t> user);
-  /// Revokes a token of this user, or of any user if `user` is empty. Other users' tokens count as
+  /// Revokes a token of this user; if `user` is empty, of any user. Other users' tokens count as
   /// not found.
   base::Result<rpc::TokenView, rpc::Refusal> revoke(std::optional<std::uint32_t> user,
                                                     const std::string& id);

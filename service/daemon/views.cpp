@@ -10,7 +10,7 @@
 namespace sleight::daemon {
 namespace {
 
-/// Estimated seconds until the rest is found at the average rate so far. None: no rate yet.
+/// Estimates the seconds until the rest is found, at the average rate so far. None: no rate yet.
 std::optional<double> left_s(std::uint64_t have, std::uint64_t wanted, double in_s) {
   if (wanted == 0 || have == 0 || in_s <= 0) return std::nullopt;
   if (have >= wanted) return 0;
@@ -30,8 +30,8 @@ void add_progress(rpc::JobView& view, const events::Progress& progress) {
   }
 }
 
-/// Estimates the time left from the solutions and the run time of all attempts, because a single
-/// session's rate would jump.
+/// Estimates the time left from the solutions and the run time of all attempts. The rate of a
+/// single session would jump.
 void add_time_left(rpc::JobView& view) {
   const double run_s = view.core_s / std::max(1U, view.ranks > 0 ? view.ranks : view.cores);
   const rpc::SolutionCounts& counts = view.solutions;
@@ -56,7 +56,7 @@ rpc::JobState rpc_state(jobs::State state) {
   return *found;
 }
 
-// The two enumerations are equal, except that rpc's begins with `unknown`.
+// The two enumerations have the same values, but rpc's enumeration begins with `unknown`.
 jobs::AskKind ask_kind(rpc::ChangeKind kind) {
   static_assert(static_cast<std::size_t>(jobs::AskKind::set_priority) + 2 == rpc::k_change_kinds);
   CHECK(kind != rpc::ChangeKind::unknown);

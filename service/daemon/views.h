@@ -19,7 +19,7 @@ rpc::JobState rpc_state(jobs::State state);
 /// REQUIRES: the kind is known.
 jobs::AskKind ask_kind(rpc::ChangeKind kind);
 
-/// The data from which a job's view is made.
+/// Data from which view_of() makes a job's view.
 struct ViewOf {
   const Posted& posted;
   const jobs::Jobs& machine;

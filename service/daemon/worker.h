@@ -1,5 +1,5 @@
-// A thread for slow work that can wait, such as hashing files, deleting folders and deriving
-// archives. Thread safety: `run` is called from one thread.
+// A thread for slow work, such as hashing files, deleting folders and deriving archives. Such work
+// can wait. Thread safety: `run` is called from one thread.
 #pragma once
 
 #include <atomic>
@@ -20,9 +20,9 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// Queues the work, which must not throw, and which reports its outcome with Loop::post.
+  /// Queues the work. The work must not throw. The work reports its outcome with Loop::post.
   void run(Work work);
-  /// Makes ending() true and waits for the work in progress. Queued work never begins. Call end()
+  /// Makes ending() true. Waits for the work in progress. Queued work never begins. Call end()
   /// before destroying anything that the work uses. Repeated calls have no effect.
   void end();
   /// True once end() is called; slow work checks it. Callable from any thread.

@@ -1,5 +1,5 @@
-// Each user's account: decaying core-seconds, an allowance of core-hours that refills evenly, cores
-// in use, bytes on disk and unfinished jobs.
+// Each user's account: decaying core-seconds, core-hours that refill evenly, cores in use, bytes on
+// disk, unfinished jobs.
 //
 // With c cores in use, a user's core-seconds u obey du/dt = c - u ln2 / half-life. Between two
 // changes of c the solution has a closed form, so no numerical integration is needed.
@@ -39,7 +39,7 @@ class Accounts {
   const Account* find(UserId user) const;
   const Limits& limits(UserId user) const;
 
-  /// Returns the decayed core-seconds that the user's jobs have used up to `now_s`.
+  /// Returns the core-seconds that the user's jobs have used up to `now_s`, decayed.
   double had_core_s(UserId user, double now_s) const;
   /// Returns had_core_s() plus the core-seconds that the user's running jobs will use within
   /// Options::horizon_s.
@@ -47,7 +47,7 @@ class Accounts {
   bool is_over_core_hours(UserId user, double now_s, bool is_held) const;
   bool is_over_bytes(UserId user, bool is_held) const;
 
-  /// Updates the user's usage to `now_s`. Call before the user's number of cores changes.
+  /// Updates the user's usage to `now_s`. Call this before the number of the user's cores changes.
   void advance(UserId user, double now_s);
 
   const std::map<UserId, Account>& all() const { return accounts_; }

@@ -16,7 +16,7 @@ bool is_asked(const Job& job) {
   return job.state == State::yielding;
 }
 
-/// Returns the number of consecutive deaths without a commit, including the current one.
+/// Returns the number of consecutive deaths without a commit. The current death counts.
 std::uint32_t deaths_with_this(const Job& job) {
   return job.deaths == 0 || job.counts.scans > job.scans_at_death ? 1 : job.deaths + 1;
 }
@@ -47,7 +47,7 @@ Verdict fails(const Job& job, Reason reason, std::string words) {
   return {.to = State::failed, .reason = reason, .words = std::move(words)};
 }
 
-/// The job is held until the hindrance is gone.
+/// The job is held until its hindrance is gone.
 Verdict is_hindered(const Job& job, Reason reason, std::string words) {
   Verdict verdict{
       .to = State::held, .reason = reason, .words = std::move(words), .backs_off = true};
@@ -72,7 +72,7 @@ Verdict ends_outside(const Job& job, Outside outside, const std::string& how) {
             .backs_off = job.counts.scans <= job.scans_at_attempt});
 }
 
-/// Adds a period to the sentence if it lacks one.
+/// If the sentence lacks a period, adds one.
 std::string sentence(std::string words) {
   if (!words.empty() && std::string_view(".!?").find(words.back()) == std::string_view::npos)
     words += '.';
@@ -191,8 +191,8 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
     case EndKind::stop_requested:
       if (ended.outside != Outside::nothing)
         return ends_outside(job, ended.outside, ended.outside_words);
-      // Delay the restart if nothing was committed, in case outside signals stop the job again and
-      // again.
+      // If nothing was committed, delay the restart: signals from outside might stop the job again
+      // and again.
       return goes_on(job,
                      {.to = State::queued,
                       .reason = Reason::stopped_by_itself,

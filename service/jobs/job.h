@@ -1,4 +1,5 @@
-// A job: a submitted direction request with its current status, as stored and shown.
+// A job is a submitted direction request and its current status. Jobs are stored and shown in this
+// form.
 //
 // States:
 //            ┌──────────────── ended early, died, yielded ───────────────┐
@@ -9,12 +10,12 @@
 //           held ◀───────────────────────────────────────────────────────┴─▶ cancelled.
 //
 // An attempt is the n-th start of a job's program, n from 1. The attempt is open from its Launch
-// until its end is known. A job is starting, running or yielding exactly while an attempt is open.
+// until its end is known. While an attempt is open, and only then, the job is starting, running or
+// yielding.
 //
-// There are two clocks. The suffix `_s` means service time: the seconds during which a daemon of
-// this state folder was up. Service time begins at 0, resumes after a restart, and is the only time
-// that decisions use. `wall` means the machine's wall clock in seconds since 1970, for display
-// only.
+// There are two clocks. The suffix `_s` means service time: how many seconds a daemon of this state
+// folder was up. Service time begins at 0 and resumes after a restart. Decisions use no other time.
+// `wall` means the machine's wall clock in seconds since 1970, for display only.
 //
 // Thread safety: values.
 #pragma once
@@ -40,7 +41,7 @@ using Attempt = base::Id<struct AttemptTag, std::uint64_t>;
 
 enum class State { queued, starting, running, yielding, held, done, failed, cancelled };
 
-/// Why a job is in its state. Brackets list the states in which a job can have the reason.
+/// Why a job is in its state. Brackets list the states that a job with this reason can have.
 enum class Reason {
   submitted,           ///< [queued]
   resumed,             ///< [yielding, queued] by its user
@@ -78,7 +79,7 @@ std::string_view name_of(Reason reason);
 std::optional<State> state_of(std::string_view name);
 std::optional<Reason> reason_of(std::string_view name);
 
-/// Returns whether the job is done, failed or cancelled, so that its state changes only if somebody
+/// Returns whether the job is done, failed or cancelled. Its state then changes only if somebody
 /// requests it.
 constexpr bool is_over(State state) {
   return state == State::done || state == State::failed || state == State::cancelled;
@@ -108,7 +109,8 @@ struct Counts {
   bool operator==(const Counts&) const = default;
 };
 
-/// How the run's last session ended, named as events::End. `none`: the session died unrecorded.
+/// How the run's last session ended. The names are those of events::End. `none`: the session died
+/// unrecorded.
 enum class EndKind {
   none,
   finished,
@@ -189,7 +191,7 @@ struct Change {
   bool operator==(const Change&) const = default;
 };
 
-/// A user's past use of cores, which decides whose turn it is.
+/// A user's past use of cores. It decides whose turn it is.
 struct Usage {
   UserId user;
   double at_s = 0;              ///< service time of the next two values

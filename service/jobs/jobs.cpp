@@ -11,13 +11,15 @@
 namespace sleight::jobs {
 namespace {
 
-/// Interval at which an idle machine saves its clock, which determines the age of finished jobs.
+/// Interval at which an idle machine saves its clock. The clock determines the age of finished
+/// jobs.
 constexpr double k_idle_save_s = 3600;
 /// Interval at which the machine checks whether running jobs should make room.
 constexpr double k_look_at_turns_s = 0.5;
-/// Interval at which the machine checks whether held jobs are below their user's limit again.
+/// Interval at which the machine checks whether the users of held jobs are below their limits
+/// again.
 constexpr double k_look_at_limits_s = 10;
-/// Interval at which the request to delete a folder is repeated.
+/// Interval at which the machine again requests that a folder be deleted.
 constexpr double k_remove_again_s = 60;
 
 bool goes_on_by_itself(const Job& job) {
@@ -68,7 +70,7 @@ std::vector<Effect> Jobs::step(const Input& input) {
   return std::exchange(effects_, {});
 }
 
-/// Puts the Save with all changes before the step's other effects.
+/// Makes the Save, which has all changes, the step's first effect.
 void Jobs::finish_step() {
   if (dirty_.empty() && dirty_users_.empty() && save_.changes.empty() && save_.erased.empty() &&
       !saves_clock_)
@@ -190,7 +192,8 @@ void Jobs::note(const Job& job, State from, Reason reason, std::string words) {
   dirty_.insert(job.id);
 }
 
-/// Removes the job from all indices. Call before changing a value by which an index is ordered.
+/// Removes the job from all indices. If a value orders an index, call this before changing the
+/// value.
 void Jobs::leave_indices(const Job& job) {
   delayed_.erase({job.next_start_s, job.id});
   if (job.is_leaving) return;
@@ -243,7 +246,7 @@ void Jobs::put_into_queue(const Job& job) {
   }
 }
 
-/// Updates the time since which the user has waited without a running job.
+/// Updates the time from which the user has waited without a running job.
 void Jobs::note_idle(UserId user) {
   Account& account = accounts_.of(user);
   if (account.cores > 0 || !queue_.users().contains(user)) {
@@ -316,7 +319,7 @@ void Jobs::end_delays() {
   }
 }
 
-/// Deletes the job, except for its record, which stays until the folder no longer exists.
+/// Deletes the job but keeps its record until the folder no longer exists.
 void Jobs::let_go(Job& job) {
   leave_indices(job);
   if (!job.client_key.empty()) by_key_.erase({job.user, job.client_key});

@@ -1,7 +1,7 @@
 // The machine of jobs: a pure state machine that decides what happens to each job. The machine maps
 // inputs to effects and touches no process, file, socket, clock or thread.
 //
-// Idea. A job is a run whose program is started repeatedly until the run is finished. The run
+// Idea. A job is a run. A job's program is started repeatedly until the run is finished. The run
 // resumes from its run store, and a clean stop loses nothing. So the machine may stop and start a
 // job as often as other jobs need it: jobs are like processes that share a machine in slices of
 // some ten seconds.
@@ -14,39 +14,40 @@
 //
 // The machine relies only on these properties of a job's folder (the keeper's invariants):
 //   K1. A folder has at most one keeper.
-//   K2. A keeper of attempt n does nothing if the folder's record is of n or a newer attempt.
-//   K3. The record is durable before the program starts. The record's end is durable after all of
-//       the program's processes ended.
+//   K2. If the folder's record is of attempt n or a newer attempt, a keeper of attempt n does
+//       nothing.
+//   K3. The record is durable before the program starts. The record's end is durable only after all
+//       of the program's processes have ended.
 // So launching an attempt again is safe (K1, K2). "Never began" doesn't prove that the attempt
-// won't begin, because a killed daemon's Launch may still be in progress. To end an attempt in
-// doubt, the machine launches the attempt again, waits until it is seen, and stops it.
+// won't begin, because a killed daemon's Launch may still be in progress. To end an attempt that
+// may still begin, the machine launches it again, waits until it is seen, and stops it.
 //
 // Invariants
-//   1. A job's state changes only in a Save, with a Change; the Save is its step's first effect. So
-//      the job store contains everything that was reported or started, and a machine restored from
-//      the store continues there.
+//   1. A job's state changes only in a Save that has the Change. The Save is its step's first
+//      effect. So everything that was reported or started is in the job store, and a machine that
+//      is restored from the store continues there.
 //   2. A job becomes done, failed or cancelled at most once, unless its user extends or resumes it.
-//   3. At most one attempt of a job is open, and only sights of that attempt count. The machine
-//      stops the keeper of any other attempt that it sees.
-//   4. When an attempt is launched, open attempts exceed neither the cores and memory of the newest
-//      Room, nor their user's limit of cores.
-//   5. Effects are a function of the options, the restored records and the order of inputs.
-//   6. While the job that is next (turns.h) waits for room, no other job starts. So even a large
-//      job gets its room eventually.
+//   3. At most one attempt of a job is open, and only sights of that attempt count. If the machine
+//      sees another attempt, it stops that attempt's keeper.
+//   4. When an attempt is launched, open attempts stay within the newest Room's cores and memory,
+//      and within their user's limit of cores.
+//   5. Effects depend only on the options, the restored records and the order of inputs.
+//   6. While the next job (turns.h) waits for room, no other job starts. So even a large job gets
+//      its room eventually.
 //
 // A batch system may queue an attempt first. The job then stays `starting`, its cores stay
 // reserved, and nothing is charged. The batch system decides how long the attempt waits.
 //
 // Nobody starves. If a user waits and none of its jobs runs, it is next after patience_s at the
-// latest. The user's job gets room once the running jobs' slices are over and those jobs have
-// stopped. A slice is bounded by slice_per_cost times a job's restart cost, or by twice the
-// duration of its longest scan. A stop is bounded by stop_now_after_s. So a user waits at most
-// patience_s, plus one slice and one stop for each user that has also waited patience_s. A job
-// waits for its user's jobs that precede it, but once per patience_s the user's longest-waiting job
-// is next.
+// latest. The user's job gets room once the running jobs' slices are over and these jobs have
+// stopped. A slice lasts at most slice_per_cost times the job's restart cost, or twice the duration
+// of its longest scan. A stop is bounded by stop_now_after_s. So a user waits at most patience_s,
+// then one slice and one stop for each user that has also waited patience_s. A job waits for those
+// jobs of its user that precede it. But once per patience_s, the user's longest-waiting job is
+// next.
 //
-// A step is logarithmic in the number of jobs and linear in waiting users and running jobs. A step
-// visits all jobs only if a Room changes the cores or the memory.
+// A step's cost is logarithmic in the number of jobs and linear in the numbers of waiting users and
+// running jobs. A step visits all jobs only if a Room changes the cores or the memory.
 //
 // Not thread-safe.
 #pragma once
@@ -94,8 +95,8 @@ enum class WhyNot {
 
 struct Waiting {
   WhyNot why = WhyNot::next;
-  /// Place in the queue, counted as if users took turns. 1: next. 0: the job doesn't wait for its
-  /// turn. k_place_max: that place or a later one.
+  /// Place in the queue if users took turns. 1: next. 0: the job doesn't wait for its turn.
+  /// k_place_max: that place or a later one.
   std::uint64_t place = 1;
   std::string sentence{};
 };
@@ -117,21 +118,21 @@ struct Standing {
 
 class Jobs {
  public:
-  /// REQUIRES: the restored records result from the Saves of one store. The first inputs are a
-  /// Tick, then Began. The machine then looks at all jobs that had an open attempt.
+  /// REQUIRES: all restored records come from one store. The first inputs are a Tick, then Began.
+  /// The machine then looks at all jobs that had an open attempt.
   explicit Jobs(const Options& options, Restored restored = {});
   Jobs(const Jobs&) = delete;
   Jobs& operator=(const Jobs&) = delete;
 
   std::vector<Effect> step(const Input& input);
 
-  /// Returns why a submit would be refused now, after `before_it` other new jobs of the same user.
-  /// Returns nothing if the submit would be accepted, or if its key names an existing job. Callers
-  /// use this function to submit either all of several jobs or none.
+  /// Returns why a submit would be refused now if it came after `before_it` other new jobs of the
+  /// same user. Returns nothing if the submit would be accepted, or if its key names an existing
+  /// job. With this function, callers submit several jobs together or none.
   std::optional<Refusal> refusal_of(const Submit& input, std::uint64_t before_it = 0) const;
 
   const Job* find(JobId id) const;
-  /// Returns all jobs, including deleted jobs whose folder is still being deleted.
+  /// Returns all jobs. A deleted job is included until its folder is deleted.
   const std::map<JobId, Job>& all() const { return jobs_; }
   /// REQUIRES: the job is queued.
   Waiting waiting(JobId id) const;
@@ -143,7 +144,7 @@ class Jobs {
   double clock_s() const { return clock_s_; }
 
  private:
-  /// State of an open attempt beyond the job's record; not stored.
+  /// State of an open attempt that the job's record doesn't have. It isn't stored.
   struct Open {
     bool has_begun = false;                ///< its keeper has been seen
     bool is_looked_for = false;            ///< a Look is unanswered

@@ -232,7 +232,7 @@ void Jobs::set_priority(Job& job, std::int32_t priority) {
   dirty_.insert(job.id);
 }
 
-/// Queues a held or finished job again at its user's request, and forgets its past failures.
+/// At the user's request, queues a held or finished job again and forgets its past failures.
 void Jobs::begin_anew(Job& job, Reason reason, std::string words) {
   leave_indices(job);
   job.next_start_s = 0;

@@ -8,7 +8,7 @@
 namespace sleight::jobs {
 namespace {
 
-/// Rank of a stop's reason. A reason replaces only reasons of lower rank.
+/// Rank of a stop's reason. A reason replaces only a reason of lower rank.
 int weight(Reason reason) {
   if (reason == Reason::cancel_asked) return 3;
   if (reason == Reason::hold_asked) return 2;
@@ -24,8 +24,8 @@ void Jobs::take(const Sight& input) {
   const bool is_there =
       std::holds_alternative<Running>(input.seen) || std::holds_alternative<Pending>(input.seen);
   if (!is_active(job.state) || input.attempt < job.attempt) {
-    // An attempt that was presumed dead still holds the folder. Stop it, because newer attempts
-    // wait for the folder.
+    // The folder is still held by an attempt that was presumed dead. Stop the attempt, because
+    // newer attempts wait for the folder.
     if (is_there)
       effects_.emplace_back(Stop{.job = job.id,
                                  .attempt = input.attempt,
@@ -57,13 +57,13 @@ void Jobs::take(const LaunchFailed& input) {
   if (found == jobs_.end() || !is_active(found->second.state) ||
       found->second.attempt != input.attempt)
     return;
-  // If the attempt was launched before, another keeper may still begin, so the attempt stays open.
+  // If the attempt was launched before, another keeper may still begin it, so it stays open.
   const Open& open = open_.at(input.job);
   if (open.has_begun || open.is_pending || open.is_found || open.is_launched_again) return;
   close(found->second, judge(found->second, input, around(found->second), options_));
 }
 
-/// The attempt may still begin, so it is launched again, even if it should stop. If a keeper was
+/// The attempt may still begin, so this launches it again, even if it should stop. If a keeper was
 /// seen before, NeverBegan is outdated. Repeated NeverBegan means that somebody deleted the record.
 void Jobs::see(Job& job, Open& open, const NeverBegan&) {
   if (!std::exchange(open.is_looked_for, false)) return;
@@ -79,7 +79,7 @@ void Jobs::see(Job& job, Open& open, const NeverBegan&) {
   set_alarm(job.id, open, clock_s_ + options_.look_after_launch_s);
 }
 
-/// The attempt will begin by itself, or is stopped while it is in the batch system's queue.
+/// The attempt will begin by itself, unless it is stopped while it is in the batch system's queue.
 void Jobs::see(Job& job, Open& open, const Pending& seen) {
   open.is_looked_for = false;
   open.unbegun = 0;
@@ -126,7 +126,7 @@ void Jobs::see(Job& job, Open& open, const Ended& seen) {
   if (seen.kind != EndKind::none) job.end = seen.kind;
   if (!seen.digest.empty()) job.digest = seen.digest;
   Ended ended = seen;
-  // An attempt that we killed counts as stopped, not as a death.
+  // If we killed the attempt, it counts as stopped, not as a death.
   if (open.is_ended_now && ended.kind == EndKind::none) ended.kind = EndKind::stop_requested;
   close(job, judge(job, ended, around(job), options_), seen.place);
 }
@@ -199,7 +199,7 @@ void Jobs::close(Job& job, const Verdict& verdict, const std::string& bug_place)
 
   const double waits_s =
       count_end(job, verdict, bug_place, clock_s_ - job.attempt_begin_s, options_);
-  // The cause of a hold may be gone already, so check the job once more after this time.
+  // The cause of a hold may already be gone, so check the job again after this time.
   constexpr double k_held_s_min = 1;
   job.next_start_s =
       clock_s_ + (verdict.to == State::held ? std::max(waits_s, k_held_s_min) : waits_s);
@@ -258,7 +258,7 @@ void Jobs::set_alarm(JobId job, Open& open, double at_s) {
   alarms_.emplace(at_s, job);
 }
 
-/// Looks at attempts without a recent report, and repeats the Stop of attempts that don't stop.
+/// If an attempt has no recent report, looks at it. If an attempt doesn't stop, repeats its Stop.
 void Jobs::ring_alarms() {
   while (!alarms_.empty() && alarms_.begin()->first <= clock_s_) {
     const JobId id = alarms_.begin()->second;

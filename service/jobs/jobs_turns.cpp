@@ -1,4 +1,4 @@
-// Decides which jobs start and which make room, by the rules of turns.h.
+// Applies the rules of turns.h: which jobs start, and which make room.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,14 +31,14 @@ std::uint64_t Jobs::memory_free() const {
   return room_->memory_bytes - std::min(room_->memory_bytes, memory_in_use_);
 }
 
-/// Returns the cores of the user's attempts that weren't asked to stop.
+/// Returns how many cores the user's attempts have. Attempts that were asked to stop don't count.
 std::uint32_t Jobs::cores_kept(UserId user) const {
   const Account* account = accounts_.find(user);
   return account == nullptr ? 0 : account->cores - account->cores_stopping;
 }
 
-/// Returns the maximum cores for the job on this machine. The user's other jobs count towards the
-/// user's limit.
+/// Returns the maximum cores that the job can have on this machine. The user's other jobs also
+/// count towards the user's limit.
 std::uint32_t Jobs::cores_max(const Job& job) const {
   std::uint32_t cores = room_->cores;
   if (job.wishes.ranks > 0) {
@@ -101,7 +101,7 @@ Shares Jobs::shares() const {
   return {.cores = room_->cores, .users = std::max<std::uint64_t>(1, users.size())};
 }
 
-/// Returns the number of free cores that should be left for other waiting users.
+/// Returns how many free cores to leave for other waiting users.
 std::uint64_t Jobs::claim_of_others(UserId user, const Shares& shares) const {
   std::uint64_t claim = 0;
   for (const auto& [other, waiting] : queue_.users()) {
@@ -179,13 +179,13 @@ std::vector<RunningJob> Jobs::running_jobs() const {
   return running;
 }
 
-/// Asks running jobs to stop if the next job comes before them. Returns whether the next job should
-/// wait for the stops. Otherwise, the next job starts on the free cores, or can't start.
+/// If the next job comes before running jobs, asks these to stop. Returns whether the next job
+/// should wait for the stops. If not, the next job starts on the free cores or can't start.
 bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares) {
   std::uint32_t cores = cores_free();
   std::uint64_t memory = memory_free();
   for (const auto& [id, open] : open_) {
-    // Don't count the cores of a job that is slow to stop.
+    // If a job is slow to stop, don't count its cores.
     if (!open.stop_asked_s || clock_s_ - *open.stop_asked_s >= options_.slice_s_min) continue;
     cores += jobs_.at(id).cores;
     memory += jobs_.at(id).wishes.memory_of_all();
@@ -235,7 +235,8 @@ bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares
   return !stops.empty();
 }
 
-/// Stops a running job, to restart it with more cores, if cores are free and nobody waits for them.
+/// If cores are free and nobody waits for them, stops a running job in order to restart it with
+/// more cores.
 void Jobs::use_idle_cores() {
   if (!may_start() || next_job()) return;
   for (const auto& [id, open] : open_) {
@@ -259,8 +260,8 @@ void Jobs::use_idle_cores() {
   }
 }
 
-/// Stops two jobs: one of a user below its share, to restart it with more cores, and one of a user
-/// who is above its share and has used more.
+/// Stops two jobs. One user is below its share; its job restarts with more cores. The other user is
+/// above its share and has used more; its job gives up its cores.
 void Jobs::even_out(const std::vector<RunningJob>& running, const Shares& shares) {
   const auto had = [&](const RunningJob& job) { return accounts_.had_core_s(job.user, clock_s_); };
   const RunningJob* below = nullptr;
@@ -273,14 +274,15 @@ void Jobs::even_out(const std::vector<RunningJob>& running, const Shares& shares
     if (kept > shares.each() && (above == nullptr || had(job) > had(*above))) above = &job;
   }
   if (below == nullptr || above == nullptr) return;
-  // The difference must be worth a slice, so that two users don't keep changing places.
+  // The difference between the two users' core-seconds must be worth a slice. Otherwise they would
+  // keep changing places.
   if (had(*above) - had(*below) < shares.each() * options_.slice_s_min) return;
   ask_to_stop(jobs_.at(below->id), Reason::wider, "The job resumes with more cores.");
   ask_to_stop(jobs_.at(above->id), Reason::others_wait,
               "Other users have had less computing time.");
 }
 
-/// Stops jobs until the remaining ones fit a machine that has become smaller.
+/// If the machine has become smaller, stops jobs until the others fit.
 void Jobs::shed() {
   std::uint64_t cores = 0;
   std::uint64_t memory = 0;
@@ -306,7 +308,7 @@ void Jobs::hold_over_limits() {
   for (const auto& [id, open] : open_) {
     Job& job = jobs_.at(id);
     const bool has_had_slice = clock_s_ - job.attempt_begin_s >= slice_s(job, options_);
-    // Wait for the end of the slice, because otherwise a job with long scans would never progress.
+    // Wait for the end of the slice. Otherwise a job that has long scans would never progress.
     if (has_had_slice && accounts_.is_over_core_hours(job.user, clock_s_, false)) {
       ask_to_stop(job, Reason::limit_core_hours,
                   "The user's jobs have used their daily core-hours. The job resumes automatically "

@@ -30,7 +30,8 @@ std::optional<std::pair<JobId, double>> Keeping::next_to_announce(double now_s) 
   const double old_s = over_since_s + options_.keep_s;
   if (bytes_unsaid_ <= options_.keep_bytes && now_s < old_s - options_.announce_s)
     return std::nullopt;
-  // Keep the whole period of notice, even if the daemon was down or keep_s was reduced.
+  // Leave the whole time between announcement and deletion, even if the daemon was down or keep_s
+  // was reduced.
   const bool is_for_bytes = bytes_unsaid_ > options_.keep_bytes;
   const double earliest_s = now_s + options_.announce_s;
   return std::pair(job, is_for_bytes ? earliest_s : std::max(old_s, earliest_s));

@@ -1,8 +1,9 @@
 // How long finished jobs are stored. An unpinned job is deleted keep_s after its end. If finished
-// jobs use more than keep_bytes, the oldest are deleted earlier. A deletion is announced announce_s
-// in advance. Pinning, extending or resuming a job withdraws the announcement.
+// jobs use more than keep_bytes, the oldest jobs are deleted earlier. The announcement of
+// a deletion precedes it by announce_s. Pinning, extending or resuming a job withdraws the
+// announcement.
 //
-// All times are service times, so jobs don't age while no daemon is up, or when the wall clock
+// All times are service times. So jobs don't age while no daemon is up, nor when the wall clock
 // jumps.
 //
 // Thread safety: none.
@@ -23,16 +24,16 @@ class Keeping {
   /// Borrows the options.
   explicit Keeping(const Options& options) : options_(options) {}
 
-  /// Adds a job that is over and not pinned. REQUIRES: the job is removed before its values change.
+  /// Adds a job that is over and not pinned. REQUIRES: before the job's values change, the caller
+  /// removes it.
   void add(const Job& job);
   void remove(const Job& job);
 
-  /// Returns the next job whose deletion must be announced, with the time of its deletion.
+  /// Returns the next job to announce, and the time of its deletion.
   std::optional<std::pair<JobId, double>> next_to_announce(double now_s) const;
   /// Returns the next job to delete now.
   std::optional<JobId> next_to_delete(double now_s) const;
-  /// Returns the earliest time at which next_to_announce() or next_to_delete() returns a job, if
-  /// nothing changes.
+  /// If nothing changes, next_to_announce() or next_to_delete() returns a job at this time.
   std::optional<double> next_s() const;
 
  private:

@@ -12,13 +12,13 @@
 
 namespace sleight::jobs {
 
-/// A value of the caller, which the machine returns unchanged with the answer.
+/// The caller's value. The machine returns this value unchanged with the answer.
 using Token = std::uint64_t;
 
 // Inputs
 
 /// The current time. `now_s` is a monotonic clock with any origin; `wall` is the wall clock, which
-/// may jump. The daemon sends a Tick before every input of another kind, and at next_tick_s().
+/// may jump. The daemon sends a Tick before every other input and at next_tick_s().
 struct Tick {
   double now_s = 0;
   double wall = 0;
@@ -35,18 +35,19 @@ struct Room {
   std::uint64_t disk_reserve_bytes = 0;  ///< below this nothing starts, and jobs are held
 };
 
-/// While drain is on, no job starts, and running jobs stop cleanly and are queued.
+/// While drain is on, no job starts. Running jobs stop cleanly and are queued.
 struct Drain {
   bool on = false;
 };
 
-/// Reports whether the programs of attempts can start, and their results version (empty: unknown).
+/// Reports whether attempts' programs can start, and which results version they have (empty:
+/// unknown).
 struct BackendNote {
   bool is_there = true;
   std::string results_version{};
 };
 
-/// The request's text isn't part of this message. The daemon stores it with this step's Save.
+/// This message doesn't have the request's text. The daemon stores the text with this step's Save.
 struct Submit {
   Token token = 0;
   UserId user;
@@ -73,7 +74,7 @@ struct Ask {
 /// The backend doesn't have the attempt: no keeper runs, and the folder has no record of this
 /// attempt or a newer one. The attempt may still begin.
 struct NeverBegan {};
-/// A batch system has queued the attempt, which will begin by itself and uses no cores yet.
+/// A batch system has queued the attempt. The attempt will begin by itself and uses no cores yet.
 struct Pending {
   std::string words{};  ///< why it waits there: "Slurm job 812 waits: Priority"
 };
@@ -92,8 +93,7 @@ enum class Hindrance {
   other_results,
   store_damaged  ///< the run store is unreadable, so any further attempt would fail too
 };
-/// Action on an attempt by a batch system, or by somebody through it, that the machine did not
-/// request.
+/// What a batch system, or somebody through it, did to the attempt without the machine's request.
 enum class Outside {
   nothing,
   taken,     ///< it had to make room, or its machine was lost
@@ -117,7 +117,7 @@ struct Ended {
   Outside outside = Outside::nothing;
   std::string outside_words{};  ///< "Slurm job 812: PREEMPTED"
 };
-/// Keeper and program were killed: no keeper holds the folder, and the record has no end.
+/// The keeper and the program were killed: no keeper holds the folder, and the record has no end.
 struct Died {
   std::string words{};
   std::string log_end{};
@@ -131,8 +131,8 @@ struct Unknown {
   std::string words{};  ///< why; shown while the attempt is awaited
 };
 
-/// The backend's observation of a job, either spontaneous or after a Look. `attempt` comes from the
-/// folder's record; for NeverBegan, Pending and Unknown it is the attempt of the Look.
+/// What the backend observed of a job, by itself or after a Look. `attempt` comes from the folder's
+/// record. In a NeverBegan, Pending or Unknown, it is the attempt of the Look.
 struct Sight {
   JobId job;
   Attempt attempt;
@@ -164,7 +164,7 @@ using Input = std::variant<Tick, Began, Room, Drain, BackendNote, Submit, Ask, S
 
 // Effects, in the order in which the daemon must carry them out
 
-/// A transaction that must be durable before the daemon carries out any other effect of the step. A
+/// A transaction. A Save must be durable before the daemon carries out the step's other effects. A
 /// step has at most one Save, which is its first effect.
 struct Save {
   std::vector<Job> jobs{};        ///< in their current state
@@ -215,7 +215,7 @@ struct Refusal {
   std::string what_to_do{};
 };
 
-/// The answer to a Submit or an Ask: the job, or the refusal.
+/// Answers a Submit or an Ask with the job or the refusal.
 struct Answer {
   Token token = 0;
   JobId job{};
@@ -228,7 +228,7 @@ struct Remove {
   JobId job;
 };
 
-/// Unless somebody pins the job, it will be deleted at about this time.
+/// If nobody pins the job, it will be deleted at about this time.
 struct Announce {
   JobId job;
   UserId user;

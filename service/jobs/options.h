@@ -22,11 +22,12 @@ struct Options {
 
   // Whose turn it is
   double half_life_s = 3600;  ///< of the core-seconds that a user has had
-  /// The core-seconds that a user's running jobs will use within this time are counted as already
-  /// used. Without this rule, two equal users would take turns with all cores.
+  /// The core-seconds that a user's running jobs will use within this time count as already used.
+  /// Without this rule, two equal users would take turns, each with all cores.
   double horizon_s = 10;
-  /// A user that has waited this long with nothing running is next. Once per patience_s, a user's
-  /// longest-waiting job precedes the user's other jobs, if it has waited for patience_s.
+  /// If a user has waited this long and has no running job, the user is next. If a user's
+  /// longest-waiting job has waited this long, it precedes the user's other jobs once per
+  /// patience_s.
   double patience_s = 3600;
 
   // When a job makes room
@@ -60,7 +61,7 @@ struct Options {
   double save_every_s = 60;  ///< interval of saving running jobs' use
 };
 
-/// Maximum number of times that a back-off or a slice is doubled.
+/// A back-off or a slice is doubled at most this many times.
 inline constexpr std::uint32_t k_doublings_max = 20;
 /// Places in the queue are counted only up to this number, because counting costs time.
 inline constexpr std::uint64_t k_place_max = 100;

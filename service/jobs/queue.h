@@ -1,5 +1,6 @@
-// Queue of the jobs that could start now, by user. One user's jobs are ordered by priority (highest
-// first), then by age. The user's longest-waiting job can also be looked up. Thread safety: none.
+// Queue of the jobs that could start now. Each user's jobs are separate. One user's jobs are
+// ordered by priority (highest first), then by age. The user's longest-waiting job can also be
+// looked up. Thread safety: none.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +29,8 @@ class Queue {
   bool empty() const { return entries_.empty(); }
   std::size_t size() const { return entries_.size(); }
   const std::map<UserId, OfUser>& users() const { return users_; }
-  /// Returns the job's position among its user's jobs, from 1 to k_place_max. REQUIRES: the job is
-  /// in the queue.
+  /// Returns the job's position among the jobs of its user, from 1 to k_place_max. REQUIRES: the
+  /// job is in the queue.
   std::uint64_t rank(JobId job) const;
 
  private:

@@ -35,8 +35,8 @@ double slice_s(const Job& job, const Options& options) {
   const double worth_s =
       std::max(options.slice_s_min, options.slice_per_cost * restart_cost_s(job, options));
   if (job.counts.scans > job.scans_at_attempt) return worth_s;
-  // A scan may be longer than any slice, and a stop discards the scan. So the slice doubles after
-  // each turn without a commit.
+  // A scan may be longer than a slice, and a stop discards the scan. So after each turn without a
+  // commit, the slice doubles.
   const auto doublings = static_cast<int>(std::min(job.fruitless, k_doublings_max));
   return std::max(worth_s, std::ldexp(options.slice_uncommitted_s, doublings));
 }
@@ -55,7 +55,7 @@ bool comes_before(const NextJob& next, double next_standing, const RunningJob& r
                                std::tuple(-std::int64_t{running.priority}, running.id);
   }
   if (next.is_overdue) return true;
-  // After the stop, the running job's future use no longer counts.
+  // After the stop, the running job has no future use to count.
   return next_standing < running_standing - options.horizon_s * static_cast<double>(running.cores);
 }
 

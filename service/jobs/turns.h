@@ -1,31 +1,32 @@
 // Decides which job is next, how many cores it gets, and which running jobs make room.
 //
-// Shares. Each user with something to run has a claim to an equal share of the cores. If each user
-// can have its share at the same time, jobs of several users run side by side. If the shares aren't
+// Shares. If users have something to run, each has a claim to an equal share of the cores. If all
+// users can have their shares at the same time, their jobs run side by side. If the shares aren't
 // whole cores, jobs take turns in slices.
 //
-// The next job. A user that has waited patience_s with nothing running is next. If there are
-// several such users, the one that has waited longest is next. If there is no such user, the user
-// with the fewest decayed core-seconds is next, including core-seconds that its running jobs will
-// use soon. Between equal users, their jobs' priority decides, then age. The user's first job is
-// the one with the highest priority, then the oldest. Once per patience_s, the user's
-// longest-waiting job comes first instead, if it has waited that long.
+// The next job. If a user has waited patience_s and has no running job, the user is next. If there
+// are several such users, the one that has waited longest is next. If there is no such user, the
+// user with the fewest decayed core-seconds is next. Core-seconds that the user's running jobs will
+// use soon also count. If users are equal, their jobs' priority decides, then their jobs' age. The
+// user's first job is the one with the highest priority, then the oldest. But once per patience_s,
+// the user's longest-waiting job comes first if it has waited for patience_s.
 //
 // While there is a next job, hand_out() does this:
-//   1. The job needs its user's share of cores, within the limits of what it must and can have.
-//   2. If fewer cores are free, stop running jobs that come after the next job and have had their
-//      slice. Jobs of users above their share are stopped first. Other jobs are stopped only if the
+//   1. The job needs its user's share of cores, but at least its minimum and at most what it can
+//      use.
+//   2. If fewer cores are free, stop running jobs that have had their slice and come after the next
+//      job. Jobs of users above their share are stopped first. Other jobs are stopped only if the
 //      next job couldn't start otherwise.
-//   3. If the need will be free when these jobs have stopped, wait.
-//   4. Otherwise, if the job can start, give it the free cores, less the shares of other waiting
-//      users.
-//   5. Otherwise, wait, and let nothing overtake the job.
+//   3. If enough will be free when these jobs have stopped, wait.
+//   4. Otherwise, if the job can start, give it the free cores that remain after the shares of
+//      other waiting users.
+//   5. Otherwise, wait. No other job may start first.
 //
-// If nobody waits for free cores, a running job with fewer cores than it wishes gets them. For
-// this, the job is stopped and restarted with more cores if the time saved is at least
-// slice_per_cost times the restart's cost. The estimate assumes that the remaining work equals the
-// work so far. If the job's user is below its share, the job can also get cores of a user who is
-// above its share and has used more. For this, a job of each user is stopped.
+// If nobody waits for free cores, a running job gets them if it wishes more cores. For this, the
+// job is stopped and restarted, but only if the time saved is at least slice_per_cost times the
+// restart's cost. The estimate assumes that the remaining work equals the work so far. If the job's
+// user is below its share, the job can also get another user's cores. The other user must be above
+// its share and have used more. One job of each of the two users is then stopped.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -39,7 +40,7 @@
 
 namespace sleight::jobs {
 
-/// A running job, as the rules see it.
+/// The data of a running job that the rules need.
 struct RunningJob {
   JobId id;
   UserId user;
@@ -60,7 +61,7 @@ struct NextJob {
   bool is_turn = false;     ///< it goes first because it has waited longest
 };
 
-/// Users with something to run share the cores.
+/// Number of cores, and of users that share them.
 struct Shares {
   std::uint32_t cores = 0;
   std::uint64_t users = 1;
@@ -74,7 +75,7 @@ struct Need {
   std::uint64_t memory_bytes = 0;
 };
 
-/// Returns the resources that a job needs and can use. `had`: cores that the job's user has and
+/// Returns the resources that a job needs and can use. `had`: cores that its user already has and
 /// won't give up.
 Need need_of(const Job& job, const Shares& shares, std::uint32_t had, std::uint32_t cores_max);
 
@@ -82,11 +83,11 @@ Need need_of(const Job& job, const Shares& shares, std::uint32_t had, std::uint3
 /// users. REQUIRES: need.cores_min <= free.
 std::uint32_t cores_given(const Need& need, std::uint32_t free, std::uint64_t others_claim);
 
-/// Returns how long a job has its cores before it can be stopped for other jobs.
+/// Returns how long a job keeps its cores before it can be stopped for other jobs.
 double slice_s(const Job& job, const Options& options);
 double restart_cost_s(const Job& job, const Options& options);
 
-/// Returns whether the additional cores save enough time to justify the restart.
+/// Returns whether additional cores would save enough time to justify a restart.
 bool is_worth_widening(const RunningJob& job, std::uint32_t cores, const Options& options);
 
 /// Returns whether `next` would precede the running job if that job were stopped and queued. Both

@@ -68,7 +68,7 @@ void end_fields(Visit& visit, End& end) {
   visit.as(
       "stop_asked", end.stop_asked, [](Stop how) { return name_in(k_stops, how); },
       [](const std::string& name) { return value_in(k_stops, name); });
-  // A run's end is stored as the line of run_end.h, whose reader checks keys and limits.
+  // A run's end is stored as a line of run_end.h. The line's reader checks keys and limits.
   visit.as(
       "run_end", end.run_end, [](const events::RunEnd& ended) { return events::to_line(ended); },
       events::run_end_of);
@@ -171,7 +171,7 @@ RecordFile::RecordFile(base::FileSystem& files, std::string folder)
     : files_(files), folder_(std::move(folder)) {}
 
 void RecordFile::begin(const AttemptRecord& record) {
-  // Reserve room for the end first, so that the program doesn't start on a full disk.
+  // Reserve room for the end first. If the disk is full, the program then doesn't start.
   const std::string end_path = path(k_end_beside);
   auto room = files_.create(end_path);
   if (!room) fail_at(end_path, room.error());

@@ -1,14 +1,14 @@
 // The record of a job's newest attempt: the file `attempt.json` in the job's folder.
 //
-// An attempt is the n-th start of a job's program. The keeper writes the record twice: before it
-// starts the program, and after the program and all its descendants ended. So the record and the
-// keeper's lock together show the attempt's state, even if any of the processes were killed
+// An attempt is the n-th start of a job's program. The keeper writes the record before it starts
+// the program, and again after the program and all its descendants have ended. So the record and
+// the keeper's lock together show the attempt's state, even if any of the processes were killed
 // (backend.h).
 //
 // Invariants:
 //   1. The file is either absent or a complete record. Each record is written to a temporary file,
 //      synced and renamed, and the folder is synced.
-//   2. Records only advance: attempts ascend, an attempt's end follows its beginning, and an end
+//   2. Records only advance. Attempts ascend, an attempt's end follows its beginning, and an end
 //      never changes.
 //   3. The end can be written even on a full disk, because `RecordFile::begin` reserves its bytes
 //      as zeros before the program starts. Copy-on-write file systems (btrfs, ZFS) don't guarantee
@@ -63,8 +63,8 @@ struct AttemptEnd {
 
   KilledFor killed_for = KilledFor::nothing;
   std::optional<Stop> stop_asked{};  ///< last stop that the keeper passed on
-  /// How the session ended, as read from its pipe or its store. None: the session died or never
-  /// began, and only the three fields above are known.
+  /// How the session ended, according to its pipe or its store. None: the session died or never
+  /// began, so only the three fields above are known.
   std::optional<events::RunEnd> run_end{};
   double wall_s = 0;                   ///< from the program's start to its end
   double processor_s = 0;              ///< of the program and all its descendants
@@ -87,21 +87,22 @@ struct AttemptRecord {
 };
 
 inline constexpr std::size_t k_tail_lines_max = 50;
-/// Maximum size of a record. To fit, a record drops the oldest lines of its tail, then cuts long
-/// messages.
+/// Maximum size of a record. If a record is larger, the oldest lines of its tail are dropped, then
+/// long messages are cut.
 inline constexpr std::size_t k_record_bytes_max = 64U << 10U;
 inline constexpr const char* k_record_name = "attempt.json";
 
 /// Returns a JSON object of at most k_record_bytes_max bytes, ended by a newline.
 std::string to_text(const AttemptRecord& record);
 
-/// Returns none unless to_text() wrote the text.
+/// Returns none if to_text() didn't write the text.
 std::optional<AttemptRecord> record_of(std::string_view text);
 
 /// Reads the record's text atomically. Empty: no record. Throws base::Error if that fails.
 std::string record_text_in(const std::string& folder);
 
-/// Parses the text of a folder's record. None: empty text. Throws base::Error for an invalid text.
+/// Parses the text of a folder's record. None: the text is empty. Throws base::Error if the text is
+/// invalid.
 std::optional<AttemptRecord> record_in(const std::string& folder, const std::string& text);
 
 /// record_text_in, then record_in.
@@ -111,7 +112,8 @@ class RecordFile {
  public:
   RecordFile(base::FileSystem& files, std::string folder);
 
-  /// Durable on return, with room for the end. After a base::Error, the record may exist.
+  /// On return, the record is durable and has room for its end. After a base::Error, the record may
+  /// exist.
   void begin(const AttemptRecord& record);
 
   /// Durable on return. REQUIRES: `record` has an end, and begin() has returned. Call end() only

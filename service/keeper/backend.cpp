@@ -66,14 +66,14 @@ bool receive(int descriptor, T& value) {
   return count == sizeof(value);
 }
 
-/// Sends the value. If the peer has closed its end, fails without a signal.
+/// Sends the value. If the peer has closed its end, this fails without a signal.
 template <class T>
 bool send(int descriptor, const T& value) {
   return ::send(descriptor, &value, sizeof(value), MSG_NOSIGNAL) == sizeof(value);
 }
 
-/// Everything that the forked processes need, prepared before the fork. The daemon has other
-/// threads, so a forked process must not call functions that take locks.
+/// Data for the forked processes, prepared before the fork. The daemon has other threads, so a
+/// forked process must not call functions that take locks.
 struct KeeperStart {
   char* const* arguments;
   char* const* environment;
@@ -85,8 +85,8 @@ struct KeeperStart {
 
 /// Runs in the keeper's process: waits for the launcher's permission, then becomes the keeper.
 [[noreturn]] void become_keeper(const KeeperStart& start) {
-  // Close this process's copy of the launcher's end, so that the connection breaks if the launcher
-  // dies.
+  // Close this process's copy of the launcher's end. If the launcher dies, the connection then
+  // breaks.
   ::close(start.other_end);
   bool goes = false;
   if (!send(start.line, ::getpid()) || !receive(start.line, goes)) ::_exit(127);
@@ -104,8 +104,8 @@ struct KeeperStart {
   ::_exit(127);
 }
 
-/// Runs in the intermediate process, which forks the keeper's process and exits at once, so that
-/// the keeper isn't the daemon's child.
+/// Runs in the intermediate process. The intermediate process forks the keeper's process and exits
+/// at once, so that the keeper isn't the daemon's child.
 [[noreturn]] void fork_keeper(const KeeperStart& start) {
   if (::setsid() < 0) ::_exit(1);
   const pid_t keeper = ::fork();
@@ -186,8 +186,8 @@ RunningKeeper LocalBackend::launch_command(const std::string& folder,
 }
 
 Look LocalBackend::look(const std::string& folder, std::uint32_t attempt) const {
-  // Records only advance. So if the record is the same before and after the lock is tested, the
-  // record was current at the time of the test.
+  // Records only advance. Read the record before and after testing the lock. If the record stayed
+  // the same, it was current during the test.
   std::string text = record_text_in(folder);
   bool is_held = KeeperLock::is_held(folder);
   for (std::string again = record_text_in(folder); again != text; again = record_text_in(folder)) {
@@ -204,7 +204,7 @@ Look LocalBackend::look(const std::string& folder, std::uint32_t attempt) const 
   const bool has_begun = newest == attempt;
   const bool has_ended = has_begun && look.record->end;
   if (!has_begun) look.record.reset();
-  // If somebody deleted the lock file, a living keeper still has the folder.
+  // Somebody may have deleted the lock file. If the keeper lives, it still has the folder.
   const bool lives = has_begun && !has_ended && is_living(look.record->keeper);
   if (is_held || lives) {
     look.state = Look::State::running;

@@ -41,7 +41,7 @@ void BoundedLog::append(std::string_view bytes) {
   }
   while (!bytes.empty()) {
     if (bytes_ >= bytes_max_ / 2) turn_over();
-    // If the file could be neither renamed nor removed, it is still full and has no room.
+    // If the file could be neither renamed nor removed, it is still full.
     const std::uint64_t room = bytes_max_ / 2 - std::min(bytes_max_ / 2, bytes_);
     const std::string_view piece = bytes.substr(0, room);
     if (piece.empty()) {

@@ -1,4 +1,4 @@
-// The output of an attempt's program, in files of the job's folder with a bounded size.
+// Stores the output of an attempt's program in files of the job's folder. Their size is bounded.
 //
 // When `log` reaches half the bound, it is renamed to `log.old`. All attempts of a job append to
 // the same files. A marked line begins each attempt and each message of the keeper.
@@ -28,7 +28,7 @@ class BoundedLog {
   BoundedLog(const BoundedLog&) = delete;
   BoundedLog& operator=(const BoundedLog&) = delete;
 
-  /// Appends a piece of output, which may begin and end within a line.
+  /// Appends a piece of output. The piece may begin and end within a line.
   void append(std::string_view bytes);
   /// Appends a marked line.
   void mark(std::string_view words);
@@ -47,7 +47,7 @@ class BoundedLog {
   bool at_line_begin_ = true;
 };
 
-/// Collects the last lines of an output, each cut to a maximum length. The last line may be
+/// Collects the last lines of an output and cuts each to a maximum length. The last line may be
 /// incomplete.
 class LastLines {
  public:

@@ -28,12 +28,12 @@ std::string found_on_path(const std::string& name) {
   }
 }
 
-/// Returns an mpirun command for this machine only: no network except loopback, and no Open MPI
-/// files outside the folder. Ranks aren't bound to cores, because each mpirun would bind its ranks
-/// to the same first cores.
+/// Returns an mpirun command for this machine only. mpirun uses only the loopback network, and Open
+/// MPI writes no files outside the folder. Ranks aren't bound to cores. Otherwise each mpirun would
+/// bind its ranks to the same first cores.
 std::vector<std::string> mpirun_of(const AttemptSpec& spec, const Programs& programs) {
-  // In a batch system's job, mpirun gets the list of machines from that system, as configured by
-  // the site.
+  // In a batch system's job, mpirun gets the list of machines from that system. The site configures
+  // this.
   if (spec.in_batch)
     return {programs.mpirun.empty() ? "mpirun" : programs.mpirun, "-n",
             fmt::format("{}", spec.ranks), programs.sleight_batch};

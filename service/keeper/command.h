@@ -1,7 +1,7 @@
 // Command lines of attempts.
 //
-// An attempt reads and writes only its job's folder, which is the program's working folder. So
-// commands contain only file names, and the folder's name can contain any character.
+// An attempt reads and writes only its job's folder. The job's folder is also the program's working
+// folder. So commands contain only file names, and the folder's name can contain any character.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -28,14 +28,14 @@ struct AttemptSpec {
   std::uint32_t attempt = 1;  ///< from 1
   std::uint32_t cores = 1;    ///< threads; ignored with ranks
   std::uint32_t ranks = 0;    ///< one core each; 0: without MPI
-  /// The attempt runs in a batch system's job, on that job's machines. Ranks are spread over these
-  /// machines, so the number of this machine's cores doesn't matter.
+  /// The attempt runs in a batch system's job. Ranks are spread over that job's machines, so the
+  /// number of this machine's cores doesn't matter.
   bool in_batch = false;
   std::uint64_t cache_mb = 256;  ///< per process
   bool strict = false;           ///< a failed simulation ends the run
-  /// Maximum time until a program exits after reporting its end. The same limit, or 10 s if
-  /// shorter, applies to mpirun after its last rank has exited. After reporting its end, a run
-  /// waits up to 20 s for ranks that don't answer.
+  /// A program that has reported its end must exit within this time. When mpirun's last rank has
+  /// exited, mpirun must exit within this time or 10 s, whichever is shorter. A run that has
+  /// reported its end waits up to 20 s for ranks that don't answer.
   double grace_s = 30;
 
   bool operator==(const AttemptSpec&) const = default;
@@ -49,7 +49,7 @@ struct Programs {
   std::string mpirun{};  ///< empty: not installed
 };
 
-/// Returns the programs in the running program's folder, and mpirun from PATH.
+/// Finds mpirun on PATH, and the other programs in the running program's folder.
 Programs programs_beside_this();
 
 /// Returns why the spec can't run here. Empty: it can.
@@ -58,12 +58,12 @@ std::string obstacle_of(const AttemptSpec& spec, const Programs& programs);
 /// Returns the program's command, to be run in the job's folder.
 std::vector<std::string> command_of(const AttemptSpec& spec, const Programs& programs);
 
-/// Returns the keeper's command, which contains the program's command.
+/// Returns the keeper's command. It contains the program's command.
 std::vector<std::string> keeper_command_of(const AttemptSpec& spec, const Programs& programs);
 
 /// The environment for programs. Removes variables that would change Open MPI or the dynamic linker
-/// (OMPI_*, PMIX_*, LD_* and similar). Also removes a batch job's variables, which would make
-/// mpirun search for that job's nodes. Keeps the pair of variables that allows root to use mpirun.
+/// (OMPI_*, PMIX_*, LD_* and similar). Also removes a batch job's variables: mpirun would search
+/// for that job's nodes. Keeps the two variables that allow root to use mpirun.
 std::vector<std::string> cleaned_environment(const std::vector<std::string>& environment);
 
 /// This process's environment, unchanged.

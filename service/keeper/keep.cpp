@@ -40,19 +40,21 @@ namespace sleight::keeper {
 namespace {
 
 constexpr double k_never_s = std::numeric_limits<double>::infinity();
-/// Maximum wait for a signal, output or a message, unless a check is due earlier.
+/// Maximum time to wait for a signal, output or a message. The wait is shorter if a check is due
+/// earlier.
 constexpr double k_patience_s_max = 3600;
 /// Interval at which the keeper checks whether mpirun has ranks.
 constexpr double k_rank_look_s = 1;
-/// Interval at which the keeper checks for mpirun's first rank. The interval is short, because
-/// ranks may be short-lived and a stop may wait for them.
+/// Interval at which the keeper checks whether mpirun has its first rank. The interval is short,
+/// because ranks may be short-lived and a stop may wait for them.
 constexpr double k_first_rank_look_s = 0.02;
-/// First and last interval at which remaining descendants are killed again.
+/// Remaining descendants are killed again at growing intervals. These are the first and the last
+/// interval.
 constexpr int k_kill_again_ms_min = 1;
 constexpr int k_kill_again_ms_max = 100;
 /// Interval at which a waiting keeper checks another keeper.
 constexpr int k_other_look_ms = 200;
-/// Maximum length of unparsed text from the pipe. It is longer than any line.
+/// Maximum length of unparsed text from the pipe. This maximum is longer than any line.
 constexpr std::size_t k_told_bytes_max = 4 * events::k_end_line_bytes_max;
 
 double unix_now_s() {
@@ -71,7 +73,8 @@ std::string run_folder_of(const std::string& folder) {
   return fmt::format("{}/{}.run", folder, k_output_name);
 }
 
-/// Returns the run's sessions; none if there is no store, or if it can't be read, which is logged.
+/// Returns the run's sessions. If there is no store, returns none. If the store can't be read, logs
+/// this and returns none.
 std::vector<store::Session> sessions_in(const std::string& folder, BoundedLog& log) {
   if (!base::PosixFileSystem().exists(run_folder_of(folder) + "/store.sqlite")) return {};
   try {
@@ -82,12 +85,12 @@ std::vector<store::Session> sessions_in(const std::string& folder, BoundedLog& l
   }
 }
 
-/// The pipe on which a program reports its session's end. The keeper holds both ends, so that its
-/// reads never see an end of file before the first writer.
+/// The pipe on which a program reports its session's end. The keeper holds both ends. Otherwise it
+/// would read an end of file before the first writer opens the pipe.
 class EndPipe {
  public:
   explicit EndPipe(const std::string& path) {
-    // Create a new pipe, so that no process of an earlier attempt has it open.
+    // Create a new pipe. No process of an earlier attempt then has it open.
     if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail(path);
     if (::mkfifo(path.c_str(), 0600) != 0) fail(path);
     reader_.reset(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
@@ -132,13 +135,14 @@ class Output {
     ::fcntl(reader_.get(), F_SETFL, O_NONBLOCK);
   }
 
-  /// Returns a negative number, which poll ignores, once all writers have closed the pipe.
+  /// Once all writers have closed the pipe, returns a negative number, which poll ignores.
   int descriptor() const { return reader_.get(); }
   int writer() const { return writer_.get(); }
   void close_writer() { writer_.reset(); }
   std::vector<std::string> last_lines() const { return last_.lines(); }
 
-  /// Reads at most `pieces` pieces of available output, so that signals are handled in between.
+  /// Reads the available output, but at most `pieces` pieces, so that signals are handled in
+  /// between.
   void take(int pieces) {
     for (; pieces > 0; --pieces) {
       const ssize_t count = ::read(reader_.get(), piece_.data(), piece_.size());
@@ -165,8 +169,8 @@ class Output {
 class Signals {
  public:
   explicit Signals(bool in_batch) : on_term_(in_batch ? Stop::in_order : Stop::now) {
-    // Reset inherited signal dispositions, which could hide that children ended, or could end the
-    // keeper.
+    // Reset inherited signal dispositions. Inherited dispositions could hide that children ended,
+    // or could end the keeper.
     std::signal(SIGCHLD, SIG_DFL);
     for (const int number : {SIGHUP, SIGPIPE, SIGXFSZ})
       std::signal(number, SIG_IGN);
@@ -282,7 +286,8 @@ class Kept {
   double next_look_s_ = 0;
 };
 
-/// Kills and awaits all children, and then their children, which become this process's own.
+/// Kills and awaits all children. The children's children become this process's children and are
+/// killed next.
 void end_all_descendants() {
   for (int wait_ms = k_kill_again_ms_min;; wait_ms = std::min(2 * wait_ms, k_kill_again_ms_max)) {
     // These process ids can't have been reused, because nobody has waited for the processes.
@@ -304,7 +309,7 @@ void set_how_it_ended(AttemptEnd& end, int status) {
   }
 }
 
-/// Waits until the program has ended, and kills its descendants.
+/// Waits until the program has ended. Then kills its descendants.
 AttemptEnd run_program(const KeeperOptions& options, pid_t program, Signals& signals, EndPipe& pipe,
                        Output& output, Moments& moments) {
   const base::SteadyClock clock;
@@ -315,7 +320,7 @@ AttemptEnd run_program(const KeeperOptions& options, pid_t program, Signals& sig
                                  {.fd = output.descriptor(), .events = POLLIN, .revents = 0}}};
     if (::poll(waits.data(), waits.size(), kept.patience_ms()) < 0 && errno != EINTR) fail("poll");
     const auto asked = signals.take();
-    // Call reap() first, and send no signal to a program that it collected, because the process id
+    // Call reap() first. If reap() collected the program, send no signal, because the process id
     // may be reused.
     kept.reap();
     if (asked && !kept.has_ended()) kept.stop(*asked);
@@ -343,7 +348,7 @@ std::optional<events::RunEnd> stored_end(const KeeperOptions& options, const Att
   return sessions.back().end;
 }
 
-/// Removes Open MPI's files, which a killed mpirun leaves behind.
+/// Removes the files that a killed mpirun leaves behind.
 std::error_code clear_mpi_files(const std::string& folder) {
   std::error_code error;
   std::filesystem::remove_all(folder + "/" + k_mpi_folder_name, error);
@@ -392,9 +397,9 @@ AttemptEnd start_and_wait(const KeeperOptions& options, Signals& signals, EndPip
   return end;
 }
 
-/// Waits for another keeper of the same batch job, which the system has started twice, and forwards
-/// signals to that keeper. This keeper must not exit first, because the system would then end both.
-/// False: the other keeper has exited or is on another machine.
+/// The batch system has started this job twice. Waits for the job's other keeper and forwards
+/// signals to it. This keeper must not exit first, because the system would then end both. False:
+/// the other keeper has exited or is on another machine.
 bool wait_for_other(const ProcessIdentity& other, Signals& signals) {
   bool was_there = false;
   while (is_living(other)) {

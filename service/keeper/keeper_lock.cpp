@@ -59,7 +59,7 @@ KeeperLock::KeeperLock(KeeperLock&& other) noexcept
 
 bool KeeperLock::mark_begun(const std::string& folder, std::uint32_t attempt) {
   const std::string path = mark_in(folder, attempt);
-  // O_EXCL succeeds for only one process, even on network disks.
+  // With O_EXCL, only one process succeeds, even on network disks.
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (descriptor < 0 && errno == EEXIST) return false;
   if (descriptor < 0) fail_at(path);

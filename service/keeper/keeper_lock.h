@@ -1,10 +1,10 @@
 // The lock of a job's folder. The folder's keeper holds the lock as long as the keeper runs.
 //
 // Invariants:
-//   1. At most one process holds the lock, and the lock is released when that process ends.
+//   1. At most one process holds the lock. When that process ends, the lock is released.
 //   2. Testing the lock doesn't take it, so a test never makes a starting keeper fail.
 //
-// A process forked from the holder also holds the lock until it calls exec.
+// If the holder forks a process, that process also holds the lock until it calls exec.
 //
 // Thread safety: a KeeperLock belongs to one thread; is_held() may be called from any thread.
 #pragma once
@@ -26,9 +26,9 @@ class KeeperLock {
   KeeperLock(const KeeperLock&) = delete;
   KeeperLock& operator=(const KeeperLock&) = delete;
 
-  /// Marks the attempt as begun for all machines (`begun.N`), and removes older marks. Needed on
-  /// disks without locks, and on disks whose locks outlive a lost machine. False: already marked.
-  /// Throws base::Error.
+  /// Marks the attempt as begun for all machines (`begun.N`), and removes older marks. The mark is
+  /// needed on a disk that has no locks, or has locks that outlive a lost machine. False: already
+  /// marked. Throws base::Error.
   static bool mark_begun(const std::string& folder, std::uint32_t attempt);
   /// Returns whether mark_begun() has marked the attempt.
   static bool has_begun(const std::string& folder, std::uint32_t attempt);

@@ -1,4 +1,5 @@
-// The main function of `sleight-keeper`, without the moments at which tests kill a keeper.
+// The main function of `sleight-keeper`. This program has none of the moments at which tests kill a
+// keeper.
 #include "service/keeper/main_keeper.h"
 
 int main(int argc, char** argv) {

@@ -18,7 +18,8 @@
 namespace sleight::programs {
 namespace {
 
-/// Opens standard streams that the caller closed, so that no file of the keeper gets their numbers.
+/// If the caller closed standard streams, opens them, so that no file of the keeper gets their
+/// numbers.
 void occupy_streams() {
   while (true) {
     const int descriptor = ::open("/dev/null", O_RDWR);

@@ -7,7 +7,7 @@
 
 namespace sleight::keeper {
 
-/// Moments in order. Each moment is between two effects that other processes see.
+/// Moments in order. Each moment lies between two effects that other processes can see.
 enum class Moment : std::uint8_t {
   begun,          ///< nothing done yet
   locked,         ///< the keeper has the folder's lock

@@ -24,7 +24,7 @@ struct Stat {
 
 /// Returns an empty text if the file doesn't exist or its process has ended.
 std::string content_of(const std::string& path) {
-  // If the process ends while its file is read, reading fails, which `<<` treats as the file's end.
+  // If the process ends while its file is read, reading fails. `<<` treats this as the file's end.
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return std::move(text).str();

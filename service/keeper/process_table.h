@@ -1,7 +1,7 @@
 // Processes of this machine, read from the kernel's /proc.
 //
-// Information on another process may be outdated on return. Only process ids of the caller's
-// children are reliable, because they aren't reused before the caller waits for the children.
+// What a function returns about another process may already be outdated. Only the process ids of
+// the caller's children are reliable: they aren't reused before the caller waits for the children.
 //
 // Thread safety: any thread.
 #pragma once
@@ -15,8 +15,8 @@
 
 namespace sleight::keeper {
 
-/// Returns none if the process doesn't exist. A zombie, which has ended but was not waited for,
-/// still exists.
+/// Returns none if the process doesn't exist. A zombie still exists: it has ended, but nobody has
+/// waited for it.
 std::optional<ProcessIdentity> identity_of(pid_t pid);
 /// Whether the process runs. A zombie doesn't.
 bool is_living(const ProcessIdentity& identity);
@@ -24,8 +24,8 @@ bool is_living(const ProcessIdentity& identity);
 /// Returns the process's children in ascending order, including zombies.
 std::vector<pid_t> children_of(pid_t pid);
 
-/// Like children_of, but searches all processes. For kernels without lists of children, and for
-/// tests.
+/// Returns the same as children_of, but searches all processes. For kernels without lists of
+/// children, and for tests.
 std::vector<pid_t> children_by_search(pid_t pid);
 
 /// Whether the process has a child that is not a zombie.

@@ -44,10 +44,10 @@ bool dump_no_core() {
   return ::setrlimit(RLIMIT_CORE, &none) == 0;
 }
 
-/// Runs in the child: becomes the program, or reports the error to `report` and exits.
+/// Runs in the child. Becomes the program, or reports the error to `report` and exits.
 [[noreturn]] void become(const ProgramStart& start, char* const* arguments,
                          char* const* environment, pid_t starter, int report, Moments& moments) {
-  // Do this first, so that the child doesn't outlive a starter that has just died.
+  // Do this first. If the starter has just died, the child then doesn't outlive it.
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != starter) ::_exit(127);
   moments.reached(Moment::in_child);
   if (start.yields) ::setpriority(PRIO_PROCESS, 0, k_low_priority);

@@ -1,4 +1,4 @@
-// Starts a program (an attempt's, or a tool) as a child that doesn't outlive its starter.
+// Starts an attempt's program or a tool as a child. The child doesn't outlive its starter.
 //
 // The kernel kills the child when this process ends for any reason (PR_SET_PDEATHSIG). The child
 // has its own session, the given environment and only standard descriptors. The child has no
@@ -27,7 +27,7 @@ struct ProgramStart {
   bool blocks_sigterm = false;  ///< block SIGTERM in the program and its children
 };
 
-/// Returns once the program runs. If starting fails, returns the reason, and there is no child.
+/// Returns once the program runs. If starting fails, there is no child, and the reason is returned.
 base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moments& moments);
 
 /// Returns pointers to the words, as exec expects them. Valid until `words` changes.

@@ -22,7 +22,7 @@
 namespace sleight::keeper {
 namespace {
 
-/// Interval at which run_tool() checks whether a program has exited after its output ended.
+/// After a program's output has ended, run_tool() checks at this interval whether it has exited.
 constexpr int k_wait_ms = 2;
 /// Interval of checks of ToolOptions::stop.
 constexpr int k_look_at_stop_ms = 100;
@@ -62,7 +62,7 @@ void give(base::Descriptor& to, std::string_view& rest) {
   if (count < 0 || rest.empty()) to.reset();
 }
 
-/// Blocks SIGPIPE, because writing to a program that doesn't read must not end this process.
+/// Blocks SIGPIPE: if a program doesn't read, writing to it must not end this process.
 class NoPipeSignal {
  public:
   NoPipeSignal() {

@@ -1,7 +1,8 @@
-// Runs a short program to its end, such as a batch system's command or one that writes an archive.
-// Arguments are an array (no shell); input is a text; time and output are limited.
+// Runs a short program to its end. Such programs are a batch system's commands, and commands that
+// write an archive. Arguments are an array (no shell); input is a text; time and output are
+// limited.
 //
-// The program has its own session. At the deadline the whole session is killed, so the program's
+// The program has its own session. At the deadline, the whole session is killed. So the program's
 // descendants aren't awaited. The program dies with the calling thread (program.h).
 //
 // Thread safety: any thread.
@@ -32,15 +33,16 @@ struct ToolEnd {
   std::string output{};       ///< stdout
   std::string words{};        ///< stderr: lines without control characters
 
-  /// Returns one line for people: the program's message, or how the program ended.
+  /// Returns a line for people. The line is the program's message or says how the program ended.
   std::string why() const;
 };
 
-/// Throws base::Error if the program can't be started. A name without a slash is searched on PATH.
+/// Throws base::Error if the program can't be started. If a name has no slash, it is searched on
+/// PATH.
 ToolEnd run_tool(const std::vector<std::string>& command, const ToolOptions& options);
 
-/// Returns this process's environment without variables whose names begin with one of `beginnings`,
-/// unless they begin with one of `kept`.
+/// Returns this process's environment. Leaves out a variable if its name begins with one of
+/// `beginnings` and with none of `kept`.
 std::vector<std::string> environment_without(const std::vector<std::string>& beginnings,
                                              const std::vector<std::string>& kept = {});
 

@@ -18,13 +18,13 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Ranks usually start within about a second; the timeout is for a heavily loaded machine.
+/// Ranks usually start within about a second. On a heavily loaded machine, they take longer.
 constexpr double k_hello_timeout_s = 120;
 /// A rank leaves after its current block. After this time, rank 0 stops waiting for a hanging rank.
 constexpr double k_leave_timeout_s = 20;
-/// Maximum time until a delivery is noticed. Most ranks have another block queued meanwhile, but a
-/// rank that ran a whole ladder waits for the answer. Each poll takes processor time from the
-/// computing threads. Results of rank 0's own threads wake the loop at once.
+/// Maximum time until a delivery is noticed. Meanwhile most ranks have another block queued, but a
+/// rank that ran a whole ladder waits. Each poll takes processor time from the computing threads.
+/// Results of rank 0's own threads wake the loop at once.
 constexpr double k_coordinator_poll_s = 0.3e-3;
 
 std::size_t count_ranks() {
@@ -82,9 +82,9 @@ MpiCrew::MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock,
 }
 
 MpiCrew::~MpiCrew() {
-  // After a failure, main aborts the job, so don't wait for ranks that may have failed too.
+  // After a failure, main aborts the job. Other ranks may have failed too, so don't wait for them.
   if (std::uncaught_exceptions() == 0 && dismiss()) return;
-  // Messages to ranks that haven't exited must outlive this object.
+  // If a rank hasn't exited, messages to it must outlive this object.
   for (Send& pending : sends_)
     static_cast<void>(pending.bytes.release());
 }
