@@ -10,7 +10,7 @@
 namespace sleight::analysis {
 namespace {
 
-/// Removes the NaN entries at the end, which exist because other chains have longer rows.
+/// Removes NaN entries at the end. A row has such entries if other chains have longer rows.
 std::vector<double> known(std::vector<double> values) {
   while (!values.empty() && std::isnan(values.back()))
     values.pop_back();

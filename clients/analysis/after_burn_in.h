@@ -12,7 +12,7 @@
 
 namespace sleight::analysis {
 
-/// A chain's walk over levels, which are listed hottest first.
+/// A chain's walk over levels. The hottest level comes first.
 struct WalkReport {
   double round_trips = 0;
   std::vector<double> inverse_temperature;

@@ -31,8 +31,8 @@ std::vector<LogEstimate> estimates_of(const archive::Source& source, const std::
   return ladders;
 }
 
-/// Returns how a natural throw differs from a draw from the prior, in words that fit any world
-/// (WorldLayout::log_natural_throw).
+/// Describes how a natural throw differs from a draw from the prior
+/// (WorldLayout::log_natural_throw). The words fit any world.
 std::string natural_throw_of(double log_natural_throw) {
   if (log_natural_throw == 0) return "";
   return log_natural_throw < 0 ? "a throw includes all bodies"
@@ -70,7 +70,7 @@ constexpr std::string_view k_island_log_p = "island_log_satisfied";
 /// Default of the suggested rule: P to a tenth.
 constexpr double k_odds_asked_for = 0.1;
 
-/// Returns a number of the request if the request can be read.
+/// Returns a number of the request. Returns nothing if the request can't be read.
 std::optional<double> number_of(const archive::Source& source, const archive::Summary& summary,
                                 std::string_view section, std::string_view key) {
   if (!method_of(summary.request_text)) return std::nullopt;
@@ -117,16 +117,17 @@ std::optional<double> error_foretold(const archive::Source& source, const Archiv
   return std::isfinite(error) ? std::optional(error) : std::nullopt;
 }
 
-/// Rounds the suggested error down to two digits. Rounding up could lead to a round of the same
-/// size.
+/// Rounds the suggested error down to two digits. An error rounded up might lead to a round of the
+/// same size.
 double error_to_ask_for(double error) {
   const double within = std::clamp(error, request::k_odds_min, request::k_odds_max);
   const double unit = std::pow(10, std::floor(std::log10(within)) - 1);
   return std::max(std::floor(within / unit) * unit, request::k_odds_min);
 }
 
-/// Suggests an error for the stop rule `odds`. If the requested error led to too few islands,
-/// suggests a smaller error. Only an error below the predicted error makes the round longer.
+/// Suggests an error for the stop rule `odds`. If the islands were too few, the suggestion is
+/// smaller than the requested error. Only an error below the predicted error makes the round
+/// longer.
 HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> asked_for,
                                  std::optional<double> foretold) {
   const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;
@@ -204,7 +205,7 @@ JudgedEstimate judge(const Ladders& ladders, const std::string& name) {
   return estimate;
 }
 
-/// Returns advice on request keys, other than `rounds`, that lead to more round trips.
+/// Returns advice on request keys that lead to more round trips, except `rounds`.
 std::string besides_rounds(const Ladders& ladders, const RequestNumbers& request) {
   const std::uint64_t chains = ladders.summary.chains;
   const auto numbers = [&](const char* name) {
@@ -238,8 +239,8 @@ HowToKnow how_to_know(const Ladders& ladders, std::span<const Doubt> doubts) {
   const double first_round = request.find("sampler", "round_scans").value_or(0);
   if (!(first_round >= 1)) return how;
 
-  // Count how often rounds must double to reach this length. At least one doubling is needed,
-  // because a first round is always doubted.
+  // Count the doublings until a round has this length. At least one doubling is needed, because a
+  // first round is always doubted.
   const double length = static_cast<double>(ladders.rounds[ladders.judged].scans) * remedy.longer;
   const double doublings = std::max(std::ceil(std::log2(length / first_round)), 1.0);
   if (doublings + 1 > request::k_rounds_max) return how;
@@ -342,12 +343,12 @@ const char* place_word(OddsFrom from) {
   return from == OddsFrom::islands ? "island" : "round";
 }
 
-/// Returns ", where a throw includes all bodies"; empty if a throw is a draw from the prior.
+/// Returns ", where a throw includes all bodies". Empty if a throw is a draw from the prior.
 std::string where_throws(const ArchiveOdds& odds) {
   return odds.natural_throw.empty() ? "" : ", where " + odds.natural_throw;
 }
 
-/// Returns how an untrusted estimate may be wrong.
+/// Describes how an untrusted estimate may be wrong.
 const char* caution_of(const ArchiveOdds& odds) {
   if (has_rounds(odds.from)) return "this estimate is usually too low until the ladders have mixed";
   if (odds.from == OddsFrom::weights)

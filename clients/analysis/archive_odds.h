@@ -4,8 +4,8 @@
 //
 // The odds apply to a natural throw, which isn't always a draw from the prior. For example, the
 // spelling prior drops each ball by chance, but a throw drops all balls
-// (WorldLayout::log_natural_throw). Text shows log P of the throw only; JSON also shows log P of
-// the draw.
+// (WorldLayout::log_natural_throw). Text shows only the throw's log P; JSON also shows the draw's
+// log P.
 //
 // Archives are untrusted (see tempering.h). Not thread-safe, because archive::Source isn't.
 #pragma once
@@ -33,7 +33,7 @@ struct JudgedEstimate {
   bool known() const { return doubts.empty() && all.error_from != ErrorFrom::unknown; }
 };
 
-/// Changes to a run that would remove the doubts about its odds.
+/// Changes that would remove the doubts about a run's odds.
 struct HowToKnow {
   double longer = 1;      ///< factor for the length of a round or the number of draws or islands
   bool at_least = false;  ///< `longer` is a lower bound
@@ -57,15 +57,16 @@ struct ArchiveOdds {
   std::size_t judged = 0;  ///< the round whose ladders are judged, counted from 0
   JudgedEstimate log_z{};
   /// Probability that a draw from the prior satisfies the constraint. If the judged round has no
-  /// solution, the estimate is from another round, so it is doubted.
+  /// solution, the estimate comes from another round and is doubted.
   JudgedEstimate log_p_satisfied{};
   std::size_t without_trips = 0;  ///< ladders of the judged round without a round trip
   double log_natural_throw = 0;
   std::string natural_throw{};             ///< how a throw differs from a draw; may be empty
   std::optional<HowToKnow> how_to_know{};  ///< none if log P is known
   IslandNumber island_number = IslandNumber::unknown;
-  /// If set, estimates use only some of each chain's islands: those from odds_from_island on (the
-  /// sized batch), or those before odds_until_island. The latter are made whatever the results are.
+  /// If either number is set, estimates use only some of each chain's islands: islands from
+  /// odds_from_island on (the sized batch), or islands before odds_until_island. Islands before
+  /// odds_until_island are made whatever the results are.
   std::optional<std::uint64_t> odds_from_island{};
   std::optional<std::uint64_t> odds_until_island{};
 };

@@ -24,7 +24,7 @@ void check_series(const archive::Source& source, std::string_view variable);
 /// Returns the names of the world's outcome scalars, in order.
 std::vector<std::string> outcome_names(const archive::Source& source);
 
-/// Returns numbers and flags as doubles, or nothing for text.
+/// Returns numbers and flags as doubles. Returns nothing for text.
 std::vector<double> as_doubles(const archive::Values& values);
 
 struct Rows {
@@ -33,8 +33,8 @@ struct Rows {
 };
 
 /// Reads rows of a dataset of doubles or integers, as doubles. Throws base::Error(bad_archive) if
-/// the dataset is missing, has no such rows, or has another shape than (rows, ...) with `columns`
-/// numbers per row. With one column, the shape may also be (rows).
+/// the dataset or the rows are missing, or if the shape isn't (rows, ...) with `columns` numbers
+/// per row. With one column, the shape may also be (rows).
 std::vector<double> read_rows(const archive::Source& source, std::string_view group,
                               std::string_view dataset, std::uint64_t columns, const Rows& rows);
 

@@ -15,7 +15,7 @@
 namespace sleight::analysis {
 namespace {
 
-/// Maximum animations per archive that are compared pair by pair.
+/// Maximum animations of an archive that are compared pair by pair.
 constexpr std::size_t k_tested_max = browse::k_full_matrix_max / 2;
 
 Spread spread_of(const browse::Index& index, std::size_t number) {

@@ -21,10 +21,11 @@ struct OtherLine {
   std::string second{};
 };
 
-/// Returns the keys in which two normalised requests differ, in the order of the first request.
+/// Returns the keys that differ between two normalised requests, in the first request's order.
 std::vector<OtherLine> other_lines(const std::string& first, const std::string& second);
 
-/// Mean and spread of a number over the animations in an archive that have this number.
+/// Mean and spread of a number over an archive's animations. Animations without the number don't
+/// count.
 struct Spread {
   std::size_t count = 0;
   double mean = 0;
@@ -38,12 +39,12 @@ struct ComparedNumber {
   std::array<Spread, 2> of{};
 };
 
-/// Compares each number that both archives have, except chain, draw and lineage, which only
-/// identify animations.
+/// Compares each number that both archives have. Leaves out chain, draw and lineage, because they
+/// only identify animations.
 std::vector<ComparedNumber> compared_numbers(const browse::Index& first,
                                              const browse::Index& second);
 
-/// Number of animations tested in each of two sets, and the result of comparing how they look.
+/// Result of testing whether the animations of two sets look alike.
 struct ComparedLooks {
   std::array<std::size_t, 2> tested{};
   browse::NeighbourTest test{};

@@ -149,7 +149,8 @@ VariableReport variable_report(const Judged& judged, const Quantity& variable,
   return report;
 }
 
-/// Adds one reason per variable, for its worst entry, since more would hide other reasons.
+/// Adds only the reason of the variable's worst entry. More reasons would hide the other variables'
+/// reasons.
 void complain_of_variable(Judged& judged, const VariableReport& report) {
   if (report.failing == 0) return;
   const ScalarReport& worst = *std::ranges::min_element(report.listed, is_worse);
@@ -163,7 +164,7 @@ void complain_of_variable(Judged& judged, const VariableReport& report) {
 void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
                      const DrawRange& range) {
   if (variables.empty()) return;
-  // If every scan's state is archived, judge_scalars() has already reported too few scans.
+  // If every scan's state is archived, judge_scalars() has already complained if there are too few.
   if (judged.diagnosis.states < judged.diagnosis.judged.scans) {
     complain_of_few(judged, range,
                     "archived states (see the request's key `thin`) in the judged scans");
@@ -183,8 +184,8 @@ void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
   }
 }
 
-/// Judges whether the states of ladders travel from the prior and back in the judged round. Ladders
-/// of a burn-in are only shown, because no draw depends on their trips.
+/// Judges whether each ladder's states made a round trip in the judged round. A burn-in's ladders
+/// are only shown, because no draw depends on their trips.
 void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> rounds,
                    bool burn_in) {
   const std::size_t round = judged_round(rounds);
@@ -218,8 +219,7 @@ void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> 
   judged.diagnosis.tempering = std::move(report);
 }
 
-/// Judges whether simulated tempering's states travel from inverse temperature 1 to the prior and
-/// back.
+/// Judges whether each chain of simulated tempering travelled to the prior and back.
 void judge_walks(Judged& judged, std::uint64_t chains) {
   judged.diagnosis.walks = walks_of(judged.source, std::min(chains, k_ladders_max));
   std::vector<std::uint64_t> none;
@@ -265,7 +265,7 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
   judged.diagnosis.weights = std::move(report);
 }
 
-/// Reports that mixing can't be judged, because draws of tours agree even if tours are too short.
+/// Reports that mixing can't be judged: if tours are too short, their draws agree anyway.
 void refuse_tours(Diagnosis& diagnosis, std::int64_t tour_scans) {
   diagnosis.reasons.insert(
       diagnosis.reasons.begin(),
@@ -276,7 +276,7 @@ void refuse_tours(Diagnosis& diagnosis, std::int64_t tour_scans) {
           tour_scans));
 }
 
-/// `draws_are_burnt_in`: all draws follow a burn-in by islands or come from a search.
+/// `draws_are_burnt_in`: see sampling_method.h.
 void choose_scans(Diagnosis& diagnosis, std::optional<request::Method> method,
                   std::span<const Round> rounds, bool draws_are_burnt_in) {
   diagnosis.judged = {.first_scan = 0, .scans = diagnosis.scans};
@@ -294,8 +294,7 @@ void choose_scans(Diagnosis& diagnosis, std::optional<request::Method> method,
   }
 }
 
-/// Returns the first archived state at or after this scan, or the number of states if there is no
-/// such state.
+/// Returns the index of the first archived state at or after this scan; `states` if there is none.
 std::uint64_t first_state_from(const archive::Source& source, std::uint64_t states,
                                std::uint64_t scan) {
   // States are ordered by scan, so use bisection.
@@ -318,7 +317,7 @@ std::uint64_t first_state_from(const archive::Source& source, std::uint64_t stat
   return low;
 }
 
-/// Returns each chain's archived states that belong to judged scans.
+/// Returns the archived states of judged scans, in each chain.
 DrawRange states_in(const archive::Source& source, const Diagnosis& diagnosis, std::uint64_t states,
                     const Sizes& sizes) {
   const Round& judged = diagnosis.judged;

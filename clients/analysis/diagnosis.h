@@ -1,24 +1,22 @@
 // The diagnosis of an archive by `sleight diagnose`: whether its chains have mixed, and why not.
 //
 // Idea. Only draws of one Markov chain can be judged. Parallel tempering adapts between rounds, so
-// only the draws of one round are judged (see tempering.h). Plain chains never adapt; their second
-// half is judged, since the first half leads away from the prior. Methods with a burn-in adapt
-// before their first draw, so all draws are judged. State variables are judged only at scans whose
-// states are archived.
+// only the draws of one round are judged (see tempering.h). Plain chains never adapt. Only the
+// second half of a plain chain is judged, since the first half leads away from the prior. Methods
+// with a burn-in adapt before their first draw, so all draws are judged. State variables are judged
+// only at scans whose states are archived.
 //
-// If each draw ends its own tour, draws are independent, and all measures are good even if tours
-// are too short. So a run with tours is never reported as mixed. Draws of annealed importance
-// sampling are independent and weighted; only their effective size is judged.
+// If each draw ends its own tour, the draws are independent. All measures are then good even if
+// tours are too short, so a run with tours is never reported as mixed. Annealed importance sampling
+// has independent, weighted draws. Only the effective size of these draws is judged.
 //
-// A state with log_constraint -inf has probability 0 at inverse temperature 1, and a chain that has
-// left such states never returns. So -inf is treated as a value below all others. States with -inf
-// are also counted, and even one such state means that the chains have not mixed. Entries of state
-// variables and outcomes that don't apply (NaN) are also treated as the least values, but NaN alone
-// does not mean that the chains have not mixed.
+// If a state's log_constraint is -inf, its probability is 0 at inverse temperature 1. A chain that
+// has left such states never returns to one. So -inf is treated as a value below all others, and
+// even one such state means that the chains have not mixed. A state variable or an outcome is NaN
+// if it doesn't apply. NaN is also treated as the least value, but is no sign of poor mixing.
 //
-// The caller passes the measures (Rules), because clients don't depend on sampling methods; a
-// program's main() connects both. Archives are untrusted: invalid content throws
-// ExitCode::bad_archive.
+// The caller passes the measures (Rules), because clients don't depend on the sampling code.
+// Archives are untrusted: invalid content throws ExitCode::bad_archive.
 #pragma once
 
 #include <cstdint>
@@ -72,7 +70,7 @@ struct ScalarReport {
   StandIns not_finite;  ///< if any, mean and sd are of the finite values and mcse is NaN
 };
 
-/// Maximum array entries listed. For larger arrays, only the worst entries are listed.
+/// Maximum listed entries of an array. For larger arrays, only the worst entries are listed.
 inline constexpr std::size_t k_entries_listed_max = 10;
 
 struct VariableReport {
@@ -104,7 +102,7 @@ struct TemperingReport {
   std::vector<LadderReport> ladders;
 };
 
-/// Minimum effective size of all chains together.
+/// Minimum effective size, all chains together.
 inline constexpr double k_effective_size_min = 100;
 
 struct WeightsReport {
@@ -147,7 +145,7 @@ struct Diagnosis {
   bool mixed() const { return reasons.empty(); }
 };
 
-/// Returns why an archive's draws can't be judged as chains; empty if they can.
+/// Returns the reason why an archive's draws can't be judged as chains. Empty: they can.
 std::string why_not_diagnosed(const archive::Source& source, const archive::Summary& summary);
 
 /// Throws base::Error(usage) if why_not_diagnosed() returns a reason.

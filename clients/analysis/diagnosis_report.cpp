@@ -16,7 +16,8 @@ namespace {
 
 using Json = json::Value;
 
-/// Maximum numbers shown: ladders with their levels, temperatures in a row, reasons, and chains.
+/// Limits on what the report shows: ladders with their levels, temperatures in a row, reasons,
+/// chains.
 constexpr std::size_t k_ladders_shown = 2;
 constexpr std::size_t k_columns_shown = 8;
 constexpr std::size_t k_reasons_shown = 20;
@@ -225,8 +226,8 @@ void append_levels(std::string& text, const Ladder& ladder, std::size_t index) {
   text += report::indented_table(rows);
 }
 
-/// Appends a table of acceptance by proposal kind and temperature. If not all temperatures fit, the
-/// table includes the first and the last.
+/// Appends a table of acceptance by proposal kind and temperature. The first and the last
+/// temperature are always shown.
 void append_acceptance(std::string& text, const Diagnosis& diagnosis, const Ladder& ladder,
                        std::size_t index) {
   const std::size_t levels = ladder.acceptance.size();

@@ -8,8 +8,8 @@
 
 namespace sleight::analysis {
 
-/// Ends with a line break. Names and texts need no escaping, because the archive's reader accepts
-/// only plain text.
+/// Ends with a line break. Names and texts need no escaping: the archive's reader has refused
+/// anything but plain text.
 std::string for_people(const std::string& path, const Diagnosis& diagnosis);
 
 /// Unknown numbers are null.

@@ -6,7 +6,7 @@
 
 namespace sleight::analysis {
 
-/// Returns, for example, {"total": 3, "search_gave_up": 2, "work_limit": 1}, without kinds that
+/// Returns, for example, {"total": 3, "search_gave_up": 2, "work_limit": 1}. Leaves out kinds that
 /// didn't occur.
 json::Value failures_json(const plan::FailureCounts& failures);
 

@@ -20,7 +20,8 @@ std::string so_many(std::size_t count, const Whose& whose) {
   return fmt::format("{} {}", count, count == 1 ? whose.one : whose.many);
 }
 
-/// Uncertainty of a ladder's log estimate: the larger of its own error and the ladders' spread.
+/// Uncertainty of a ladder's log estimate: its own error or the ladders' spread, whichever is
+/// larger.
 double spread_of(const CombinedEstimate& all) {
   const auto ladders = static_cast<double>(all.ladders);
   return std::sqrt(ladders) * std::fmax(all.own_error, all.between_error);
@@ -37,7 +38,7 @@ void doubt_values(std::vector<Doubt>& doubts, const CombinedEstimate& all, std::
 
 void doubt_round_trips(std::vector<Doubt>& doubts, const LadderFacts& facts) {
   const std::vector<double>& trips = facts.round_trips;
-  // An unknown number of trips counts as none.
+  // If the number of trips is unknown, it counts as 0.
   const auto below = [&](double wanted) {
     return std::ranges::count_if(trips, [&](double made) { return !(made >= wanted); });
   };
@@ -125,7 +126,7 @@ void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const
   }
 }
 
-/// Returns the reason not to trust the number of islands; empty if there is none.
+/// Returns why the number of islands isn't trusted. Empty: it is trusted.
 const char* reason_not_sized(IslandNumber number) {
   switch (number) {
     case IslandNumber::fixed:

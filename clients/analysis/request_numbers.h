@@ -1,4 +1,4 @@
-// Reads numbers from the request text in an archive, for pictures that show the request.
+// Reads numbers from an archive's request text.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,7 @@ class RequestNumbers {
   std::string archive_;
 };
 
-/// Returns "iteration" if each scan is one iteration, otherwise "scan".
+/// Returns "iteration" if a scan has one iteration, otherwise "scan".
 std::string scan_label(const RequestNumbers& numbers);
 
 }  // namespace sleight::analysis

@@ -31,7 +31,7 @@ void make_distinct(std::vector<std::int64_t>& values) {
   values.erase(rest.begin(), rest.end());
 }
 
-/// Distinct lineages of one chain's satisfied scans, in bounded memory.
+/// Counts distinct lineages of a chain's satisfied scans, in bounded memory.
 class Lineages {
  public:
   void add(std::int64_t lineage) {

@@ -1,4 +1,4 @@
-// Counts solutions, lineages and proposals over all scans of an archive, read in batches.
+// Counts an archive's solutions, lineages and proposals. Reads the scans in batches.
 #pragma once
 
 #include <cstdint>

@@ -11,8 +11,8 @@
 namespace sleight::analysis {
 namespace {
 
-/// Returns the number of simulations that a ladder with this many levels made. `starts`: number of
-/// scans in which each level simulates one new draw.
+/// Returns a ladder's number of simulations. `starts`: scans in which each level simulates one new
+/// draw.
 double on_ladder(double levels, double scans, double starts, double each) {
   return starts * levels + (scans - starts) * (1 + each * (levels - 1));
 }
@@ -42,7 +42,7 @@ double by_chains(const archive::Source& source, const RunSizes& sizes, double ea
         sum += std::isnan(visits[level]) ? 0 : visits[level] * (level == 0 ? 1 : each);
     }
   } else if (sizes.method == request::Method::tempered_transitions) {
-    // Each excursion goes down to the prior and back, with one prior draw.
+    // Each excursion goes to the prior and back, and makes one prior draw.
     for (const TransitionReport& chain : transitions_of(source, sizes.chains))
       sum += draws * (each + 2 * each * (chain.levels - 1) + 1);
   } else if (sizes.method == request::Method::annealed_importance) {

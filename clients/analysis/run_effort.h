@@ -1,4 +1,4 @@
-// Computes from an archive how many simulations its run took.
+// Computes the number of simulations in an archive's run.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ struct RunSizes {
 };
 
 /// Returns the number of simulations in the whole run: proposals and draws from the prior. A scan
-/// is one draw at the prior's temperature, and iterations_per_scan proposals at each other
-/// temperature. A start is a draw at all temperatures. If temperatures are added between rounds,
-/// their draws count as scans, so the result is slightly too large. Unfinished ascents are left
-/// out. NaN: unknown.
+/// makes one draw at the prior's temperature and iterations_per_scan proposals at every other
+/// temperature. A start makes one draw at every temperature. If temperatures are added between
+/// rounds, their draws count as scans, so the result is slightly too large. Unfinished ascents are
+/// left out. NaN: unknown.
 double simulations_of(const archive::Source& source, const std::string& request_text,
                       const RunSizes& sizes);
 

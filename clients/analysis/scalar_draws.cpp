@@ -48,8 +48,7 @@ std::vector<std::vector<double>> read_block(const archive::Source& source, const
   std::vector<std::vector<double>> scalars(block.count);
   for (std::vector<double>& scalar : scalars)
     scalar.reserve(range.chains * range.count);
-  // Read rows together if they are close. Otherwise, read rows one by one, and only the block's
-  // part of each row.
+  // Read rows together if they are close. Otherwise, read only the block's part of each row.
   const std::uint64_t step = row * range.stride;
   const std::uint64_t together = step > archive::k_batch_elements ? 1 : k_read_values / step;
   for (std::uint64_t chain = 0; chain < range.chains; ++chain) {

@@ -2,13 +2,13 @@
 //
 // Idea. A run may have thousands of scalars and billions of scans, so the amount of work is
 // bounded. Only every n-th draw of a scalar is used. The more scalars a run has, the fewer draws of
-// each are used. These draws are always enough for the required effective sample size if they are
-// independent. The number of a variable's entries is limited too. Omitted draws make effective
+// each are used. If these draws are independent, they are always enough for the required effective
+// sample size. The number of a variable's entries is limited too. Omitted draws make effective
 // sample sizes smaller, never larger.
 //
 // Rank-based measures (R-hat, effective sample sizes) need only an order, so draws without a finite
-// value can be used. Values of -inf, and NaN of entries that don't apply, become one value below
-// all others (with_stand_in).
+// value can be used. Both -inf and NaN (entries that don't apply) become one value below all others
+// (with_stand_in).
 //
 // Archives are untrusted: datasets of an unexpected shape throw ExitCode::bad_archive.
 #pragma once
@@ -24,18 +24,19 @@
 
 namespace sleight::analysis {
 
-/// Maximum draws in memory: of one scalar, and of a block of scalars read in one pass.
+/// Maximum draws in memory, for one scalar and for a block of scalars that is read in one pass.
 inline constexpr std::uint64_t k_scalar_draws_max = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t k_block_draws_max = std::uint64_t{1} << 22;
-/// Maximum draws of all scalars together, which take about a minute.
+/// Maximum draws of all scalars together. Judging this many takes about a minute.
 inline constexpr std::uint64_t k_all_draws_max = std::uint64_t{1} << 25;
-/// Minimum draws used for each scalar, and for each chain, however many scalars there are.
+/// Minimum draws used for each scalar and for each chain.
 inline constexpr std::uint64_t k_scalar_draws_min = 16384;
 inline constexpr std::uint64_t k_chain_draws_min = 256;
-/// Maximum chains used. With k_chain_draws_min draws each, the chains reach k_scalar_draws_max.
+/// Maximum chains used. This many chains with k_chain_draws_min draws each have k_scalar_draws_max
+/// draws.
 inline constexpr std::uint64_t k_chains_max = 4096;
 
-/// Draws `first`, `first` + `stride`, and so on, of each chain from 0 to `chains` - 1.
+/// The draws `first`, `first` + `stride`, ... in each chain from 0 to `chains` - 1.
 struct DrawRange {
   std::uint64_t chains = 1;
   std::uint64_t first = 0;
@@ -43,12 +44,12 @@ struct DrawRange {
   std::uint64_t stride = 1;
 };
 
-/// Chooses as many of the `available` draws from `first` on as the limits allow for this many
-/// scalars. REQUIRES: 1 <= chains <= k_chains_max, scalars at least 1.
+/// Chooses among the `available` draws from `first` on. Uses as many draws as the limits allow for
+/// this many scalars. REQUIRES: 1 <= chains <= k_chains_max, scalars at least 1.
 DrawRange bounded_range(std::uint64_t chains, std::uint64_t first, std::uint64_t available,
                         std::uint64_t scalars);
 
-/// Returns the maximum number of scalars for a range.
+/// Returns how many scalars can be read with this range.
 std::uint64_t scalars_max(const DrawRange& range);
 
 /// A dataset of doubles over (chain, draw, ...).
@@ -64,8 +65,8 @@ struct Quantity {
 /// Returns the world's variables in /posterior, in order.
 std::vector<Quantity> state_variables(const archive::Source& source);
 
-/// Calls `visit` with the values of the entries 0 .. entries-1 in order. Values are ordered by
-/// chain, then by draw. REQUIRES: entries is at most quantity.entries().
+/// Calls `visit` for the entries 0 .. entries-1 in order. Values are ordered by chain, then by
+/// draw. REQUIRES: entries is at most quantity.entries().
 void for_each_scalar(
     const archive::Source& source, const Quantity& quantity, std::uint64_t entries,
     const DrawRange& range,
@@ -77,9 +78,9 @@ struct StandIns {
   std::uint64_t all() const { return minus_infinite + nan; }
 };
 
-/// Counts -inf and NaN, and replaces them by a value far below all others, which is also the
-/// furthest from the median. If no value is finite, all become 0. Leaves +inf unchanged, since no
-/// scalar of Sleight is ever +inf.
+/// Counts -inf and NaN. Replaces both by a value that is far below all others and furthest from the
+/// median. If no value is finite, all become 0. Leaves +inf unchanged, since no scalar of Sleight
+/// is ever +inf.
 StandIns with_stand_in(std::span<double> values);
 
 }  // namespace sleight::analysis

@@ -156,7 +156,7 @@ Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t
       .swap_acceptance = read_entries(source, "swap_acceptance", chain, round, k_by_level),
       .local_barrier = read_entries(source, "local_barrier", chain, round, k_by_level),
       .acceptance = {}};
-  // Tables have room for the largest ladder; unused levels are NaN.
+  // Each row has room for the largest ladder. Unused levels are NaN.
   const auto end = std::ranges::find_if(ladder.inverse_temperature,
                                         [](double beta) { return std::isnan(beta); });
   const auto levels = static_cast<std::size_t>(end - ladder.inverse_temperature.begin());
@@ -183,7 +183,7 @@ IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain
   const std::uint64_t replicas = spec->dims[2].size;
   if (chain >= spec->dims[0].size || moments != process.scan.size())
     refuse(source, k_name, "expected the same numbers of chains and moments as index_scan has");
-  // Tables have room for the chain with the most moments; unused moments are NaN.
+  // Each row has room for the largest number of moments. Unused moments are NaN.
   const auto end = std::ranges::find_if(process.scan, [](double scan) { return std::isnan(scan); });
   process.scan.erase(end, process.scan.end());
   if (!std::ranges::is_sorted(process.scan))

@@ -1,12 +1,12 @@
 // Reads what an archive's group /tempering records about its ladders, round by round.
 //
-// Idea. A ladder and its step sizes are fixed within a round. So the draws of one round are draws
-// of one Markov chain, and draws of several rounds aren't. The longest round is judged, or the last
-// of several equally long ones. Each round is twice as long as the one before, so the last round is
+// Idea. A ladder and its step sizes are fixed within a round. So a round's draws belong to one
+// Markov chain; draws of several rounds don't. The longest round is judged; if several are equally
+// long, the last of them. Each round is twice as long as the previous round. So the last round is
 // the longest, unless the run ended in its first half.
 //
-// Scans are numbered as in the run. Draws are counted from the first round on; scans of simulated
-// annealing come before it. If a method burns in, its rounds have no draws.
+// Scans are numbered as in the run. Draws are counted from the first round on. The scans of
+// simulated annealing precede the first round. The rounds of a burn-in have no draws.
 //
 // Archives are untrusted: invalid numbers throw ExitCode::bad_archive, and memory is limited to one
 // round of one ladder. Not thread-safe, because archive::Source isn't.
@@ -33,13 +33,13 @@ inline constexpr std::uint64_t k_kinds_max = 4096;
 inline constexpr std::uint64_t k_steps_max = std::uint64_t{1} << 22;
 inline constexpr std::uint64_t k_run_scans_max = std::uint64_t{1} << 52;
 
-/// The scans of a round, shared by all ladders.
+/// The scans of a round, the same for all ladders.
 struct Round {
   std::uint64_t first_scan = 0;
   std::uint64_t scans = 0;
 };
 
-/// One ladder in one round, hottest level first.
+/// A ladder in one round. The hottest level comes first.
 struct Ladder {
   std::vector<double> inverse_temperature;
   std::vector<double> swap_acceptance;          ///< between each level and the next: one fewer
@@ -62,7 +62,7 @@ std::size_t judged_round(std::span<const Round> rounds);
 /// the number.
 std::vector<double> of_ladders(const archive::Source& source, std::string_view name,
                                std::uint64_t chains, std::size_t round);
-/// Returns the ladders that made no round trip in a round, so their states may not have mixed.
+/// Returns the ladders without a round trip in this round. Their states may not have mixed.
 std::vector<std::uint64_t> without_round_trip(const archive::Source& source, std::uint64_t chains,
                                               std::size_t round);
 
@@ -79,8 +79,8 @@ struct IndexProcess {
   std::vector<std::vector<double>> level;  ///< by replica, by moment; 0 is the prior, NaN: no level
 };
 
-/// Returns an empty process if the archive lacks it, as archives of earlier versions do. REQUIRES:
-/// a valid chain.
+/// Returns an empty process if the archive lacks one. Archives of earlier versions lack it.
+/// REQUIRES: a valid chain.
 IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain);
 
 /// Returns a number for each of the first `chains` chains, or NaN if the archive lacks the number.
@@ -95,8 +95,8 @@ std::vector<double> row_of_chain(const archive::Source& source, std::string_view
 void for_each_of_draws(const archive::Source& source, std::string_view name,
                        const std::function<void(double)>& visit);
 
-/// Returns the free islands per chain in a table over (chain, island) with `chains` chains. Returns
-/// nothing if the archive has no such table.
+/// Returns the number of free islands per chain, from a table over (chain, island). Returns nothing
+/// if the archive has no such table.
 std::optional<std::uint64_t> islands_of_chain(const archive::Source& source, std::string_view name,
                                               std::uint64_t chains);
 
@@ -111,15 +111,15 @@ struct IslandRange {
 void for_each_of_islands(const archive::Source& source, std::string_view name, IslandRange islands,
                          const std::function<void(double)>& visit);
 
-/// Returns an island number stored per chain, which must be the same for each chain and at most
-/// `islands`. Nothing without the table.
+/// Returns an island number. The number is stored for each chain. It must be the same for all
+/// chains and at most `islands`. Nothing without the table.
 std::optional<std::uint64_t> island_of_all(const archive::Source& source, std::string_view name,
                                            std::uint64_t chains, std::uint64_t islands);
 
 /// Returns the names of the kinds of proposals from /sample_stats.
 std::vector<std::string> proposal_kinds(const archive::Source& source);
 
-/// Returns the log probability that a draw from the prior is a natural throw; default 0.
+/// Returns the log probability that a draw from the prior is a natural throw. Default: 0.
 double log_natural_throw(const archive::Source& source);
 
 }  // namespace sleight::analysis

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double k_ln_10 = 2.302585092994045684;
 
-/// A count in words, with a separate unit, so that a range shows the unit once.
+/// A count in words. The unit is separate, so that a range shows it once.
 struct Words {
   std::string digits;
   std::string unit;
@@ -39,7 +39,7 @@ Words words_of(double log10_count, int significant) {
   return {count, ""};
 }
 
-/// Returns enough digits to distinguish the ends of a range, within limits.
+/// Returns how many digits show that the ends of a range differ, within limits.
 int digits_for(double log10_low, double log10_high) {
   const double width = log10_high - log10_low;
   if (width < 0.004) return 4;

@@ -1,14 +1,15 @@
-// Combines the ladders' estimates of the odds, and puts them into words: "one throw in 3.2
+// Combines the ladders' estimates of the odds into one, and puts it into words: "one throw in 3.2
 // million".
 //
-// Idea. Each ladder has an estimate of log P(satisfied) with a jackknife error. Logs are averaged,
-// because a mean of probabilities would mostly depend on the largest probability, whose error is
-// the least certain. The error of the mean is the largest of three errors. The combined jackknife
-// error doesn't include what a whole ladder missed. The standard error between ladders includes
-// these misses, but is rough if there are few ladders. The mean of logs is below the log of the
-// mean by half the variance between ladders, and more ladders don't reduce this difference.
+// Idea. Each ladder has an estimate of log P(satisfied) with a jackknife error. Logs are averaged.
+// A mean of probabilities would mostly depend on the largest probability, and its error is the
+// least certain. The error of the mean is the largest of three errors. The first, the combined
+// jackknife error, doesn't include the states that a whole ladder missed. The second, the standard
+// error between ladders, includes them but is rough if there are few ladders. The third is half the
+// variance between ladders: the mean of logs is too low by this amount, and more ladders don't
+// reduce it.
 //
-// Free islands are many, and each has an unbiased estimate of P(satisfied), so their estimates are
+// Free islands are many, and each has an unbiased estimate of P(satisfied). So these estimates are
 // averaged directly (common/math/island_odds.h).
 //
 // odds_doubts.h decides whether the error can be trusted.
@@ -41,8 +42,8 @@ enum class ErrorFrom : std::uint8_t {
   islands,       ///< from island to island
 };
 
-/// Returns, for example, "jackknife within ladders" for people and JSON. `weighted`: the text names
-/// chains instead of ladders, and the weights' spread instead of the jackknife.
+/// Returns, for example, "jackknife within ladders" for people and JSON. `weighted`: the text says
+/// "chains" instead of "ladders", and names the weights' spread instead of the jackknife.
 const char* name_of(ErrorFrom from, bool weighted = false);
 
 struct CombinedEstimate {
@@ -57,7 +58,8 @@ struct CombinedEstimate {
 /// error is unknown, own_error is unknown.
 CombinedEstimate combined(std::span<const LogEstimate> ladders);
 
-/// Averages islands' estimates. `ladders` is the number of islands, or 0 if all estimates are 0.
+/// Averages islands' estimates. Sets `ladders` to the number of islands, or to 0 if all estimates
+/// are 0.
 CombinedEstimate combined(const math::IslandOdds& islands);
 
 /// Odds of one throw in 10^x. The exponents are stored, because a double can't hold 1e400.
@@ -70,7 +72,8 @@ struct ThrowOdds {
 /// `log_natural_throw`: see WorldLayout.
 ThrowOdds odds_of(const LogEstimate& log_p_satisfied, double log_natural_throw);
 
-/// Returns "one throw in 3.2 million (2.1 to 4.9 million)", or with "(error unknown)".
+/// Returns "one throw in 3.2 million (2.1 to 4.9 million)". If the error is unknown, the
+/// parentheses contain "error unknown".
 std::string in_words(const ThrowOdds& odds);
 
 }  // namespace sleight::analysis

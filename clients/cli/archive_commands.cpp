@@ -58,8 +58,8 @@ Sum sum_of(const archive::Source& source, std::string_view dataset) {
   return sum;
 }
 
-/// Plausibility of finds: the range of log p_w of kept finds, and of the central 90% of blind
-/// throws.
+/// Ranges of log p_w that show whether finds are plausible: the range of kept finds, and the range
+/// of the central 90% of blind throws.
 struct Plausibility {
   double least = 0;
   double most = 0;
@@ -67,7 +67,7 @@ struct Plausibility {
   double throws_to = 0;
 };
 
-/// Returns the numbers of a dataset of /finds without NaN, which a damaged file may have.
+/// Returns the numbers of a dataset of /finds. Leaves out NaN, which only a damaged file has.
 std::vector<double> numbers_of_finds(const archive::Source& source, std::string_view dataset,
                                      std::uint64_t count) {
   std::vector<double> numbers =
@@ -119,8 +119,7 @@ Facts facts_of(const archive::Source& source) {
   return facts;
 }
 
-/// Returns, for example, "9 kept (at most 3 from each of 4 chains)", with the rule that limits the
-/// number.
+/// Returns, for example, "9 kept (at most 3 from each of 4 chains)".
 std::string kept_animations(const Facts& facts) {
   const archive::Summary& summary = facts.summary;
   if (summary.keep_max <= 0) return "none kept (keep_max is 0)";

@@ -10,21 +10,21 @@
 
 namespace sleight::cli {
 
-/// Prints the archive's content for people, or as one JSON object.
+/// Prints what the archive contains, for people or as one JSON object.
 int archive_info(const std::string& path, bool json);
 
-/// Prints the content's SHA-256, recomputed from the values. Equal content has equal digests.
+/// Recomputes the content's SHA-256 from the values and prints it. Equal content has equal digests.
 int archive_digest(const std::string& path, bool json);
 
-/// Checks structure, invariants and the stored digest. Prints every finding and returns exit code 6
-/// if there are any.
+/// Checks structure, invariants and the stored digest. Prints every fault. Returns exit code 6 if
+/// there is any.
 int archive_verify(const std::string& path, bool json);
 
 struct ExportOptions {
   std::string path;
   std::string table = "sample_stats";
   std::string output;  ///< empty or "-": stdout
-  /// Restricts a table of segments to these animations; empty: all.
+  /// Restricts a table of segments to these animations. Empty: all animations.
   std::vector<std::uint64_t> animations{};
 };
 

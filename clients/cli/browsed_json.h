@@ -1,4 +1,4 @@
-// Formats browsed archives and animations as JSON.
+// Formats archives and animations as JSON for the browsing commands.
 #pragma once
 
 #include "clients/browse/archives/browsed.h"

@@ -186,7 +186,8 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
 
 int compare_archives(const CompareOptions& options) {
   return terminal::with_results([&] {
-    // Browse the archives separately. Browsing both together would omit animations in both.
+    // Browse the archives separately. If both were browsed together, animations that are in both
+    // would be omitted.
     browse::Browsed browsed = browse::browse_archives({options.first});
     browsed.archives.push_back(
         std::move(browse::browse_archives({options.second}).archives.front()));

@@ -16,8 +16,8 @@
 namespace sleight::cli {
 namespace {
 
-/// Returns "default" or a setting's source. For the settings file, returns "file" and the line
-/// number; the file's path is printed below all settings.
+/// Returns "default" or a setting's source. If the source is the settings file, returns "file" and
+/// the line number. The file's path is printed below all settings.
 std::string source_of(const config::Row& row, const std::optional<std::string>& path) {
   if (row.origin == config::Origin::fallback) return "default";
   if (row.origin == config::Origin::file && path && row.given_by.starts_with(*path))

@@ -3,8 +3,8 @@
 
 namespace sleight::cli {
 
-/// Prints a table, or an object with `json`, and returns the exit code. Throws base::Error(usage)
-/// with every error of the environment and the file.
+/// Prints a table (with `json`: an object) and returns the exit code. Throws base::Error(usage)
+/// that lists every error in the environment and the file.
 int print_config(bool json);
 
 }  // namespace sleight::cli

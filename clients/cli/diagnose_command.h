@@ -8,7 +8,8 @@
 
 namespace sleight::cli {
 
-/// Returns ok, or not_mixed (7) after printing the reasons. Throws base::Error.
+/// Returns ok or not_mixed (7). If the chains have not mixed, prints the reasons. Throws
+/// base::Error.
 int diagnose_archive(const std::string& path, bool json, const analysis::Rules& rules);
 
 }  // namespace sleight::cli

@@ -17,7 +17,7 @@ namespace sleight::cli {
 
 EndReport::EndReport(const std::string& path, Missing missing) {
   if (path.empty()) return;
-  // Don't block: a supervisor that doesn't read must not delay the run.
+  // Don't block: the run must not wait for a supervisor that doesn't read.
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
   if (descriptor_ < 0 && missing == Missing::tells_nothing) return;
   if (descriptor_ < 0) {
@@ -43,8 +43,8 @@ EndReport::~EndReport() {
 void EndReport::tell(const events::RunEnd& end) {
   if (descriptor_ < 0 || has_told_.exchange(true)) return;
   const std::string line = events::to_line(end);
-  // A pipe accepts a line of this length completely or not at all. A pipe without a reader must not
-  // end the process.
+  // A line of this length is written completely or not at all. If a pipe has no reader, writing to
+  // it must not end the process.
   const auto before = std::signal(SIGPIPE, SIG_IGN);
   const ssize_t written = ::write(descriptor_, line.data(), line.size());
   static_cast<void>(written);

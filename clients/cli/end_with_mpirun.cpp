@@ -17,10 +17,11 @@ int parent_signal() {
   return SIGRTMIN + 7;
 }
 
-/// Prefixes of the names of the files that hold a rank's shared memory in Open MPI 4 and 5.
+/// Open MPI 4 and 5 keep a rank's shared memory in files with these prefixes.
 constexpr const char* k_segment_names[] = {"vader_segment.", "sm_segment."};
 
-/// Removes the file named in a line of /proc/self/maps, if the name has one of these prefixes.
+/// A line of /proc/self/maps may name a file. Removes the file if its name has one of these
+/// prefixes.
 void unlink_segment(const char* line) {
   const char* path = std::strchr(line, '/');
   if (path == nullptr) return;
@@ -53,7 +54,7 @@ void unlink_mapped_segments() {
   close(maps);
 }
 
-// The signal arrives once per ending thread of mpirun, so several threads may handle it at once.
+// Each ending thread of mpirun sends the signal, so several threads may handle it at once.
 std::atomic_flag is_leaving = ATOMIC_FLAG_INIT;
 
 extern "C" void on_parent_gone(int) {

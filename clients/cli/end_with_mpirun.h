@@ -3,9 +3,9 @@
 
 namespace sleight::cli {
 
-/// From now on, the process ends when its parent ends in any way. The process then also deletes the
-/// files behind Open MPI's shared memory, which nothing else would delete. REQUIRES: call it in a
-/// rank before MPI starts.
+/// From now on, if the parent ends in any way, this process also ends. This process then also
+/// deletes the files of Open MPI's shared memory, because nothing else would delete these files.
+/// REQUIRES: call it in a rank before MPI starts.
 void end_with_mpirun();
 
 }  // namespace sleight::cli

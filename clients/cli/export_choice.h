@@ -23,13 +23,14 @@ struct ExportChoice {
   /// exported.
   std::optional<std::size_t> representatives{};
   bool all = false;  ///< no maximum
-  /// State of the archive's file before it was opened, for index_cache.h. None: no cache.
+  /// State of the archive's file before it was opened. For index_cache.h. None: no cache.
   std::optional<browse::FileState> file{};
 };
 
-/// Returns at least one animation, in the order of the given ids or of the archive. Representatives
-/// of larger groups come first. Throws base::Error(usage) for an invalid query (with its position),
-/// if nothing matches, or if `is_bounded` and there are more than k_export_max animations.
+/// Returns at least one animation. Animations are in the order of the given ids, otherwise in the
+/// archive's order. Representatives of larger groups come first. Throws base::Error(usage) if a
+/// query is invalid (with its position), if nothing matches, or if `is_bounded` and more than
+/// k_export_max animations match.
 std::vector<browse::AnimationId> chosen(const archive::Source& source, const ExportChoice& choice,
                                         bool is_bounded);
 

@@ -126,8 +126,8 @@ void check(const ExportAnimationsOptions& options) {
   check_range("--scale", options.scale, 1 / k_film_scale_max, k_film_scale_max);
 }
 
-/// Chooses animations. Tables have no maximum, but other formats do, because they write a file per
-/// animation.
+/// Chooses animations. Only tables may have any number of animations. Other formats write a file
+/// per animation.
 std::vector<browse::AnimationId> choose(const archive::Source& source,
                                         const ExportAnimationsOptions& options) {
   return chosen(source, options.choice, options.format != "csv");
@@ -245,7 +245,7 @@ bool is_pipe_for(const ExportAnimationsOptions& options) {
   return options.format == "csv" && fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// Check all places before drawing, because drawing the first animations may take an hour.
+/// Check all places first, because the drawing that follows may take an hour.
 void refuse_taken_place(const std::string& place, const ExportAnimationsOptions& options) {
   std::error_code none;
   if (options.format == "png" && fs::exists(place, none) && !fs::is_empty(place, none)) {
@@ -257,7 +257,7 @@ void refuse_taken_place(const std::string& place, const ExportAnimationsOptions&
   refuse_others_file(place, options.force);
 }
 
-/// Writes pictures and films, which are renamed to their places when complete.
+/// Writes pictures and films. A complete file is renamed to its place.
 std::vector<WrittenFile> write_films(const archive::Source& source,
                                      const ExportAnimationsOptions& options) {
   const std::vector<browse::AnimationId> ids = choose(source, options);

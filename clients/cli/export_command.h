@@ -1,5 +1,5 @@
-// `sleight export`: writes an archive's animations as models for other programs (.glb), tables,
-// pictures and films.
+// `sleight export`: writes an archive's animations as tables, pictures, films, or models for other
+// programs (.glb).
 #pragma once
 
 #include <optional>
@@ -15,9 +15,9 @@ struct ExportAnimationsOptions {
   std::string path;
   std::string format{};  ///< one of export_formats(); empty: the output's extension, or glb
   ExportChoice choice{};
-  /// If the name has the format's extension, the path of a file. Otherwise the path of a folder,
-  /// which is created if missing and gets one file per animation (png: one folder per animation).
-  /// Empty: tables go to stdout.
+  /// A file's path if the name has the format's extension, otherwise a folder's path. The folder
+  /// gets one file per animation (png: one folder per animation) and is created if missing. Empty:
+  /// tables go to stdout.
   std::string output{};
   bool together = false;             ///< .glb: all animations as clips of one file
   std::optional<double> fps{};       ///< .glb: keys on whole frames only; films: default k_film_fps
@@ -37,8 +37,8 @@ std::vector<std::string> export_formats();
 std::vector<std::string> export_tables();
 std::vector<std::string> export_views();
 
-/// Returns the exit code. Throws base::Error. Files appear complete or not at all. An existing file
-/// is replaced only if sleight made it (.glb) or with `force`.
+/// Returns the exit code. Throws base::Error. Files appear complete or not at all. Replaces an
+/// existing file only if sleight made it (.glb) or if `force` is set.
 int export_animations(const ExportAnimationsOptions& options);
 
 }  // namespace sleight::cli

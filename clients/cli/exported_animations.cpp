@@ -23,7 +23,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Splits a line of CSV into fields, quotes included.
+/// Splits a line of CSV into fields and keeps their quotes.
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
   bool is_quoted = false;
@@ -44,7 +44,7 @@ struct CsvRows {
   std::vector<std::uint64_t> counts{};  ///< lines per animation
 };
 
-/// REQUIRES: all ids are of one group. No ids: no columns.
+/// REQUIRES: all ids belong to one group. No ids: no columns.
 CsvRows rows_of(const archive::Source& source, std::span<const browse::AnimationId> ids,
                 const std::string& table) {
   CsvRows rows;
@@ -55,7 +55,7 @@ CsvRows rows_of(const archive::Source& source, std::span<const browse::Animation
   std::string in_archive = table;
   if (ids.front().is_find) in_archive = table == "animations" ? "finds" : "find_" + table;
   archive::export_csv(source, in_archive, rows.lines, numbers);
-  // No field contains a line break, because in archives only requests contain line breaks.
+  // No field contains a line break: in an archive, only the request has line breaks.
   std::string header;
   std::getline(rows.lines, header);
   rows.columns = fields_of(header);
@@ -124,8 +124,8 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
   }
   clip.extras.push_back({"in_proportion", motions.in_proportion(id.row)});
   clip.extras.push_back({"duration_s", clip.motion.end_s()});
-  // Densities and outcomes are the numbers that /sample_stats also contains. Other numbers belong
-  // to the state.
+  // If /sample_stats also contains a number, it is a density or an outcome. Other numbers belong to
+  // the state.
   const archive::Group* group = archive::find_group(source, group_name);
   const archive::Group* stats = archive::find_group(source, archive::k_sample_stats);
   for (const archive::DatasetSpec& spec : group->datasets) {
@@ -162,7 +162,7 @@ void write_animations_csv(const archive::Source& source, std::span<const browse:
   CsvRows from_chains = rows_of(source, of_chains, table);
   CsvRows from_finds = rows_of(source, finds, table);
 
-  // Collect the columns of chains, then the columns that only finds have.
+  // First come the columns of chains, then the columns that only finds have.
   std::vector<std::string> columns = from_chains.columns;
   for (const std::string& column : from_finds.columns) {
     if (std::ranges::count(columns, column) == 0) columns.push_back(column);

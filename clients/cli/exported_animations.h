@@ -1,4 +1,4 @@
-// Converts an archive's animations to what exporters write: models with their metadata, and tables.
+// Converts an archive's animations to tables, and to models with metadata.
 #pragma once
 
 #include <iosfwd>
@@ -12,8 +12,8 @@
 
 namespace sleight::cli {
 
-/// Returns a file's metadata about all its animations: world, request, run_id, results_version and
-/// the archive's warning if it has one.
+/// Returns metadata about a whole file: world, request, run_id, results_version. If the archive has
+/// a warning, the metadata include it.
 gltf::Extras extras_of(const archive::Source& source);
 
 /// Returns an animation with its motion, its own parts of the scene, and metadata. Metadata are id,
@@ -22,9 +22,10 @@ gltf::Extras extras_of(const archive::Source& source);
 gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
                    const browse::AnimationId& id);
 
-/// Writes a table of "animations", "segments" or "points" as CSV, for these animations in this
-/// order, with their ids in the first column. Finds and animations of chains have different
-/// columns. A mixed table has all columns, with empty fields. REQUIRES: at least one animation.
+/// Writes a table of "animations", "segments" or "points" as CSV. The table has these animations in
+/// this order; the first column has their ids. Finds and animations of chains have different
+/// columns. A mixed table has the columns of both and leaves fields empty. REQUIRES: at least one
+/// animation.
 void write_animations_csv(const archive::Source& source, std::span<const browse::AnimationId> ids,
                           const std::string& table, std::ostream& out);
 

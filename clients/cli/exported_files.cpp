@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr auto k_progress_every = std::chrono::seconds(1);
 
-/// Whether a file's first bytes show a model that sleight made.
+/// Whether a file begins like a model that sleight made.
 bool is_ours(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string head(96, '\0');
@@ -52,7 +52,7 @@ void make_export_folder(const std::string& given) {
 
 void refuse_others_file(const std::string& path, bool force) {
   std::error_code none;
-  // Opening a pipe would wait for a reader.
+  // Don't open a pipe: the call would wait for a reader.
   if (fs::exists(path, none) && !fs::is_regular_file(path, none) && !fs::is_directory(path, none))
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("{}: already exists and is not a regular file", path));

@@ -18,23 +18,23 @@ struct WrittenFile {
   std::uint64_t bytes = 0;
 };
 
-/// Returns, for example, "3f2a9c01-c0.250": the first letters and digits of the (untrusted) run id,
-/// and the animation's id.
+/// Returns, for example, "3f2a9c01-c0.250": the first letters and digits of the run id, which is
+/// untrusted, then the animation's id.
 std::string export_name(const std::string& run_id, const std::string& id);
 
 /// Creates the folder and its parents. Throws base::Error with the path.
 void make_export_folder(const std::string& path);
 
-/// Unless `force`, throws base::Error(conflict) if the file exists and isn't recognised as made by
-/// sleight.
+/// If sleight didn't make an existing file and `force` isn't set, throws base::Error(conflict).
 void refuse_others_file(const std::string& path, bool force);
 
-/// Prints progress of a slow export to stderr, at most one line a second. Throws as
+/// Prints a slow export's progress to stderr, at most once a second. Throws as
 /// terminal::Interruption::check does.
 class ExportProgress {
  public:
   explicit ExportProgress(std::size_t all) : all_(all) {}
-  /// `count`: finished animations. `frames`: finished frames of the next animation's `of` frames.
+  /// `count`: finished animations. `frames`: finished frames of the next animation. `of`: all its
+  /// frames.
   void done(std::size_t count, std::size_t frames = 0, std::size_t of = 0);
 
  private:

@@ -129,8 +129,8 @@ class Arrivals {
   Arrivals(const FetchOptions& options, std::string place, bool is_file)
       : options_(options), place_(std::move(place)), is_file_(is_file), printer_(options.quiet) {}
 
-  /// Serves as a FetchProgress, which is called before the first piece is written. Returns false if
-  /// another file is at the destination.
+  /// Serves as a FetchProgress. The client calls this function before it writes the first piece.
+  /// Returns false if another file is at the destination.
   bool arrived(const rpc::FileView& file, std::uint64_t bytes) {
     if (terminal::Interruption::requested()) return false;
     const std::string path = path_of(file);
@@ -209,7 +209,7 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& jo
   if (options.json || options.quiet) return brought;
   for (const std::string& path : brought.paths) {
     if (arrivals.same().empty()) {
-      // An unfinished job's results aren't final, so print the job's state.
+      // If a job is unfinished, its results aren't final, so print its state.
       const bool is_of_now = is_file && !rpc::is_settled(job.state);
       fmt::print(
           "{}  {}{}\n", terminal::shown(path), size_text(arrivals.bytes_of(path)),
@@ -260,15 +260,15 @@ int fetch_all(rpc::Client& client, const FetchOptions& options,
     try {
       all.push_back(fetch_job(client, of_job, job, place, options, check));
     } catch (const rpc::RefusedError& error) {
-      // A job without an archive doesn't prevent fetching from other jobs.
+      // If a job has no archive, fetch from the other jobs anyway.
       if (!several) throw;
       terminal::complain(
           fmt::format("sleight: job {}: {}", job.id, service_client::words_of(error.refusal())));
       if (code == base::ExitCode::ok) code = service_client::exit_code_of(error.refusal().kind);
       continue;
     } catch (const base::Error& error) {
-      // A damaged file, or another file at the destination, doesn't prevent fetching from other
-      // jobs. A missing service does.
+      // If a file is damaged or its destination is taken, fetch from the other jobs anyway. A
+      // missing service prevents this.
       if (!several || error.exit_code() == base::ExitCode::no_server ||
           dynamic_cast<const rpc::NoServer*>(&error) != nullptr)
         throw;

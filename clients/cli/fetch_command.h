@@ -1,8 +1,8 @@
 // `sleight fetch`: copies archives, recordings and failure files of jobs into local files.
 //
-// A file arrives in pieces, is checked against its digest and renamed when complete. An interrupted
-// fetch is resumed (rpc::Client). An existing file with the same bytes counts as fetched. A file
-// with other bytes is only replaced with --force.
+// A file arrives in pieces. A complete file is checked against its digest and renamed. An
+// interrupted fetch is resumed (rpc::Client). An existing file with the same bytes counts as
+// fetched. If an existing file has other bytes, it is replaced only if --force is given.
 #pragma once
 
 #include <cstdint>
@@ -27,22 +27,22 @@ struct FetchOptions {
   bool json = false;
 };
 
-/// Checks an archive before it is renamed to its place; throws base::Error to refuse it. Programs
-/// use check_archive of fetched_archive.h.
+/// Checks an archive before it is renamed to its place. Throws base::Error to refuse the archive.
+/// Programs use check_archive of fetched_archive.h.
 using ArchiveCheck = std::function<void(const std::string& path, const rpc::JobView& job)>;
 
 int fetch(const std::string& socket, const FetchOptions& options, const ArchiveCheck& check);
 
-/// Returns the numbers in "3,7,10..20", in order without duplicates. Returns nothing for an invalid
-/// text or more than rpc::k_fetch_ids_max numbers.
+/// Returns the numbers in a text such as "3,7,10..20", in order and without duplicates. Returns
+/// nothing if the text is invalid or has more than rpc::k_fetch_ids_max numbers.
 std::optional<std::vector<std::uint64_t>> recording_ids_of(std::string_view text);
 
 /// Throws base::Error(usage) if two options can't be combined.
 rpc::FetchAsk fetch_ask_of(const FetchOptions& options);
 
 /// Returns where a job's result is stored: a file for an archive, otherwise a folder. `several`:
-/// each job has a separate place in the output folder. `group`: set if a single group is named, and
-/// used in the folder's name.
+/// the output folder has a separate place for each job. `group`: set if only one group was named.
+/// The group becomes part of the folder's name.
 std::string place_of(const FetchOptions& options, rpc::JobId job, bool several,
                      const std::optional<rpc::GroupId>& group);
 

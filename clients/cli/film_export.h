@@ -24,7 +24,8 @@ class FilmExport {
   /// Throws base::Error(bad_archive) if the scene description is invalid.
   FilmExport(const archive::Source& source, FilmOptions options);
 
-  /// Writes to `place`, completely or not at all. `progress`: finished frames, total frames.
+  /// Writes the file at `place` completely or not at all. `progress`: finished frames, total
+  /// frames.
   WrittenFile write(const browse::AnimationId& id, const std::string& place,
                     const std::function<void(std::size_t, std::size_t)>& progress) const;
 

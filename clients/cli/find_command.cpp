@@ -38,7 +38,8 @@ void sort_picked(const std::string& name, bool descending, std::vector<browse::P
   std::vector<std::pair<double, browse::Picked>> keyed;
   for (const browse::Picked& one : picked)
     keyed.emplace_back(one.entry->numbers[number_called(name, *one.archive)], one);
-  // If animations are sorted by a number, those without the number come last in either direction.
+  // If animations are sorted by a number, animations without the number come last, even in
+  // descending order.
   std::ranges::stable_sort(keyed, [&](const auto& a, const auto& b) {
     if (std::isnan(a.first) || std::isnan(b.first)) return !std::isnan(a.first);
     return descending ? a.first > b.first : a.first < b.first;
@@ -46,7 +47,7 @@ void sort_picked(const std::string& name, bool descending, std::vector<browse::P
   std::ranges::transform(keyed, picked.begin(), &std::pair<double, browse::Picked>::second);
 }
 
-/// Whether `name` occurs as a whole word, so that "end" isn't found in "ends in".
+/// Whether `name` occurs as a whole word. For example, "end" doesn't occur in "ends in".
 bool is_spoken_of(const std::string& name, const std::string& words) {
   const auto is_of_word = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';

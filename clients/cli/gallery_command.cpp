@@ -37,8 +37,8 @@
 namespace sleight::cli {
 namespace {
 
-/// Once a server exists, sends new answers of /api/gallery to open pages. Also warns on the
-/// terminal if nothing can be shown.
+/// Sends new answers of /api/gallery to open pages, once a server exists. If nothing can be shown,
+/// also warns on the terminal.
 class Publisher {
  public:
   explicit Publisher(const std::vector<std::string>& paths) : paths_(paths) {}
@@ -79,7 +79,7 @@ bool has_desktop() {
   return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
-/// Starts the desktop's opener in a separate process, and returns whether that succeeded.
+/// Starts the desktop's opener in a separate process. Returns whether it started.
 bool open_in_browser(const std::string& link) {
   const pid_t pid = ::fork();
   if (pid != 0) return pid > 0;
@@ -101,7 +101,7 @@ std::string host_name() {
   return name.data();
 }
 
-/// Tries the default port, then any port, because a second gallery may run beside the first.
+/// Tries the default port, then any port, because another gallery may have the default port.
 std::unique_ptr<web::Server> served(const CommandOptions& options, web::ServerOptions how,
                                     const web::Server::Handler& handler) {
   const auto with_port = [&](std::uint16_t port) {
@@ -137,7 +137,7 @@ void say_how_to_open(const web::Server& server, const CommandOptions& options,
   std::fflush(stdout);
 }
 
-/// Waits for Ctrl-C or SIGTERM. Pressing Enter on a terminal prints another link.
+/// Waits for Ctrl-C or SIGTERM. If a person presses Enter on the terminal, another link is printed.
 void wait_for_end(web::Server& server, int signals) {
   const bool is_asked = terminal::is_typed();
   std::array<pollfd, 2> waited{
@@ -162,13 +162,13 @@ void wait_for_end(web::Server& server, int signals) {
 int show_gallery(const CommandOptions& options, const std::function<std::string()>& service_called,
                  const analysis::Rules& rules) {
   if (!options.save.empty()) return save_archives(options, service_called, rules);
-  // Answering threads allocate and free whole indices, so separate heaps per thread would waste
-  // memory.
+  // Threads that answer allocate and free whole indices. If each thread had its own heap, memory
+  // would be wasted.
   ::mallopt(M_ARENA_MAX, 2);
   const gallery::NamedArchives shown(options.paths, service_called);
   auto files = std::make_shared<const web::StaticFiles>(gallery::page_folder());
 
-  // Block signals before starting any thread, so that only the descriptor receives them.
+  // Block signals before any thread starts, so that only the descriptor receives signals.
   sigset_t ends;
   ::sigemptyset(&ends);
   ::sigaddset(&ends, SIGINT);

@@ -14,8 +14,7 @@ namespace sleight::cli {
 inline constexpr std::uint16_t k_usual_port = 8475;
 
 struct CommandOptions {
-  /// Archives, folders of archives, or jobs of the service (such as "17", if no file has that
-  /// name).
+  /// Archives, folders of archives, or jobs of the service. "17" is a job if no file has that name.
   std::vector<std::string> paths{};
   std::uint16_t port = 0;            ///< 0: the default port, or any free one
   std::vector<std::string> hosts{};  ///< further names of this server, such as "localhost:8080"
@@ -24,8 +23,9 @@ struct CommandOptions {
   std::string save{};                ///< folder for a saved gallery instead of serving; empty: none
 };
 
-/// `service_called` returns the service's address, and is only called for jobs. Serves until Ctrl-C
-/// or SIGTERM, then returns the exit code. Throws base::Error. REQUIRES: no other thread runs.
+/// `service_called` returns the service's address. This function is called only if a job is named.
+/// Serves until Ctrl-C or SIGTERM, then returns the exit code. Throws base::Error. REQUIRES: no
+/// other thread runs.
 int show_gallery(const CommandOptions& options, const std::function<std::string()>& service_called,
                  const analysis::Rules& rules);
 

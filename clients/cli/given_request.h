@@ -17,8 +17,8 @@ struct GivenRequest {
 };
 
 /// Reads the file, or standard input if `path` is "-". If `path` is empty, makes the shortest
-/// request for `word`. Throws base::Error(usage) if both are empty, and base::Error(environment)
-/// if the file can't be read.
+/// request for `word`. Throws base::Error(usage) if both are empty, and base::Error(environment) if
+/// the file can't be read.
 GivenRequest given_request(const std::string& path, const std::string& word,
                            const std::optional<request::Asked>& asked);
 
@@ -29,12 +29,12 @@ struct OptionsGiven {
   std::string answer{};  ///< such as "--found -n 3", which replaces [stop]; empty: not given
 };
 
-/// Returns an error if a --set and another option set the same key. Without this error, the option
-/// would silently replace the --set value.
+/// Returns an error if a --set and another option set the same key. Otherwise the option would
+/// silently replace the value of --set.
 std::optional<request::Diagnostic> given_twice(std::span<const request::KeySet> sets,
                                                const OptionsGiven& options);
 
-/// Returns a job's default name: the file's name without its extension, the word, or "request".
+/// Returns a job's default name: the file's name without its extension, or the word, or "request".
 std::string short_name_of(const std::string& path, const std::string& word);
 
 }  // namespace sleight::cli

@@ -1,4 +1,4 @@
-// `sleight groups`: groups animations that look alike, each with a representative.
+// `sleight groups`: groups animations that look alike and chooses each group's representative.
 #pragma once
 
 #include <cstdint>

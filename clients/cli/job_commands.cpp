@@ -74,7 +74,7 @@ void print_page(const rpc::JobPage& page, const ListOptions& options) {
 }
 
 int complete(const std::string& socket) {
-  // During completion, a shell shows any output, so print nothing on errors.
+  // Shell completion shows any output, so print nothing on errors.
   try {
     rpc::Client client(service_client::place_of(socket), {.call_s_max = 2});
     for (const rpc::JobView& job : client.list({.count = rpc::k_page_jobs_max}).jobs)
@@ -85,7 +85,8 @@ int complete(const std::string& socket) {
   return terminal::k_ok;
 }
 
-/// Returns a note about a change that the job's state doesn't show. Empty: the state shows it.
+/// Returns a note about a change if the job's state doesn't show the change. Empty: the state shows
+/// it.
 std::string words_of(const rpc::ChangeAsk& ask) {
   if (ask.kind == rpc::ChangeKind::pin) return "pinned";
   if (ask.kind == rpc::ChangeKind::unpin) return "not pinned";
@@ -238,8 +239,8 @@ int delete_jobs(const std::string& socket, const DeleteOptions& options) {
       terminal::complain("nothing deleted");
       return terminal::k_ok;
     }
-    // Delete the checked jobs one by one, even if a group was named, so that no other job is
-    // deleted.
+    // Delete the checked jobs one by one even if a group was named. Otherwise jobs that weren't
+    // checked might be deleted.
     std::vector<rpc::Touched> touched;
     for (const rpc::JobView& job : jobs) {
       std::ranges::move(

@@ -55,12 +55,12 @@ int list_jobs(const std::string& socket, const ListOptions& options);
 int show_status(const std::string& socket, const StatusOptions& options);
 int watch(const std::string& socket, const WatchOptions& options);
 int wait(const std::string& socket, const JobsOptions& options);
-/// Changes each of the named jobs; ignores the target in `ask`.
+/// Changes each named job. Ignores the target in `ask`.
 int change(const std::string& socket, const JobsOptions& options, const rpc::ChangeAsk& ask);
 /// Refuses to delete any job if one is unfinished or pinned. Asks for confirmation on a terminal.
 int delete_jobs(const std::string& socket, const DeleteOptions& options);
 
-/// Throws base::Error(usage) unless exactly one number is set and requests allow its value.
+/// Throws base::Error(usage) unless exactly one number is set and its value is allowed in requests.
 rpc::Extension extension_of(const ExtendOptions& options);
 
 /// Throws base::Error(usage) for an unknown state or user.

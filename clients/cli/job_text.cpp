@@ -49,7 +49,7 @@ std::string rate_cell(const rpc::JobView& job) {
   return events::grouped(static_cast<std::uint64_t>(job.simulations_per_s));
 }
 
-/// Returns a job's text unless it only repeats the state, such as "Cancelled."
+/// Returns a job's text. Empty if the text only repeats the state, such as "Cancelled."
 std::string unless_its_state(const rpc::JobView& job, const std::string& words) {
   std::string plain;
   for (const char c : words) {

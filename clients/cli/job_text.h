@@ -1,7 +1,7 @@
-// Formats jobs for people: a table of many jobs, a report of one, and single lines about events.
+// Formats jobs for people: a table of jobs, a report of one job, and lines about events.
 //
 // All text from the service is made safe for a terminal here. Times are in the local time zone.
-// Pure except for the time zone; thread-safe.
+// Pure functions, except that they read the time zone; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ std::string job_table(std::span<const rpc::JobView> jobs, const TableLook& look)
 report::Report job_report(const rpc::JobView& job);
 std::string job_text(const rpc::JobView& job);
 
-/// Returns one line per change, with time, state, attempt and reason.
+/// Returns a line for each change. A line has the time, the state, the attempt and the reason.
 std::string history_text(const rpc::JobView& job);
 
 /// Returns, for example, "17 done: 5 found, 12 in proportion, 40,000 scans; 12:30 of processor
@@ -44,7 +44,7 @@ std::string completion_line(const rpc::JobView& job);
 /// Returns the job's name, or its world's name if the job has none.
 std::string name_of_job(const rpc::JobView& job);
 
-/// Returns, for example, "2 of 5 found, 3 of 50 in proportion". Empty if there are no solutions and
+/// Returns, for example, "2 of 5 found, 3 of 50 in proportion". Empty if no solutions exist and
 /// none were requested.
 std::string solutions_text(const rpc::SolutionCounts& counts);
 

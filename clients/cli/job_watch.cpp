@@ -34,7 +34,8 @@ std::string id_list(std::span<const rpc::JobView> jobs) {
   return list;
 }
 
-/// Returns the jobs' state after the watch, without deleted jobs, which were already reported.
+/// Returns the jobs' state after the watch. Leaves out deleted jobs, because they were already
+/// reported.
 std::vector<rpc::JobView> final_views(rpc::Client& client, std::span<const rpc::JobView> jobs) {
   std::vector<rpc::JobView> views;
   for (const rpc::JobView& job : jobs) {
@@ -100,7 +101,8 @@ bool WatchPrinter::happened(const rpc::WatchedEvent& event) {
     if (!json.is_null()) print_now(on_one_line(json));
     return true;
   }
-  // An event of a newer service can't be printed as text, but --json has it.
+  // If a newer service sent an unknown event, it can't be printed as text. With --json it is
+  // printed.
   if (!event.event) return true;
   if (const auto* progress = std::get_if<events::Progress>(&event.event->what)) {
     printer(event.job).show(*progress);

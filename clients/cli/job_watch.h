@@ -1,9 +1,9 @@
 // Watches jobs until they end, for `watch`, `wait` and `submit`.
 //
-// On a terminal, stderr has one progress line that is updated; otherwise there is a plain line now
-// and then. Events and changes of state are lines on stdout, as text or JSON. The watch survives
-// lost connections and server restarts, which it reports on stderr. The watch ends when all jobs
-// have ended.
+// On a terminal, stderr has one progress line that is updated; otherwise it gets a plain line now
+// and then. Events and state changes are printed on stdout, as lines of text or JSON. The watch
+// survives lost connections and server restarts, which it reports on stderr. The watch ends when
+// all jobs have ended.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,8 @@ class WatchPrinter final : public rpc::WatchSink {
   bool found_again() override;
 
   void finish();
-  /// Returns the exit code of the worst settled job (from worst: failed, cancelled, refused, done).
+  /// Returns the exit code of the job that ended worst. From worst to best: failed, cancelled,
+  /// refused, done.
   base::ExitCode exit_code() const;
 
  private:
@@ -53,9 +54,9 @@ class WatchPrinter final : public rpc::WatchSink {
   std::optional<base::ExitCode> refused_;
 };
 
-/// Watches these jobs until they end or until Ctrl-C, starting with event `from_number` (1: all
-/// events). After the watch, prints the status of each job. Returns the exit code: 0 done, 10
-/// failed, 11 cancelled, 130 interrupted.
+/// Watches these jobs until they end or until Ctrl-C. The first printed event has the number
+/// `from_number` (1: all events). After the watch, prints the status of each job. Returns the exit
+/// code: 0 done, 10 failed, 11 cancelled, 130 interrupted.
 int watch_jobs(rpc::Client& client, std::span<const rpc::JobView> jobs, std::uint64_t from_number,
                const WatchLook& look);
 

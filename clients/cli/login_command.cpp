@@ -34,7 +34,7 @@ access::ServerAddress address_of(const std::string& text) {
   return *address;
 }
 
-/// Hides typed text on the terminal during its lifetime.
+/// While this object exists, the terminal hides typed text.
 class WithoutEcho {
  public:
   WithoutEcho() {
@@ -77,7 +77,7 @@ std::string token_given(const LoginOptions& options) {
   }
   std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
   if (!access::token_of(text)) {
-    // Don't print the text: it may be nearly a valid token.
+    // Don't print the text: it may almost be a valid token.
     terminal::refuse_usage(
         "invalid token: a token begins with sleight_ and ends with a checksum; copy the whole "
         "token");
@@ -91,8 +91,8 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Returns the 64 digits of a fingerprint. Accepts upper case, colons, and a prefix before the
-/// digits.
+/// Returns the 64 digits of a fingerprint. The text may have upper case, colons, and a prefix
+/// before the digits.
 std::string digits_of_fingerprint(const std::string& text) {
   std::string digits = lower(text);
   const std::size_t before = digits.find_last_of("=");
@@ -106,7 +106,8 @@ std::string digits_of_fingerprint(const std::string& text) {
       "status` on the service's machine");
 }
 
-/// Sets how to verify a service if the system's certificate authorities don't vouch for it.
+/// Sets how to verify a service's certificate if no certificate authority of the system has signed
+/// it.
 void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   if (!options.ca_file.empty()) {
     service.certificate = base::read_text_file(options.ca_file, k_pem_bytes_max);

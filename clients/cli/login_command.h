@@ -1,4 +1,4 @@
-// `sleight login` and `sleight logout`: stores tokens for services on other machines.
+// `sleight login` stores tokens for services on other machines; `sleight logout` deletes them.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ struct LoginOptions {
 };
 
 /// Checks the token with the service and stores it. The token is never a command-line argument,
-/// because other users could see it. Throws base::Error: usage, not_allowed (another fingerprint,
-/// wrong token), no_server.
+/// because other users could see it. Throws base::Error with exit code usage, no_server, or
+/// not_allowed (another fingerprint, wrong token).
 int login(const LoginOptions& options);
 
 int logout(const std::string& address, bool json);

@@ -24,7 +24,8 @@ constexpr std::chrono::milliseconds k_log_look_again{500};
 constexpr int k_looks_in_vain_max = 1200;
 
 std::string fit(std::string_view line) {
-  // A terminal would overwrite a progress line. Print each of its states as a separate line.
+  // A progress line is meant to be overwritten on a terminal. Here, print each state of the
+  // progress line as a separate line.
   if (line.ends_with('\r')) line.remove_suffix(1);
   std::string text;
   for (const char c : line)

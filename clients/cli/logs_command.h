@@ -19,8 +19,8 @@ int show_logs(const std::string& socket, const LogsOptions& options);
 /// Splits bytes of a log into lines that are safe for a terminal.
 class LogLines {
  public:
-  /// Appends bytes and returns the complete lines, each with its end. Lines longer than
-  /// k_line_bytes_max are returned in parts.
+  /// Appends bytes and returns the complete lines with their line ends. If a line is longer than
+  /// k_line_bytes_max, it is returned in parts.
   std::string add(std::string_view bytes);
   /// Returns the incomplete last line.
   std::string rest();

@@ -1,4 +1,5 @@
-// The command line of `sleight`: the options of each local command and the function that runs it.
+// The command line of `sleight`: each local command's options, and the function that runs the
+// command.
 #include "clients/cli/main_app.h"
 
 #include <cstdint>
@@ -25,7 +26,7 @@
 namespace sleight::programs {
 namespace {
 
-/// Maximum value of options that give a chain's number or a number of draws.
+/// Maximum value of options for a chain's number or a number of draws.
 constexpr std::uint64_t k_number_max = 1'000'000'000'000;
 
 void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
@@ -73,7 +74,7 @@ void add_request_help(CLI::App& app, RequestHelpArguments& arguments, Action& ac
 }
 
 analysis::Verdict judge(std::string_view name, const analysis::ScalarDraws& draws) {
-  // If `thin` exceeds the number of judged scans, none of their states is archived.
+  // If `thin` exceeds the number of judged scans, the archive may have no state of these scans.
   if (draws.draws == 0) return {};
   const sampling::Convergence found = sampling::convergence_of(
       {.values = draws.values, .chains = draws.chains, .draws = draws.draws});

@@ -1,7 +1,7 @@
 // The command line of `sleight` as a CLI::App, which also generates help, completion and man pages.
 //
-// One function adds each command with its options, and stores the parsed values in the command's
-// arguments. Parsing stores the command's action. Only main calls it.
+// For each command, one function adds the command and its options. Parsing stores values in the
+// command's arguments. Parsing stores the command's action. Only main calls it.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,7 +10,7 @@
 
 namespace sleight::programs {
 
-/// The work of a parsed command line. Returns the exit code.
+/// The action that a parsed command line asks for. Returns the exit code.
 using Action = std::function<int()>;
 
 /// Stores the parsed command line.

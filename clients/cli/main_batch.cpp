@@ -33,7 +33,7 @@
 namespace sleight::programs {
 namespace {
 
-/// Returns this process's rank according to mpirun or srun. Returns nothing if there is no MPI job.
+/// Returns this process's rank, as mpirun or srun set it. Returns nothing if there is no MPI job.
 std::optional<std::string> rank_by_environment() {
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK"}) {
     if (const char* rank = std::getenv(name)) return rank;
@@ -51,8 +51,8 @@ schema::Hello hello_of(const request::DirectionRequest& request) {
           .threads = 1};
 }
 
-/// Broadcasts from rank 0, which may wait until a person has typed the request. While waiting, the
-/// other ranks sleep, unlike in MPI_Bcast.
+/// Broadcasts from rank 0. Rank 0 may first wait until a person has typed the request. Meanwhile
+/// the other ranks sleep. In MPI_Bcast, they wouldn't sleep.
 void broadcast(void* data, std::uint64_t count, MPI_Datatype type) {
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Ibcast(data, static_cast<int>(count), type, 0, MPI_COMM_WORLD, &request);
@@ -70,8 +70,8 @@ std::string as_rank_0_has_it(std::string text) {
   return text;
 }
 
-/// Returns rank 0's request on all ranks, because other ranks may lack the file and standard input.
-/// All ranks must call as_rank_0_has_it() at the same point.
+/// Returns rank 0's request on all ranks, because the file or standard input may be missing on
+/// other ranks. All ranks must call as_rank_0_has_it() at the same point.
 cli::GivenRequest as_rank_0_has_it(const cli::GivenRequest& given) {
   return {.name = as_rank_0_has_it(given.name), .text = as_rank_0_has_it(given.text)};
 }
@@ -177,7 +177,7 @@ int run_ranks(const DirectArguments& arguments, cli::EndReport& end_report, int*
   }
 }
 
-/// Makes bug reports include the rank and how its job was started.
+/// Adds the rank and the launcher's command to bug reports.
 void note_what_repeats_of_rank(int argc, char** argv) {
   const char* const ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
   note_what_repeats(argc, argv, ranks == nullptr ? "" : fmt::format("mpirun -n {} ", ranks));

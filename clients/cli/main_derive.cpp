@@ -63,7 +63,7 @@ int derive(const DeriveArguments& given) {
     folder.pop_back();
   refuse_what_is_no_run(folder);
 
-  // Check the results version, because another program might interpret the scans differently.
+  // Check the results version: another version might interpret the scans differently.
   const store::StoredRequest stored = store::stored_request_of(folder);
   if (stored.results_version != results_version()) {
     throw base::Error(

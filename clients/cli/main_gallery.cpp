@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t k_shown_characters_max = 80;
 
-/// Returns why a text isn't a valid HOST:PORT. HOST consists of letters, digits, dots and dashes,
-/// or is an IPv6 address in brackets. Empty if it is valid.
+/// Returns why a text isn't a valid HOST:PORT. HOST is an IPv6 address in brackets, or letters,
+/// digits, dots and dashes. Empty if it is valid.
 std::string fault_of_host(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   const std::string host = text.substr(0, colon);

@@ -21,7 +21,7 @@
 namespace sleight::programs {
 namespace {
 
-/// The programs with completion scripts and manual pages.
+/// Programs that have completion scripts and manual pages.
 constexpr std::array<const char*, 3> k_programs{"sleight", "sleight-batch", "sleightd"};
 
 command_tree::Command tree_of_program(const std::string& name) {
@@ -47,8 +47,8 @@ int print_completion(const std::string& shell, const std::string& program) {
   return static_cast<int>(base::ExitCode::ok);
 }
 
-/// Returns a date such as "November 26, 2026": today, or SOURCE_DATE_EPOCH for reproducible
-/// packages.
+/// Returns a date such as "November 26, 2026". The date is today's. If SOURCE_DATE_EPOCH is set, it
+/// is used instead, so that packages are reproducible.
 std::string page_date() {
   using std::chrono::system_clock;
   system_clock::time_point moment = system_clock::now();

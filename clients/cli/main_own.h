@@ -1,5 +1,5 @@
-// Commands about the program itself: `sleight config`, `completion`, and `man`, which the build
-// uses.
+// Commands about the program itself: `sleight config`, `sleight completion` and `sleight man`. The
+// build uses `man`.
 #pragma once
 
 #include <CLI/CLI.hpp>

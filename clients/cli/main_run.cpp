@@ -36,8 +36,8 @@
 namespace sleight::programs {
 namespace {
 
-/// Prints a line to stderr. A failed print doesn't change the exit code. Text from others (names of
-/// files or bodies) must not affect a terminal.
+/// Prints a line to stderr. If printing fails, the exit code stays the same. Names of files or
+/// bodies come from other people and must not affect a terminal.
 void complain(std::string line) {
   std::ranges::replace_if(
       line, [](char c) { return (c >= 0 && c < ' ' && c != '\n' && c != '\t') || c == '\x7f'; },
@@ -69,7 +69,7 @@ json::Value handling_json(const coordinator::Handling& handling) {
       {"cache_bytes", handling.cache.bytes}};
 }
 
-/// Prints what the session computed, and the hit rate of the cache of chain states.
+/// Prints what the session computed, and the hit rate of the chain-state cache.
 void print_effort(const coordinator::RunSummary& summary) {
   const events::Progress& progress = summary.progress;
   if (progress.session_simulations == 0) return;
@@ -85,7 +85,7 @@ void print_effort(const coordinator::RunSummary& summary) {
   fmt::print("\n");
 }
 
-/// Prints failed simulations of this session and earlier ones.
+/// Prints the failed simulations of this session and of earlier sessions.
 void print_failures(const DirectArguments& arguments, const coordinator::RunSummary& summary) {
   const plan::FailureCounts& failures = summary.progress.failures;
   if (failures.total() == 0) return;
@@ -99,7 +99,7 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
                         summary.first_failure));
 }
 
-/// Returns why a search gave up: what its last starts had in common.
+/// Explains why a search gave up by what its last starts had in common.
 std::string why_it_gave_up(const plan::Finds& finds) {
   if (finds.relaxed < finds.relaxed_wanted && finds.found >= finds.wanted)
     return fmt::format("After relaxation, none of the last {} finds satisfied the constraint.",
@@ -340,7 +340,7 @@ namespace {
 
 using Read = base::Result<request::DirectionRequest, std::vector<request::Diagnostic>>;
 
-/// `asked`: set if an option replaces the request's [stop].
+/// `asked`: replaces the request's [stop], if set.
 Read read(const run::Catalogue& catalogue, const cli::GivenRequest& given,
           std::optional<request::Asked> asked, const DirectArguments& arguments) {
   const auto sets = request::plain_sets(arguments.sets);

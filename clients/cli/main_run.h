@@ -1,5 +1,5 @@
-// Code shared by the two programs that run requests: options of a run, reading the request, and the
-// final summary. This code belongs to the main programs, which join clients and worker.
+// Code for both programs that run requests: a run's options, reading the request, and the final
+// summary. This code belongs to the main programs, which join clients and worker.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -51,7 +51,7 @@ struct DirectArguments {
   run::WorkerResources resources() const { return {.cache_bytes_max = cache_mb << 20U}; }
 };
 
-/// Makes bug reports include how to repeat the bug: the command line, and after read_request() also
+/// Adds the command line to bug reports, so that the bug can be repeated. read_request() also adds
 /// the request and its seed. `launcher` precedes the command, such as "mpirun -n 3 ". Call it first
 /// in main.
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher = {});
@@ -60,8 +60,8 @@ void add_run_options(CLI::App& app, DirectArguments& arguments);
 
 void add_sets_option(CLI::App& app, std::vector<std::string>& sets);
 
-/// Returns what is wrong with a command line, and which command's help to read. Use as CLI11's
-/// failure_message.
+/// Returns a text that says what is wrong with the command line and whose help to read. Use as
+/// CLI11's failure_message.
 std::string usage_words(const CLI::App* app, const CLI::Error& error);
 
 /// Builds the command line of `sleight-batch`. Both programs use this function, because `sleight
@@ -79,8 +79,8 @@ cli::GivenRequest given_request(const DirectArguments& arguments);
 int print_request(const run::Catalogue& catalogue, const cli::GivenRequest& given,
                   const DirectArguments& arguments);
 
-/// Reads and checks the request. Prints every error to stderr, and returns nothing if there are
-/// any.
+/// Reads and checks the request. Prints every error to stderr. If there is an error, returns
+/// nothing.
 std::optional<request::DirectionRequest> read_request(const run::Catalogue& catalogue,
                                                       cli::GivenRequest given,
                                                       const DirectArguments& arguments);

@@ -49,7 +49,7 @@ void add_jobs(CLI::App& command, cli::JobsOptions& options) {
   command.add_flag("--json", options.json, k_json_help);
 }
 
-/// Returns this program's worlds, for requests that are changed before they are sent.
+/// Returns functions that use this program's worlds to change a request before it is sent.
 cli::RequestTexts request_texts() {
   return {.normalised = [](std::string_view text, std::string_view file,
                            std::span<const request::KeySet> sets,

@@ -13,8 +13,8 @@ namespace sleight::programs {
 /// settings are wrong.
 std::string service_called();
 
-/// Adds the commands, whose arguments the app owns. Parsing sets `action` to the command's work,
-/// which returns the exit code.
+/// Adds the commands. The app owns their arguments. Parsing sets `action` to a function that runs
+/// the command and returns the exit code.
 void add_service_commands(CLI::App& app, std::function<int()>& action);
 
 }  // namespace sleight::programs

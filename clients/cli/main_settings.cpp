@@ -7,7 +7,7 @@
 namespace sleight::programs {
 namespace {
 
-/// A setting with a command-line option. Other settings can only be set in the settings file.
+/// A setting that has a command-line option. Other settings can be set only in the settings file.
 struct SettingOption {
   const char* key;
   const char* option;

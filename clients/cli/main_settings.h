@@ -9,8 +9,8 @@
 
 namespace sleight::programs {
 
-/// Adds --cores, --memory and so on. Appends given options to `given`, in the order in which they
-/// are defined. REQUIRES: `given` outlives the app.
+/// Adds --cores, --memory and so on. Appends the options that the user gives to `given`, in the
+/// order of their definition. REQUIRES: `given` outlives the app.
 void add_setting_options(CLI::App& app, std::vector<config::Given>& given);
 
 /// Builds the command line of `sleightd`. REQUIRES: `given` outlives the app.

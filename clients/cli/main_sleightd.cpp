@@ -1,4 +1,4 @@
-// The daemon `sleightd`: joins the service with the worlds that check its requests.
+// The daemon `sleightd`: connects the service to the worlds, which check requests.
 #include <fmt/format.h>
 #include <grp.h>
 #include <unistd.h>

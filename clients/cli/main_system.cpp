@@ -28,7 +28,7 @@ backend::Options defaults_of(const config::SlurmDefaults& slurm) {
   return options;
 }
 
-/// Returns the given script, or the one installed with this program.
+/// Returns the given script. If none is given, returns the script installed with this program.
 std::string script_of(const config::Settings& settings) {
   if (!settings.slurm.script.value.empty()) return settings.slurm.script.value;
   const std::string bin = base::directory_of(service_client::program_beside("sleight-keeper"));

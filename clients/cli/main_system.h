@@ -1,4 +1,5 @@
-// Selects the backend that runs a daemon's jobs: this machine, Slurm, or a program's system.
+// Selects the system that runs a daemon's jobs: this machine, Slurm, or a system with its own
+// program.
 #pragma once
 
 #include <map>

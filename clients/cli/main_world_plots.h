@@ -1,5 +1,4 @@
-// The worlds that have plots of their own. A program for tests links another definition of this
-// function.
+// The worlds that have plots of their own. Test programs link another definition of this function.
 #pragma once
 
 #include "clients/pictures/world_plots.h"

@@ -22,7 +22,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Draws outcomes and log p along the chains of any world.
+/// Draws outcomes and log p along chains, for any world.
 plot::Figure plain_trace(const archive::Source& source, const PlotOptions& options) {
   const archive::Summary summary = archive::summary_of(source);
   plot::Figure figure{.title = summary.world, .height_px = 0, .panels = {}};
@@ -46,7 +46,7 @@ plot::Figure plain_trace(const archive::Source& source, const PlotOptions& optio
   return figure;
 }
 
-/// Returns the world's own plots if they include `what`; otherwise null.
+/// Returns the world's own plots. Null if the world's own plots don't include `what`.
 const pictures::WorldPlots* plots_for(const pictures::PlotsOfWorlds& worlds, std::string_view world,
                                       std::string_view what) {
   for (const auto& plots : worlds) {

@@ -30,7 +30,7 @@ std::string help_of_whats(const pictures::PlotsOfWorlds& worlds);
 /// Returns the exit code. Throws base::Error. REQUIRES: `what` is empty or in whats_of().
 int plot_archive(const PlotOptions& options, const pictures::PlotsOfWorlds& worlds);
 
-/// `whole`: include details that fit into a file but not on a terminal.
+/// `whole`: include details for which a terminal is too small.
 pictures::Picture picture_of(const archive::Source& source, const PlotOptions& options, bool whole,
                              const pictures::PlotsOfWorlds& worlds);
 

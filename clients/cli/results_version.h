@@ -1,5 +1,5 @@
-// The results version. Programs with the same results version can resume each other's runs and
-// compute on one run together.
+// The results version. If two programs have the same results version, each can resume the other's
+// runs, and both can compute one run together.
 #pragma once
 
 #include <string_view>

@@ -48,7 +48,7 @@ std::vector<gallery::SavedArchive> read_archives(const std::vector<std::string>&
       faults.push_back(error);
     }
   }
-  // If no archive is left, the first fault is thrown below instead of printed here.
+  // If no archive can be read, the first fault is thrown below and not printed here.
   const std::size_t thrown = archives.empty() && !faults.empty() ? 1 : 0;
   for (std::size_t i = thrown; i < faults.size(); ++i)
     fmt::print(stderr, "left out: {}\n", faults[i].what());
@@ -60,7 +60,7 @@ std::vector<gallery::SavedArchive> read_archives(const std::vector<std::string>&
   return archives;
 }
 
-/// Fetches the archives of jobs. For a job without an archive, fetches the committed results.
+/// Fetches the archives of jobs. If a job has no archive, fetches its committed results.
 void fetch_jobs(const gallery::NamedArchives& named) {
   for (const gallery::NamedArchives::Job& job : named.jobs()) {
     service_client::with_service(named.service(), [&](rpc::Client& client) {

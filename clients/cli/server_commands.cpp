@@ -31,7 +31,7 @@ namespace {
 constexpr double k_start_s_max = 30;
 constexpr double k_stop_s_max = 30;
 constexpr std::chrono::milliseconds k_server_look_again{20};
-/// Log lines shown if a daemon doesn't start.
+/// Number of log lines that are shown if a daemon doesn't start.
 constexpr std::size_t k_told_log_lines = 20;
 
 /// Returns the daemon's status, or nothing if no daemon answers.
@@ -69,7 +69,7 @@ int tell_started(const rpc::ServerView& server, const std::string& socket, bool 
   throw base::Error(process.exit_code(), words);
 }
 
-/// Waits for the started daemon, or for another daemon that started first.
+/// Waits until the started daemon answers, or another daemon that started first.
 int wait_for_server(service_client::ServerProcess& process, const std::string& socket,
                     const ServerStartOptions& options) {
   const base::SteadyClock clock;
@@ -96,8 +96,9 @@ bool has_exited(std::int64_t pid) {
   return name_end != std::string::npos && line.substr(name_end).starts_with(") Z");
 }
 
-/// Whether a daemon has exited. The daemon's socket disappears first; the folder is free once the
-/// process has exited. A daemon on another machine counts as exited if it doesn't answer.
+/// Whether a daemon has exited. The daemon deletes its socket before it exits, but its folder is
+/// free only after it has exited. A daemon on another machine counts as exited if it doesn't
+/// answer.
 bool is_gone(std::int64_t pid, const std::string& socket) {
   if (!socket.starts_with('/')) return !server_at(socket);
   if (pid > 0 && ::kill(static_cast<pid_t>(pid), 0) == 0) return has_exited(pid);
@@ -106,8 +107,8 @@ bool is_gone(std::int64_t pid, const std::string& socket) {
   return ::access(socket.c_str(), F_OK) != 0;
 }
 
-/// Returns the pid of a server that owns this socket's folder but doesn't answer, because its
-/// socket was deleted or because it is exiting. 0: none.
+/// Returns the pid of a server that owns this socket's folder but doesn't answer. Either its socket
+/// was deleted, or it is exiting. 0: none.
 std::int64_t silent_server_at(const std::string& socket) {
   const config::Settings settings = config::settings_here({});
   if (settings.socket.value != socket) return 0;

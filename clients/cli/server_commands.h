@@ -1,8 +1,8 @@
 // `sleight server start|stop|drain|status`: controls this machine's daemon.
 //
 // `start` finds `sleightd` beside this program and starts it in its own session. The daemon's
-// output goes to `server.log` in its state folder. `start` returns when the daemon answers, and
-// succeeds if a daemon was already running.
+// output goes to `server.log` in its state folder. `start` returns when the daemon answers. `start`
+// also succeeds if a daemon was already running.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ int start_server(const ServerStartOptions& options);
 /// daemon.
 int stop_server(const std::string& socket, bool json);
 
-/// Makes the daemon start no more jobs and shut down running ones properly.
+/// Makes the daemon end the running jobs properly and start no others.
 int drain_server(const std::string& socket, bool json);
 
 int show_server(const std::string& socket, bool json);

@@ -86,7 +86,7 @@ Json event_json(rpc::JobId job, const std::string& line) {
   const Json event = Json::parse_or_null(line);
   if (!event.is_object()) return nullptr;
   Json json{{"job", job.value}};
-  // Keep our own `job`, even if a future event has a key of that name.
+  // Keep our own `job`, even if a future event has a key `job`.
   for (const auto& [key, value] : event.items()) {
     if (key != "job") json[key] = value;
   }

@@ -1,7 +1,7 @@
 // The service's answers as JSON for scripts. docs/SERVICE.md ("JSON") specifies the fields; new
 // versions only add fields.
 //
-// Ids are numbers; a group is a text such as "g5", as commands accept. Times are seconds since
+// Ids are numbers. A group is a text such as "g5", which commands accept. Times are seconds since
 // 1970; null: unknown or not yet. Pure; thread-safe.
 #pragma once
 
@@ -27,11 +27,11 @@ Json optional_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
 }
 
-/// Returns everything about a job (job_text.h), with or without its changes.
+/// Returns everything about a job (job_text.h). `with_history`: includes its changes.
 Json to_json(const rpc::JobView& job, bool with_history);
 Json to_json(const rpc::StateChange& change);
 Json to_json(const rpc::Touched& touched);
-/// The key `id` has the form that other commands accept: 17, or "g5" for a group.
+/// The key `id` has a value that other commands accept: 17, or "g5" for a group.
 Json to_json(const rpc::Submitted& submitted);
 Json to_json(const rpc::LogPiece& piece);
 

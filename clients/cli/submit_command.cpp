@@ -25,7 +25,7 @@ constexpr std::size_t k_option_characters_max = 60;  // shown in an error
 
 using Diagnostics = std::vector<request::Diagnostic>;
 
-/// How long to wait for a server that was killed between call and answer.
+/// Maximum wait for the next server, if a server was killed between call and answer.
 constexpr double k_away_s_max = 30;
 constexpr double k_first_wait_s = 0.05;
 constexpr double k_wait_s_max = 1;
@@ -42,7 +42,7 @@ std::uint64_t memory_of(const std::string& text) {
 std::string job_name(const SubmitOptions& options) {
   std::string name = options.name;
   if (name.empty()) name = short_name_of(options.request_path, options.word);
-  // A name must be printable, but a file's name may contain anything.
+  // A job's name must be printable, but a file's name may contain any characters.
   name = request::printable(name, name.size());
   if (!options.name.empty() && name.size() > rpc::k_name_bytes_max) {
     throw base::Error(base::ExitCode::usage,
@@ -52,7 +52,7 @@ std::string job_name(const SubmitOptions& options) {
   return name;
 }
 
-/// Returns the --set options that distinguish this request from others of its group.
+/// Returns the --set options that this request doesn't share with its group.
 std::string what_differs(const std::vector<request::KeySet>& sets,
                          const std::vector<std::vector<request::KeySet>>& combinations) {
   std::string texts;
@@ -116,8 +116,8 @@ Diagnostics named(Diagnostics diagnostics, const std::string& name) {
   return diagnostics;
 }
 
-/// Submits, with retries. The client itself retries after a broken connection; submit_surely waits
-/// longer for a killed server. The submission's key prevents a duplicate.
+/// Submits, with retries. After a broken connection, the client itself retries. After a server was
+/// killed, submit_surely waits longer. The submission's key prevents a duplicate.
 rpc::Submitted submit_surely(rpc::Client& client, const rpc::Submission& submission) {
   double waited_s = 0;
   for (double wait_s = k_first_wait_s;; wait_s = std::min(2 * wait_s, k_wait_s_max)) {
@@ -133,7 +133,7 @@ rpc::Submitted submit_surely(rpc::Client& client, const rpc::Submission& submiss
 
 void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool draining) {
   if (options.json) {
-    // After this output, --watch prints events as lines, and --wait prints the ended job.
+    // With --watch, lines with events follow this output. With --wait, the ended job follows.
     fmt::print("{}\n",
                options.watch ? on_one_line(to_json(submitted)) : indented(to_json(submitted)));
   } else {
@@ -147,8 +147,7 @@ void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool dr
 
 int submit_with(rpc::Client& client, const SubmitOptions& options, const GivenRequest& given,
                 const rpc::Submission& submission) {
-  // Call the server before submitting, to distinguish a missing server from one that exits
-  // meanwhile.
+  // First check that a server exists. If the next call fails, the server exited in between.
   const bool draining = client.info().draining;
   rpc::Submitted submitted;
   try {
@@ -182,7 +181,7 @@ base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& op
                       fmt::format("--set defines {} jobs, above the maximum of {} per submission",
                                   count, rpc::k_submission_jobs_max));
   }
-  // If the request was made from a word, its text already includes the keys of `asked`.
+  // If the request was made from a word, its text already has the keys of `asked`.
   const auto asked = options.word.empty() ? options.asked : std::nullopt;
   const std::string name =
       asked ? fmt::format("{} with {}", given.name, options.asked_by) : given.name;

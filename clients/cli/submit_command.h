@@ -1,8 +1,8 @@
 // `sleight submit`: builds a submission from a file or word and options, and prints the result.
 //
 // The client reads the files and sends their text, never a path. An unchanged request is sent as
-// written, so that the service's errors have its line numbers. If options set keys (`--set`, `-n`),
-// this program's worlds read the request, and the normalised text is sent.
+// written, so that line numbers in the service's errors are right. If options (`--set`, `-n`) set
+// keys, this program's worlds read the request, and its normalised text is sent.
 #pragma once
 
 #include <cstdint>
@@ -39,22 +39,22 @@ struct SubmitOptions {
   bool json = false;
 };
 
-/// Access to this program's worlds, passed by main.
+/// Functions of this program's worlds. The main program passes them.
 struct RequestTexts {
-  /// Returns a request's normalised text with these keys set (request::read_request_with), or the
-  /// errors.
+  /// Sets these keys in a request and returns its normalised text, or errors
+  /// (request::read_request_with).
   std::function<base::Result<std::string, std::vector<request::Diagnostic>>(
       std::string_view text, std::string_view file, std::span<const request::KeySet> sets,
       std::optional<request::Asked> asked)>
       normalised;
 };
 
-/// Returns a submission with all its jobs but no key, or the errors of the --set options or the
-/// request. Throws base::Error(usage) if the submission is too large.
+/// Returns a submission that has all its jobs but no key. Returns errors if the --set options or
+/// the request have any. Throws base::Error(usage) if the submission is too large.
 base::Result<rpc::Submission, std::vector<request::Diagnostic>> submission_of(
     const SubmitOptions& options, const GivenRequest& given, const RequestTexts& texts);
 
-/// Returns "job 17 (hi)" and the next commands to type, in several lines.
+/// Returns a line such as "job 17 (hi)", then lines with commands to type next.
 std::string submitted_text(const rpc::Submitted& submitted, const std::string& name);
 
 /// Submits. Returns the exit code: 3 after printing errors of the request.

@@ -71,7 +71,7 @@ report::Report report_of(const rpc::TokenView& token) {
   return report;
 }
 
-/// A new file readable only by its owner. An existing file is never replaced.
+/// A new file that only its owner can read. An existing file is never replaced.
 class SecretFile {
  public:
   explicit SecretFile(const std::string& path)

@@ -1,4 +1,4 @@
-// `sleight token`: controls who may call the service from other machines.
+// `sleight token`: controls which people may call the service from other machines.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,8 @@ struct TokenCreateOptions {
   bool json = false;
 };
 
-/// Creates a token, registers it with the service and prints it once; no plain copy is stored.
+/// Creates a token, registers it with the service and prints it once. The service doesn't store the
+/// token itself.
 int create_token(const std::string& called, const TokenCreateOptions& options);
 
 int list_tokens(const std::string& called, bool all, bool json);
