@@ -32,12 +32,12 @@
 namespace sleight::run {
 namespace {
 
-/// Number of temperatures if the request sets none.
+/// Number of temperatures if the request doesn't set it.
 constexpr std::uint32_t k_first_replicas = 12;
 static_assert(k_first_replicas == 12 && sampling::k_first_power == 6,
               "the help text of ladder_power contains these values");
 static_assert(request::k_chains_max <= plan::k_first_lane);
-/// Every valid request's excursions are within the method's limit.
+/// The excursions of every valid request are within the method's limit.
 static_assert(request::k_excursion_iterations_max <= sampling::k_excursion_steps_max);
 
 namespace ball_2d = worlds::ball_2d;
@@ -55,11 +55,11 @@ using SpellingEntry = EntryOf<spelling::StagedSpelling, spelling::Parameters,
 ChainWorkerOptions worker_options(const request::DirectionRequest& request,
                                   const WorkerResources& resources) {
   const request::SamplerParameters& sampler = request.sampler;
-  // If not every scan is a draw, the scans to archive aren't known in advance.
+  // With these methods, not every scan is a draw, so the scans to archive aren't known in advance.
   const bool scans_are_draws = sampler.method != request::Method::simulated_tempering &&
                                sampler.method != request::Method::annealed_importance;
   const bool is_tempered = sampler.method == request::Method::parallel_tempering;
-  // If burn-ins are judged during the run, the scans to archive aren't known in advance either.
+  // The scans to archive aren't known in advance either if burn-ins are judged during the run.
   const bool starts_by_search = sampler.start == request::Start::search;
   return {.iterations_per_scan = sampler.iterations_per_scan,
           // Each tour has one draw.
@@ -104,7 +104,7 @@ namespace {
 
 sampling::StopRule stop_of(const request::DirectionRequest& request,
                            const std::optional<request::Cut>& cut) {
-  // A cut of a run with islands keeps `independent_solutions`, because under that rule not all
+  // If a run with islands is cut, it keeps `independent_solutions`: under this rule, not all
   // islands count.
   const bool has_islands = request.sampler.method == request::Method::sequential;
   sampling::StopRule rule{.scans = request.stop.scans,
@@ -160,7 +160,7 @@ GoOn go_on_with(const request::SamplerParameters& sampler) {
   base::check_failed("the method has a burn-in", "");
 }
 
-/// Returns the plan of a request's chains; null for a search alone.
+/// Returns the plan of a request's chains. Null if the request is only a search.
 std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& request,
                                            const WorldEntry& world,
                                            const sampling::StopRule& stop) {

@@ -1,4 +1,5 @@
-// Lists this program's worlds, each with its request keys, its worker, and its reader of states.
+// Lists this program's worlds. Each entry has its world's request keys, worker, and reader of
+// states.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +21,7 @@
 
 namespace sleight::run {
 
-/// A worker's resources on this machine; they change no result.
+/// A worker's resources on this machine. Results don't depend on them.
 struct WorkerResources {
   std::size_t cache_bytes_max = k_cache_bytes_max;  ///< Memory for held samples.
 };
@@ -31,7 +32,8 @@ struct SimulationEnd {
   double log_constraint = 0;  ///< Valid only if the simulation was completed.
 };
 
-/// One world. Thread-safe. REQUIRES: this world's binding has read each request.
+/// One world. Thread-safe. REQUIRES: this world's binding has read each request that is passed to
+/// the entry.
 class WorldEntry {
  public:
   virtual ~WorldEntry() = default;
@@ -40,15 +42,16 @@ class WorldEntry {
       const request::DirectionRequest& request, const WorkerResources& resources = {}) const = 0;
   virtual std::unique_ptr<archive::StateReader> make_reader(
       const request::DirectionRequest& request) const = 0;
-  /// Simulates a state as a run's worker does. Empty if the bytes aren't a state of this world.
+  /// Simulates a state in the same way as a run's worker. Empty if the bytes aren't a state of this
+  /// world.
   virtual std::optional<SimulationEnd> simulate(const request::DirectionRequest& request,
                                                 base::BytesView state) const = 0;
-  /// For each kind of proposal: whether it has a tunable scale.
+  /// Returns, for each kind of proposal, whether it has a tunable scale.
   virtual std::vector<bool> kinds_with_scale(const request::DirectionRequest& request) const = 0;
-  /// The values by which chains from a search are judged. Empty if the world has no search.
+  /// The values that judge the burn-in of chains from a search. Empty if the world has no search.
   virtual std::vector<sampling::BurnInValue> burn_in_values(
       const request::DirectionRequest& request) const = 0;
-  /// A sentence for display: how long similar requests took to draw solutions in the model's
+  /// A sentence for display: how long similar requests took until solutions had the model's
   /// proportions. Empty if unknown.
   virtual std::string past_effort(const request::DirectionRequest& request) const = 0;
   /// Names of stages for display, such as "ball 3 of 16". Empty if the world has no search.
@@ -59,9 +62,9 @@ class Catalogue {
  public:
   Catalogue();
   explicit Catalogue(std::vector<std::unique_ptr<WorldEntry>> worlds);
-  /// Bindings of all worlds, for read_request and help.
+  /// Bindings of all worlds, which read_request and help need.
   std::vector<request::WorldBinding> bindings() const;
-  /// REQUIRES: these bindings read the request.
+  /// REQUIRES: these bindings have read the request.
   const WorldEntry& world_of(const request::DirectionRequest& request) const;
 
  private:

@@ -1,7 +1,6 @@
-// Runs units of one world: scans and iterations of plain and tempered chains, and starts of a
-// search. ChainWorker receives and returns states as bytes.
-// Invariant: run is a pure function of (world parameters, options, unit, state before). Cached
-// samples only save simulations. The caller measures the cost.
+// Runs one world's units: scans of plain and tempered chains, and starts of a search. ChainWorker
+// receives and returns states as bytes. Invariant: run is a pure function of (world parameters,
+// options, unit, state before). Cached samples only save simulations. The caller measures the cost.
 #pragma once
 
 #include <concepts>
@@ -26,7 +25,7 @@
 
 namespace sleight::run {
 
-/// A target whose states can be encoded and whose outcomes can be archived.
+/// A target with states that can be encoded and outcomes that can be archived.
 template <class W>
 concept World = sampling::Target<W> &&
     requires(const W& world, const typename W::State& state, const typename W::Outcome& outcome,
@@ -34,31 +33,32 @@ concept World = sampling::Target<W> &&
   { world.encode(state) } -> std::same_as<base::Bytes>;
   { world.decode(bytes) } -> std::same_as<std::optional<typename W::State>>;
   { world.outcome_values(outcome) } -> std::same_as<std::vector<double>>;
-  // Heap bytes of a state and its outcome: an upper bound, except for a few bytes.
+  // Upper bound, up to a few bytes, for the heap memory of a state and its outcome.
   { world.owned_bytes(state, outcome) } -> std::same_as<std::size_t>;
 };
 
-/// States below inverse temperature 1 are stored at this multiple of the request's `thin`.
+/// Below inverse temperature 1, the interval of stored states is this multiple of the request's
+/// `thin`.
 inline constexpr std::uint64_t k_hot_thin = 16;
 
 struct ChainWorkerOptions {
   std::uint32_t iterations_per_scan = 1;
-  /// Interval of returned states in scans, counted from the first draw. Satisfied states are always
+  /// From the first draw on, every `thin`-th scan returns its state. Satisfied states are always
   /// returned.
   std::uint64_t thin = 1;
   std::uint64_t first_draw = 0;
-  /// Interval of stored states below inverse temperature 1; 0: none.
+  /// Below inverse temperature 1, every `hot_thin`-th scan stores its state; 0: none does.
   std::uint64_t hot_thin = 0;
-  /// Number of particles in the islands that end each scan (island_scan.h); 0: no islands.
+  /// Each scan ends with islands of this many particles (island_scan.h); 0: no islands.
   std::uint32_t particles = 0;
-  /// Whether chains start from a search: all tours, or the first replicas of a ladder.
+  /// Whether chains start from a search: all tours, or a ladder's first replicas.
   bool starts_by_search = false;
-  /// The last scan of the chain that relaxes a find; 0: finds are not relaxed. Only the state of
-  /// this scan is returned. This state must also satisfy the constraint when simulated until rest.
+  /// A chain that relaxes a find ends with this scan; 0: finds are not relaxed. Only the last
+  /// scan's state is returned; this state must also satisfy the constraint at rest.
   std::uint32_t relax_scans = 0;
-  /// Whether records have the values by which a burn-in is judged.
+  /// Whether records contain the values that judge a burn-in.
   bool is_judged = false;
-  /// Memory for samples held for their replicas' next units; 0: none. Changes no result.
+  /// Memory for samples that wait for their replica's next unit; 0: none. Changes no result.
   std::size_t cache_bytes_max = k_cache_bytes_max;
 };
 
@@ -114,7 +114,7 @@ class ChainWorker final : public plan::UnitWorker {
     };
   }
 
-  /// Returns the world's guide, which is computed at the first call.
+  /// Returns the world's guide. The first call computes it.
   decltype(auto) guide(std::uint64_t seed) const requires StagedWorld<W> {
     const std::scoped_lock lock(guide_.mutex);
     if (!guide_.learnt) guide_.learnt = world_.learn(seed);
@@ -131,7 +131,7 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// A failed simulation here is no failure of the run. The failed draw has log p_c = -infinity.
+  /// If a draw's simulation fails, the run doesn't fail. The draw gets log p_c = -infinity.
   plan::UnitResult drawn_from_prior(const plan::Unit& unit) const {
     plan::UnitResult result{
         .unit = unit, .scans = {}, .state_after = {}, .simulations = unit.scans};
@@ -150,7 +150,7 @@ class ChainWorker final : public plan::UnitWorker {
     return result;
   }
 
-  /// Makes free islands with their draws. An island without a draw gets one from the prior.
+  /// Makes free islands and their draws. If an island has no draw, it gets one from the prior.
   plan::UnitResult free_islands(const plan::Unit& unit) const {
     if constexpr (StagedWorld<W>) {
       return island_unit(world_, guide(unit.seed), options_.particles, unit);
@@ -159,8 +159,8 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// Returns a chain's start from islands or a search. Returns nothing if islands or search fail,
-  /// for a ladder's hottest replica, and for replicas that join later.
+  /// Returns a start from islands or a search. Returns nothing if these fail, for a ladder's
+  /// hottest replica, and for replicas that join later.
   std::optional<Sample> start_in_stages(Walk& walk, std::uint64_t scan, double beta,
                                         Counts& counts) const {
     const bool by_search =
@@ -214,15 +214,15 @@ class ChainWorker final : public plan::UnitWorker {
           "with --fresh");
     }
     Sample sample = sampling::evaluate(world_, std::move(*decoded));
-    // A failed state is never a sample, so this state's simulation once succeeded.
+    // A state whose simulation fails never becomes a sample. So this state's simulation once
+    // succeeded.
     if (const auto report = sampling::report_of(world_, sample.outcome); report.failure)
       throw base::Error(base::ExitCode::bug, "a chain's stored state fails when simulated again: " +
                                                  report.failure->message);
     return sample;
   }
 
-  /// Runs the unit, starting from the sample before it. If `before` is empty, the unit begins with
-  /// a draw.
+  /// Runs the unit from the sample `before`. If `before` is empty, the unit begins with a draw.
   plan::UnitResult go_on(const plan::Unit& unit, std::optional<Sample> before) const {
     plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
     result.scans.reserve(unit.scans);
@@ -284,8 +284,8 @@ class ChainWorker final : public plan::UnitWorker {
     if (report.from_prior) walk.lineage = plan::lineage_from(unit.replica.replica, scan);
   }
 
-  /// Whether a scan's state satisfies the constraint. The last state of a relaxed find must also
-  /// satisfy it at rest.
+  /// Whether a scan's state satisfies the constraint. If this scan ends a find's relaxation, its
+  /// state must also satisfy the constraint at rest.
   bool is_satisfied(std::uint64_t scan, const Sample& sample, Counts& counts) const {
     if (!world_.satisfied(sample.outcome)) return false;
     if constexpr (StagedWorld<W>) {
@@ -329,7 +329,7 @@ class ChainWorker final : public plan::UnitWorker {
             .state = keep_state ? world_.encode(sample.state) : base::Bytes{}};
   }
 
-  /// The guide of a world that acts in stages, computed at its first use.
+  /// The guide of a world that acts in stages. Its first use computes it.
   template <class V>
   struct Learnt {};
   template <StagedWorld V>

@@ -1,7 +1,7 @@
-// The islands in a chain of a sequential run. Islands provide the chain's start. Each scan ends
+// The islands of a chain in a sequential run. Islands provide the chain's start. Each scan ends
 // with a conditional step, which provides Z, and some independence steps
-// (worker/sampling/particle_steps.h). Steps are never chosen by the chain's state, so the target
-// stays invariant.
+// (worker/sampling/particle_steps.h). The chain's state never decides which steps are made, so the
+// target stays invariant.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +19,12 @@ namespace sleight::run {
 
 /// Free islands per scan.
 inline constexpr std::uint32_t k_free_islands = 3;
-/// Each scan has one island number for its conditional step and two for each independence step.
+/// Each scan uses one island number for its conditional step, and two for each independence step.
 /// Islands for starts have far greater numbers.
 inline constexpr std::uint64_t k_islands_of_scan = 1 + 2 * k_free_islands;
 inline constexpr std::uint64_t k_first_start_island = std::uint64_t{1} << 48U;
-/// Maximum number of islands for a start. If all these islands die, the chain starts in another
-/// way.
+/// Maximum number of islands for a start. If all these islands die, the chain starts without
+/// islands.
 inline constexpr std::uint32_t k_start_islands_max = 100;
 
 template <StagedWorld W>
@@ -38,7 +38,7 @@ class IslandScan {
              const sampling::ChainStreams& streams, Told told)
       : islands_(world, guide, {.particles = particles}, streams, std::move(told)) {}
 
-  /// Returns the draw of the first island that has a draw. Empty if no island has a draw.
+  /// Tries islands in turn, and returns the first draw that one provides. Empty if none does.
   std::optional<Sample> start(std::uint64_t scan) const {
     const std::uint64_t first = k_first_start_island + scan * k_start_islands_max;
     for (std::uint32_t nth = 0; nth < k_start_islands_max; ++nth) {
@@ -54,7 +54,7 @@ class IslandScan {
     std::vector<double> method_values{};  ///< Estimates of all free islands (island_estimate.h).
   };
 
-  /// Makes a scan's islands, after its local moves.
+  /// Makes a scan's islands. Call after the scan's local moves.
   Visit visit(std::uint64_t scan, Sample before) const {
     const std::uint64_t number = scan * k_islands_of_scan;
     sampling::ParticleSample<W> current{.sample = std::move(before), .log_z = {}};

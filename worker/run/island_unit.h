@@ -1,4 +1,5 @@
-// Runs free islands, for runs that request only the odds (worker/sampling/free_islands.h).
+// Runs free islands (worker/sampling/free_islands.h). If a run requests only the odds, it uses free
+// islands.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +14,8 @@
 
 namespace sleight::run {
 
-/// Returns the guide for islands that only estimate the odds: no chain continues from their draws.
-/// The result is a value or a reference.
+/// Returns the guide for islands that only estimate the odds, so that no chain continues from their
+/// draws. The result is a value or a reference.
 template <StagedWorld W>
 decltype(auto) guide_for_odds(const W& world, const typename W::Guide& guide) {
   if constexpr (sampling::ListsChoices<W>) {
@@ -24,9 +25,9 @@ decltype(auto) guide_for_odds(const W& world, const typename W::Guide& guide) {
   }
 }
 
-/// Makes a lane's islands, one per scan. All lanes use one chain's streams, addressed by island
-/// number, so an island doesn't depend on its lane. Island 0 reports failures from computing the
-/// guide. REQUIRES: unit.makes_islands(); at least 2 particles.
+/// Makes a lane's islands, one per scan. An island's random numbers depend on its number, not on
+/// its lane. Island 0 reports the guide's failures. REQUIRES: unit.makes_islands(); at least 2
+/// particles.
 template <StagedWorld W>
 plan::UnitResult island_unit(const W& world, const typename W::Guide& guide,
                              std::uint32_t particles, const plan::Unit& unit) {

@@ -1,10 +1,10 @@
-// The latest samples of the replicas that a worker ran, so that a replica's next unit need not
-// simulate its state again. A sample includes the outcome and any recording of the simulation.
+// Holds the latest sample of each replica that a worker ran, so that the replica's next unit need
+// not simulate this state again. A sample includes the simulation's outcome and any recording.
 // Invariants
-//   1. take() returns the sample put for that replica and scan, or nothing. Caching changes no
-//   result.
-//   2. All samples together have at most bytes_max bytes. The oldest sample is evicted first, and
-//      a sample larger than bytes_max is not held.
+//   1. take() returns the sample that put() stored for the same replica and scan, or nothing.
+//      Caching changes no result.
+//   2. All samples together have at most bytes_max bytes. The oldest sample is evicted first. If a
+//      sample is larger than bytes_max, it is not held.
 // Thread-safe.
 #pragma once
 
@@ -20,7 +20,8 @@
 
 namespace sleight::run {
 
-/// Default memory of a worker's cache: some hundred thousand samples of the world `spelling`.
+/// Default memory of a worker's cache: enough for some hundred thousand samples of the world
+/// `spelling`.
 inline constexpr std::size_t k_cache_bytes_max = std::size_t{256} << 20U;
 
 template <class Sample>
@@ -28,7 +29,7 @@ class SampleCache {
  public:
   explicit SampleCache(std::size_t bytes_max) { use_.bytes_max = bytes_max; }
 
-  /// Removes and returns the sample before a scan.
+  /// Removes and returns the sample before `next_scan`.
   std::optional<Sample> take(const plan::ReplicaKey& replica, std::uint64_t next_scan) {
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find(replica);
@@ -48,7 +49,7 @@ class SampleCache {
     return found != entries_.end() && found->second.next_scan == next_scan;
   }
 
-  /// `bytes`: size of the sample with everything it owns.
+  /// `bytes`: size of the sample and everything that it owns.
   void put(const plan::ReplicaKey& replica, std::uint64_t next_scan, Sample sample,
            std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
@@ -78,7 +79,7 @@ class SampleCache {
     std::list<plan::ReplicaKey>::iterator place;
   };
   using Entries = std::map<plan::ReplicaKey, Entry>;
-  /// Overhead of a sample: a node of each container.
+  /// Overhead of a sample: one node in each container.
   static constexpr std::size_t k_entry_bytes = sizeof(typename Entries::value_type) + 96;
 
   void forget(typename Entries::iterator entry) {

@@ -1,4 +1,4 @@
-// Counts of a scan, or of a search's start: proposals, failed simulations, and overlapping starts.
+// Counts of a scan or of a search's start: proposals, failed simulations, and overlapping starts.
 #pragma once
 
 #include <cstdint>

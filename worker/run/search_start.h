@@ -1,4 +1,4 @@
-// Starts of a search (worker/sampling/stage_search.h), for a lane or for a chain.
+// Makes a search's starts (worker/sampling/stage_search.h), for a lane or for a chain.
 #pragma once
 
 #include <concepts>
@@ -30,11 +30,11 @@ concept StagedWorld = sampling::ActsInStages<W> &&
   /// Failures of the simulations that computed the guide.
   { world.failures_of(guide) } -> std::convertible_to<std::span<const plan::FailurePointer>>;
   requires sampling::StageBuilder<decltype(world.builder(guide))>;
-  /// Outcome of the whole motion until rest. A find's outcome at rest must satisfy the constraint
+  /// Outcome of the whole motion, until rest. A find's outcome at rest must satisfy the constraint
   /// too.
   { world.simulate_to_rest(state) } -> std::same_as<typename W::Outcome>;
-  /// The values by which the burn-in of chains from a search is judged (burn_in_judge.h), and a
-  /// state's numbers for these values.
+  /// burn_in_values() lists the values that judge the burn-in of chains from a search
+  /// (burn_in_judge.h). burn_in_values_of() returns their numbers for a state.
   { world.burn_in_values() } -> std::same_as<std::vector<sampling::BurnInValue>>;
   { world.burn_in_values_of(state, outcome) } -> std::same_as<std::vector<double>>;
   /// Name for display, such as "ball 3 of 16".
@@ -44,8 +44,8 @@ concept StagedWorld = sampling::ActsInStages<W> &&
 /// Maximum number of starts of one chain at one scan.
 inline constexpr std::uint64_t k_starts_max = 256;
 
-/// Searches for the `number`-th start of a lane or chain, and returns the find. Empty if the search
-/// gave up.
+/// Makes the `number`-th search of a lane or chain. Returns the find, or nothing if the search gave
+/// up or the state fails at rest.
 template <StagedWorld W>
 std::optional<sampling::Sample<W>> search_start(const W& world, const typename W::Guide& guide,
                                                 const sampling::ChainStreams& streams,
@@ -69,7 +69,7 @@ std::optional<sampling::Sample<W>> search_start(const W& world, const typename W
   return sampling::Sample<W>{std::move(state), std::move(outcome), log_prior, log_constraint};
 }
 
-/// Returns a start's record. Without a find, only the maximum number of accepted stages is set.
+/// Returns a start's record. If there is no find, sets only the maximum number of accepted stages.
 template <StagedWorld W>
 plan::ScanRecord start_record(const W& world, const std::optional<sampling::Sample<W>>& find,
                               std::uint64_t scan, std::uint32_t furthest,
@@ -91,8 +91,8 @@ plan::ScanRecord start_record(const W& world, const std::optional<sampling::Samp
   return record;
 }
 
-/// Makes a lane's starts, one per scan. If `tells_guide`, start 0 reports the guide's failures.
-/// REQUIRES: unit.searches().
+/// Makes a lane's starts, one per scan. If `tells_guide` is set, start 0 reports the guide's
+/// failures. REQUIRES: unit.searches().
 template <StagedWorld W>
 plan::UnitResult search_unit(const W& world, const typename W::Guide& guide, const plan::Unit& unit,
                              bool tells_guide) {

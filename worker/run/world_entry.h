@@ -1,4 +1,4 @@
-// Makes a catalogue entry from a world's class and its request_binding() and make_state_reader().
+// Makes a catalogue entry from a world's class, its request_binding() and its make_state_reader().
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace sleight::run {
 
-/// Returns the options that a request implies for the worker that computes its units.
+/// Returns the options for a request's worker.
 ChainWorkerOptions worker_options(const request::DirectionRequest& request,
                                   const WorkerResources& resources);
 

@@ -1,11 +1,11 @@
 // Free rotation of spherical and axially symmetric bodies, in closed form.
 //
-// Idea. With I1 = I2 the angular momentum is L = I1 (w + (I3/I1 - 1) w3 z), where z is the body's
-// axis in the world and w3 = w.z is constant. The axis and w both turn about the constant L at the
-// rate |L|/I1 (the precession). The body turns about its own axis at w3 (1 - I3/I1):
+// Idea. If I1 = I2, the angular momentum is L = I1 (w + (I3/I1 - 1) w3 z). Here z is the body's
+// axis in the world's frame, and w3 = w.z is constant. The axis and w both turn about the constant
+// L at the rate |L|/I1 (the precession). The body turns about its own axis at w3 (1 - I3/I1):
 //   q(s) = exp(L/I1 s) q(0) exp(z_body w3 (1 - I3/I1) s),   w(s) = exp(L/I1 s) w(0)
-// (Landau and Lifshitz, "Mechanics", sections 33 and 35). If I3 = I1, the body is spherical, L/I1 =
-// w and the turn about its own axis vanishes. Thread safety: values and pure functions.
+// (Landau and Lifshitz, "Mechanics", sections 33 and 35). If also I3 = I1, the body is spherical:
+// L/I1 = w and w3 (1 - I3/I1) = 0. Thread safety: values and pure functions.
 #pragma once
 
 #include "common/base/check.h"
@@ -18,7 +18,7 @@ struct ClosedRotation {
   double spin_radps = 0;                 ///< about the body's z axis, in the precessing frame
 };
 
-/// REQUIRES: the symmetry isn't general; moments are equal where the symmetry requires it.
+/// REQUIRES: the symmetry is spherical or axial; moments that it declares equal are equal.
 inline ClosedRotation closed_rotation(const FreeFlight& flight, const Inertia& inertia) {
   const Vec3& moments = inertia.principal_kgm2;
   const Vec3& w = flight.angular_velocity_radps;

@@ -1,13 +1,13 @@
 // A body in free flight: its start, and its centre of mass at any later tick.
 //
 // Idea. Between two events a body has constant acceleration, so the state at the start of the
-// flight determines its whole motion. The centre of mass follows a parabola, computed here. The
-// orientation is in rotation_track.h, and bounds for both are in motion_bounds.h.
+// flight determines its whole motion. The centre of mass follows a parabola, computed here.
+// rotation_track.h computes the orientation. motion_bounds.h bounds position and orientation.
 //
 // Invariants
 //   1. Evaluation depends only on flight and tick, not on earlier evaluations.
-//   2. Results depend on the tick only through its difference from `begin`, which is exact. If a
-//      flight begins n ticks later, it has the same results, bit for bit, n ticks later.
+//   2. Results depend on a tick only through its exact difference from `begin`. So if a flight is
+//      shifted by n ticks, its results are shifted by n ticks and keep their bits.
 //   3. At the tick `begin` every function returns the flight's values, bit for bit.
 // Thread safety: values and pure functions.
 #pragma once

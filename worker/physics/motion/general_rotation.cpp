@@ -24,9 +24,8 @@ int log2_step_ticks(double rate_radps) {
 template <std::size_t axes>
 using Coefficients = std::array<std::array<double, axes>, GeneralRotation::k_order + 1>;
 
-/// Returns a polynomial order that is high enough for an offset in a step. Term n is at most 2^-2n
-/// x^n times the first term, and the terms that a lower order omits stay below 2^-56. Depends only
-/// on the offset.
+/// Returns a polynomial order that is high enough for an offset in a step. The n-th term is at most
+/// 2^-2n x^n times the first, and the omitted terms stay below 2^-56. Depends only on the offset.
 std::size_t order_for(double x) {
   if (x <= 0x1p-10) return 4;
   if (x <= 0x1p-5) return 8;
@@ -123,7 +122,7 @@ Vec3 GeneralRotation::angular_velocity_at(TickCount ticks_since_begin) {
       Vec3(w[0] * steps_per_second_, w[1] * steps_per_second_, w[2] * steps_per_second_));
 }
 
-/// Returns the exact place in the current step, from 0 to 1.
+/// Returns the time since the current step began, as an exact share of the step, from 0 to 1.
 double GeneralRotation::offset_in(TickCount ticks_since_begin) const {
   const TickCount ticks = ticks_since_begin - (step_ << log2_ticks_);
   return seconds(ticks) * steps_per_second_;
@@ -151,7 +150,7 @@ void GeneralRotation::advance() {
   expand(k_order);
   add(change(q_, 1, k_order), state_.q, state_.q_low);
   add(change(w_, 1, k_order), state_.w, state_.w_low);
-  // Take a Newton step towards norm 1, which changes only the low part of q.
+  // Bring the norm of q closer to 1 by a Newton step. Only the low part of q changes.
   const std::array<double, 4>& q = state_.q;
   std::array<double, 4>& low = state_.q_low;
   const double square = ((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3];

@@ -1,31 +1,33 @@
-// Free rotation of a body with three different principal moments, by steps of a Taylor series.
+// Free rotation of a body whose three principal moments differ, computed in steps of a Taylor
+// series.
 //
 // Idea. In the body's frame, Euler's equations and the quaternion's kinematics are bilinear:
 //
 //   dw1/dt = (I2 - I3)/I1 w2 w3 (and cyclic),   dq/dt = q (0; w)/2.
 //
-// So the Taylor coefficients follow from each other by sums of products. With time in units of the
-// step, W = h w and sums over k from 0 to n:
+// So each Taylor coefficient is a sum of products of lower ones. If time is measured in steps, and
+// W = h w, sums over k from 0 to n give
 //
 //   (n+1) W1[n+1] = (I2 - I3)/I1 sum of W2[k] W3[n-k]
 //   (n+1) Q[n+1]  = sum of Q[k] W[n-k]/2.
 //
 // A step's polynomial is also evaluated inside the step.
 //
-// The step h is a power of two in ticks, the greatest with h |w|max max(1, c) <= 1/4. Here |w|max
-// is the greatest angular speed on the polhode (rotation_bounds.h), and c the greatest coefficient
-// of Euler's equations, at most 1 for real masses. The poles of w(t) are then at least six steps
-// from the real axis. Truncating after order 16 costs less than 7e-17, the greatest sum of omitted
-// terms found among 4,000 bodies, including plates, needles and flips.
+// The step h, in ticks, is the greatest power of two for which h |w|max max(1, c) <= 1/4. Here
+// |w|max is the greatest angular speed on the polhode (rotation_bounds.h). The greatest coefficient
+// of Euler's equations is c; it is at most 1 for real masses. The poles of w(t) are then at least
+// six steps from the real axis. Terms above order 16 are omitted: their sum was below 7e-17 for
+// each of 4,000 tested bodies, including plates, needles and flips.
 //
 // Invariants
-//   1. Step k depends only on the flight and k, because it is always reached from the flight's
-//      start through the same steps. So results do not depend on the order of calls.
+//   1. Step k depends only on the flight and k, because the same steps always lead to it from the
+//      flight's start. So results do not depend on the order of calls.
 //   2. At the start of each step the norm of q is 1 to within 2^-51.
-// Near the start of a step fewer terms are needed, and only those are computed, so a body that
-// bounces often doesn't pay for whole steps. Cost: about 0.4 us per step, which is 1/8 to 1/4
-// radian at the greatest speed; 15 ns for an orientation inside the step. A call for an earlier
-// time restarts at the flight's start, unless that time is in the step just before the current one.
+// Near the start of a step, fewer terms are needed, and only those are computed. So a body that
+// bounces often doesn't pay for whole steps. Cost: about 0.4 us per step, and 15 ns per orientation
+// inside a step. At the greatest speed, the body turns by 1/8 to 1/4 radian in a step. If a call is
+// for an earlier time, the steps restart at the flight's start, unless that time is in the step
+// just before the current one.
 // Thread safety: one object is not shared between threads.
 #pragma once
 
@@ -43,16 +45,16 @@ class GeneralRotation {
   static constexpr std::size_t k_order = 16;
   /// Maximum of h |w|max max(1, c), in radians.
   static constexpr double k_step_rad = 0.25;
-  /// Maximum steps of a flight. They cover at least 131,000 rad and take half a second to compute.
-  /// A body that turns for longer without a contact is refused (rotation_horizon in
+  /// Maximum steps of a flight. These steps cover at least 131,000 rad and take half a second to
+  /// compute. If a body turns for longer without a contact, it is refused (rotation_horizon in
   /// rotation_track.h).
   static constexpr std::int64_t k_steps_max = std::int64_t{1} << 20;
 
   /// REQUIRES: moments > 0; orientation of norm 1; everything finite.
   GeneralRotation(const FreeFlight& flight, const Inertia& inertia);
 
-  /// Maximum time after the flight's start at which the rotation can be evaluated: k_steps_max
-  /// steps, at most k_tick_max. 0 for bodies whose step would be shorter than a tick (2^28 rad/s).
+  /// The rotation can be evaluated up to this time after the flight's start: k_steps_max steps, but
+  /// at most k_tick_max. 0 if the step would be shorter than a tick (2^28 rad/s).
   TickCount span_max() const { return span_max_; }
 
   /// Returns q at a time after the flight's start. REQUIRES: 0 <= ticks <= span_max().
@@ -61,8 +63,9 @@ class GeneralRotation {
   Vec3 angular_velocity_at(TickCount ticks_since_begin);
 
  private:
-  /// State at the start of a step. Each number is stored as the unrounded sum of two doubles. With
-  /// single doubles, a long flight's rounding errors would add up in energy and angular momentum.
+  /// State at the start of a step. Each number is stored as the unrounded sum of two doubles. If
+  /// each number were one double, a long flight's rounding errors would add up in energy and
+  /// angular momentum.
   struct State {
     std::array<double, 4> q{};  ///< w, x, y, z
     std::array<double, 3> w{};  ///< radians per step, about the body's axes

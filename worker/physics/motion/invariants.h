@@ -1,6 +1,5 @@
 // Quantities that a free rigid body conserves: kinetic energy (without gravity) and angular
-// momentum. Diagnosis, tests and laws that must not gain energy use these quantities. Thread
-// safety: pure functions.
+// momentum. Thread safety: pure functions.
 #pragma once
 
 #include "worker/physics/motion/rigid_body.h"

@@ -1,13 +1,14 @@
 // Bounds on motion in free flight, for bounding volumes and for searches that skip ticks.
 //
 // Idea. A body is inside a sphere about its centre of mass, and the centre follows a parabola.
-// Along an axis, the parabola's extent follows from its ends and, if it is between them, its apex
-// (thesis figure 3.2). The bounds of rotation are in rotation_bounds.h.
+// Along an axis, the parabola's extent follows from its two ends, and from its apex if the apex is
+// between them (thesis figure 3.2). rotation_bounds.h bounds the rotation.
 //
 // Invariants
-//   1. Bounds hold for the results of position_at and orientation_at at whole ticks, including
-//      rounding, not just for the exact motion.
-//   2. All results depend only on the arguments; only ticks since `begin` matter.
+//   1. Bounds hold for the rounded results of position_at and orientation_at at whole ticks, not
+//      just for the exact motion.
+//   2. All results depend only on the arguments, and on a tick only through its difference from
+//      `begin`.
 // Thread safety: pure functions.
 #pragma once
 
@@ -35,7 +36,8 @@ static_assert(OnParabola<FreeFlight>);
 
 namespace detail {
 
-/// Returns x rounded down by at most two floats: a conversion rounds by 2^-24 of x or 2^-150.
+/// Returns a float below x, at most two floats away. A conversion errs by up to 2^-24 |x| or
+/// 2^-150.
 inline float float_below(double x) {
   return static_cast<float>(x - (std::fabs(x) * 0x1p-23 + 0x1p-149));
 }
@@ -49,11 +51,11 @@ inline double magnitude(double position, double velocity, double acceleration, d
   return parabola(std::fabs(position), std::fabs(velocity), std::fabs(acceleration), s);
 }
 
-/// Returns the time, in seconds, for which a point stays between two walls. The point starts at
-/// distances `ahead` > 0 and `behind` > 0 from the walls, moves towards the one ahead at `speed` >=
-/// 0, and accelerates towards it at `acceleration` of any sign. Roots avoid cancellation.
+/// Returns the time, in seconds, for which a point stays between two walls. The point starts at the
+/// distances `ahead` > 0 and `behind` > 0 from the walls. The point moves towards the wall ahead at
+/// `speed` >= 0. The `acceleration` towards the wall ahead has any sign. Roots avoid cancellation.
 inline double seconds_between(double ahead, double behind, double speed, double acceleration) {
-  // The general formula below has the same result, because then `root` is the speed.
+  // If the acceleration is 0, the formula below has the same result, because `root` is the speed.
   if (acceleration == 0) return ahead / speed;
   const double square = speed * speed;
   const double discriminant = square + 2 * acceleration * ahead;
@@ -65,9 +67,9 @@ inline double seconds_between(double ahead, double behind, double speed, double 
 
 }  // namespace detail
 
-/// Returns a box that contains all spheres of the radius about position_at(motion, t) for t in
-/// [from, to]. Each corner is at most two floats too far out. REQUIRES: begin <= from <= to <=
-/// k_tick_max; radius >= 0; everything finite.
+/// Returns a box that contains the sphere about position_at(motion, t) for every t in [from, to].
+/// Each corner is too far out by at most two floats. REQUIRES: begin <= from <= to <= k_tick_max;
+/// radius >= 0; everything finite.
 template <OnParabola Motion>
 Box path_box(const Motion& motion, double radius_m, Tick from, Tick to) {
   const double s_from = seconds(from - motion.begin);
@@ -92,9 +94,10 @@ Box path_box(const Motion& motion, double radius_m, Tick from, Tick to) {
 
 /// Returns a tick until which the sphere stays in the box, including that tick. Returns k_tick_max
 /// if the sphere never leaves, and from - 1 if the sphere is not inside at `from`. The walls are
-/// moved inwards by 2^-49 (|p| + |v| s + 3 |a| s^2 + radius) + 2^-44 width, with v the velocity at
-/// `from`, s seconds after begin. For the moved walls, the result is early by at most 2^-39 (result
-/// - from) plus one tick. REQUIRES: begin <= from <= k_tick_max; radius >= 0; everything finite.
+/// moved inwards by 2^-49 (|p| + |v| s + 3 |a| s^2 + radius) + 2^-44 width. Here v is the velocity
+/// at `from`, which is s seconds after `begin`. The result is before the exit through the moved
+/// walls, by at most one tick plus 2^-39 (result - from). REQUIRES: begin <= from <= k_tick_max;
+/// radius >= 0; everything finite.
 template <OnParabola Motion>
 Tick exit_tick(const Box& box, const Motion& motion, double radius_m, Tick from) {
   const double s = seconds(from - motion.begin);
@@ -107,9 +110,9 @@ Tick exit_tick(const Box& box, const Motion& motion, double radius_m, Tick from)
     const double v = motion.velocity_mps[axis] + a * s;
     const double p = parabola(motion.position_m[axis], motion.velocity_mps[axis], a, s);
     // Rounding errors, here and in evaluations up to the exit, are below 16 roundings of the
-    // parabola's terms. The width of the box bounds the terms after `from`. By Markov's inequality,
-    // |v| T and |a| T^2/2 are at most 4 times the walls' distance for a parabola that stays between
-    // them for a time T.
+    // parabola's terms. The width of the box bounds the terms after `from`. If a parabola stays
+    // between the walls for a time T, |v| T and |a| T^2/2 are at most 4 times the distance between
+    // the walls (Markov's inequality).
     const double terms = std::fabs(motion.position_m[axis]) +
                          (std::fabs(v) + 3 * std::fabs(a) * s) * s + 32 * (high - low) + radius_m;
     const double margin = radius_m + 0x1p-49 * terms;
@@ -138,8 +141,9 @@ double centre_speed_mps_max(const Motion& motion, Tick from, Tick to) {
   return std::sqrt(std::max(math::dot(first, first), math::dot(last, last))) * k_margin;
 }
 
-/// Returns how far rounding can move evaluated positions. For a point within the radius of the
-/// body's centre, the evaluated positions at any ticks t1 < t2 in [begin, to] differ by at most
+/// Returns how far rounding can move evaluated positions. If a point of the body is within the
+/// radius of the centre, its evaluated positions at any ticks t1 < t2 in [begin, to] differ by at
+/// most
 ///   (t2 - t1) (centre_speed_mps_max + turning_speed_mps_max) + rounding_m_max(...).
 /// A search that skips ticks subtracts this from the gap first. REQUIRES: `rotation` holds this
 /// motion's bounds; begin <= to.
@@ -154,8 +158,8 @@ double rounding_m_max(const Motion& motion, const RotationBounds& rotation, doub
   return 0x1p-49 * (terms + (4 + rotation.phase_rate_radps * s) * radius_m);
 }
 
-/// Returns the greatest sum of absolute terms among the centre's coordinates. The centre's rounding
-/// errors are proportional to this sum.
+/// Sums the absolute terms of each of the centre's coordinates, and returns the greatest sum. The
+/// centre's rounding errors are proportional to it.
 inline double coordinates_m_max(const FreeFlight& flight, Tick t) {
   const double s = seconds_since_begin(flight, t);
   double most_m = 0;

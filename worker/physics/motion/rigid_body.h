@@ -16,7 +16,7 @@ using math::Mat3;
 using math::Quat;
 using math::Vec3;
 
-/// Which principal moments a shape declares equal. The symmetry selects how free rotation is
+/// Says which principal moments a shape declares equal. The symmetry selects how free rotation is
 /// computed.
 enum class InertiaSymmetry : std::uint8_t {
   spherical,  ///< all three equal: sphere, cube, icosahedron

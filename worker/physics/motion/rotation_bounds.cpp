@@ -57,7 +57,7 @@ RotationBounds general_rotation_bounds(const Vec3& principal_kgm2, const Vec3& b
   const double until_x3 = d21 > 0 ? x3 * (i3 * d31) / (i2 * d21) : k_none;
   const double x2_max = x2 + std::min(until_x1, until_x3);
 
-  // Euler's equations: dw1/dt = (I2 - I3)/I1 w2 w3 and cyclic. The second bound uses the greatest
+  // Euler's equations: dw1/dt = (I2 - I3)/I1 w2 w3 and cyclic. The bound by_speed uses the greatest
   // coefficient and ab + bc + ca <= (a + b + c)^2/3.
   const double c1 = squared(d32 / i1);
   const double c2 = squared(d31 / i2);

@@ -1,13 +1,13 @@
-// How fast a body in free flight turns at most, and how fast its angular velocity changes.
+// Bounds how fast a body in free flight turns, and how fast its angular velocity changes.
 //
 // Idea. The angular velocity in the body's frame moves along the polhode. Energy and angular
-// momentum fix two of w1^2, w2^2 and w3^2, so all three are linear functions of y = |w|^2. With
-// moments in the order I1 <= I2 <= I3, only w2^2 falls as y grows, so y is greatest at w2 = 0:
+// momentum give two linear equations for w1^2, w2^2 and w3^2, so all three are linear functions of
+// y = |w|^2. If I1 <= I2 <= I3, only w2^2 falls as y grows, so y is greatest at w2 = 0:
 //   y <= w1^2 + w2^2 + w3^2 + w2^2 (I2 - I1)(I3 - I2)/(I1 I3).
-// This bound is exact (a body on a full polhode reaches it) and never above |L|/I1, often far
-// below. Each of the three squares also has its maximum at an end of its interval. So Euler's
-// equations bound |dw/dt|, which is the same in both frames because w x w = 0. Thread safety: pure
-// functions.
+// This bound is exact: a body on a full polhode reaches it. The bound on |w| is never above |L|/I1
+// and often far below. Each of the three squares is greatest at an end of the interval of y. So
+// Euler's equations bound |dw/dt|, which is the same in the body's and the world's frame because w
+// x w = 0. Thread safety: pure functions.
 #pragma once
 
 #include <algorithm>
@@ -34,14 +34,14 @@ RotationBounds rotation_bounds(const FreeFlight& flight, const Inertia& inertia)
 /// Returns a general body's bounds, given the angular velocity in the body's frame.
 RotationBounds general_rotation_bounds(const Vec3& principal_kgm2, const Vec3& body_radps);
 
-/// Returns the maximum speed, relative to the centre of mass, of the body's points within a radius.
+/// Returns the maximum speed of points within the radius, relative to the centre of mass.
 inline double turning_speed_mps_max(const RotationBounds& bounds, double radius_m) {
   return bounds.angular_speed_radps * radius_m;
 }
 
-/// Returns how far a point within a radius of the centre can be in one pose from its position in
-/// another pose. If two unit quaternions p and q have the distance |q - p| = d or |q + p| = d, they
-/// differ by a turn of 4 asin(d / 2), which moves a point by at most 2 d times its radius.
+/// Bounds the distance between a point's positions in two poses. The point is within the radius of
+/// the centre. If |q - p| = d or |q + p| = d, the unit quaternions p and q differ by a turn of 4
+/// asin(d / 2). This turn moves the point by at most 2 d times the radius.
 inline double moved_m_max(const Pose& then, const Pose& now, double radius_m) {
   const Eigen::Vector4d& p = then.orientation.coeffs();
   const Eigen::Vector4d& q = now.orientation.coeffs();
@@ -49,8 +49,8 @@ inline double moved_m_max(const Pose& then, const Pose& now, double radius_m) {
   return math::norm(now.position_m - then.position_m) + 2 * apart * radius_m;
 }
 
-/// Returns the maximum acceleration, relative to the centre of mass, of the body's points within a
-/// radius: |w x (w x r) + dw/dt x r| <= (|w|^2 + |dw/dt|) |r|.
+/// Returns the maximum acceleration of points within the radius, relative to the centre of mass: |w
+/// x (w x r) + dw/dt x r| <= (|w|^2 + |dw/dt|) |r|.
 inline double turning_acceleration_mps2_max(const RotationBounds& bounds, double radius_m) {
   return (bounds.angular_speed_radps * bounds.angular_speed_radps +
           bounds.angular_acceleration_radps2) *

@@ -2,7 +2,8 @@
 //
 // Idea. Spherical and axially symmetric bodies have closed forms (closed_rotation.h). A general
 // body is integrated by fixed steps from its flight's start (general_rotation.h), so late ticks are
-// expensive. A RotationTrack stores the current step, which makes calls in about time order cheap.
+// expensive. A RotationTrack stores the current step, so calls are cheap if their ticks mostly
+// ascend.
 //
 // Invariants
 //   1. The functions without a track are pure. A RotationTrack's functions return the same bits.
@@ -10,7 +11,7 @@
 //      start are the flight's values.
 //   3. If moments coincide, closed forms and general steps agree up to rounding. An axial body with
 //      three equal moments rotates as a spherical body does, bit for bit.
-// Accuracy: closed forms have errors below 2^-50 (4 + angle), with the turn `angle` since the
+// Accuracy: closed forms have errors below 2^-50 (4 + angle), where `angle` is the turn since the
 // start. General bodies conserve energy and angular momentum to about 1e-14 over 1,000 revolutions.
 // Thread safety: pure functions; one RotationTrack is not shared between threads.
 #pragma once
@@ -23,17 +24,17 @@
 namespace sleight::physics {
 
 /// Returns the rotation from the body's frame to the world's. REQUIRES: t <= rotation_horizon, and
-/// for a general body t >= begin. Cost: 40 ns spherical, 60 ns axial. A general body's cost grows
-/// with t - begin: 0.4 us per step of 1/8 to 1/4 radian.
+/// for a general body t >= begin. Cost: 40 ns spherical, 60 ns axial. For a general body, the cost
+/// grows with t - begin: 0.4 us per step of 1/8 to 1/4 radian.
 Quat orientation_at(const FreeFlight& flight, const Inertia& inertia, Tick t);
 
 /// Returns the angular velocity in the world's frame. REQUIRES and cost: as for orientation_at.
 Vec3 angular_velocity_at(const FreeFlight& flight, const Inertia& inertia, Tick t);
 
-/// Returns the latest tick at which a flight's rotation can be evaluated, at most k_tick_max, or
-/// the tick at which the flight begins if the body is too fast. The creator of a general body's
-/// flight must check this tick, and end a longer flight with a typed error. The limit is
-/// GeneralRotation::k_steps_max steps, over 131,000 rad (22 minutes at 100 rad/s).
+/// Returns the latest tick at which a flight's rotation can be evaluated, at most k_tick_max. If
+/// the body is too fast, this is the tick at which the flight begins. The creator of a general
+/// body's flight must check this tick. If the flight lasts longer, it must end with a typed error.
+/// The limit is GeneralRotation::k_steps_max steps, over 131,000 rad (22 minutes at 100 rad/s).
 Tick rotation_horizon(const FreeFlight& flight, const Inertia& inertia);
 
 /// A body's current flight. A RotationTrack is small for bodies with closed forms. For a general
@@ -50,7 +51,7 @@ class RotationTrack {
   /// Returns rotation_horizon() of the flight.
   Tick horizon() const;
 
-  /// Return the same as the free functions above, with the same REQUIRES.
+  /// Return what the free functions above return. REQUIRES: as for these.
   Quat orientation_at(Tick t);
   Vec3 angular_velocity_at(Tick t);
 

@@ -1,4 +1,4 @@
-// A piece of a body's motion between two events that change it: a closed function of time.
+// A piece of a body's motion, between two events that change the motion: a closed function of time.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -18,8 +18,8 @@ enum class MotionMode : std::uint8_t {
   resting   ///< at rest until woken
 };
 
-/// The centre of mass follows a parabola in every mode. A body in flight turns freely. A body in
-/// contact has a linearly changing angular velocity.
+/// The centre of mass follows a parabola in every mode. A body in flight turns freely. In contact,
+/// the angular velocity changes linearly.
 struct Segment {
   FreeFlight flight;
   Vec3 angular_acceleration_radps2 = Vec3::Zero();  ///< 0 in flight
@@ -31,11 +31,12 @@ inline bool in_contact(const Segment& segment) {
   return segment.mode == MotionMode::sliding || segment.mode == MotionMode::rolling;
 }
 
-/// Returns the rotation from the body's frame to the world's, at a tick of the segment. In contact
-/// the angular velocity is w + a s, and the result is Magnus' expansion to its second term (Magnus,
-/// Communications on Pure and Applied Mathematics 7, 1954). The expansion's steps are equal parts
-/// of the time since the segment began, short enough for 1e-6 rad. If the axis doesn't turn, the
-/// result is exact up to rounding. REQUIRES and cost: as for orientation_at() in rotation_track.h.
+/// Returns the rotation from the body's frame to the world's, at a tick of the segment. In contact,
+/// the angular velocity is w + a s, and the rotation is computed by two terms of Magnus' expansion
+/// (Magnus, Communications on Pure and Applied Mathematics 7, 1954). The time since the segment
+/// began is divided into equal steps. In each step, the second term turns the body by at most 1e-6
+/// rad. If the axis doesn't turn, the result is exact up to rounding. REQUIRES and cost: as for
+/// orientation_at() in rotation_track.h.
 Quat orientation_of(const Segment& segment, const Inertia& inertia, Tick tick);
 
 /// Returns the twist in the world's frame. REQUIRES: as for orientation_of.
@@ -47,7 +48,8 @@ inline Twist twist_at_begin(const Segment& segment) {
           .angular_velocity_radps = segment.flight.angular_velocity_radps};
 }
 
-/// Bounds of a segment in contact, while it lasts, for a body other than a sphere.
+/// Returns bounds for a segment in contact, valid while it lasts. REQUIRES: the body isn't a
+/// sphere.
 RotationBounds contact_rotation_bounds(const Segment& segment);
 
 }  // namespace sleight::physics

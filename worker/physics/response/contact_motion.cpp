@@ -34,7 +34,7 @@ void brake_pivot(const RoundBody& body, const LastingContact& contact, double lo
   motion.lasts_s = std::min(motion.lasts_s, std::fabs(pivot_radps) / rate);
 }
 
-/// Sets the motion of a sphere whose slip direction is held for a while.
+/// Sets the motion of a sphere while friction acts in one direction.
 void slide(const RoundBody& body, const LastingContact& contact, const Vec3& pull_mps2,
            double load_mps2, const HeldSlip& slip, ContactMotion& motion) {
   const Vec3 direction = slip.direction - dot(slip.direction, contact.normal) * contact.normal;
@@ -45,8 +45,8 @@ void slide(const RoundBody& body, const LastingContact& contact, const Vec3& pul
   motion.lasts_s = slip.lasts_s;
 }
 
-/// Limits the rolling resistance to what friction can transmit. Against a direction d, the limit is
-/// the x with |turning - x d| = mu N.
+/// Limits the rolling resistance to what friction can transmit. If the resistance acts against a
+/// direction d, its limit x satisfies |turning - x d| = mu N.
 struct PassedOn {
   Vec3 turning;       ///< the friction that turns the sphere, without resistance
   double spare;       ///< (mu N)^2 - turning^2
@@ -61,14 +61,14 @@ struct Rolling {
   Vec3 acceleration_mps2;
   double lasts_s = k_forever_s;
 };
-/// Returns the acceleration left by rolling resistance, and its duration. Stops a slow sphere
-/// first.
+/// Subtracts rolling resistance from the acceleration `a`; returns the result and how long it is
+/// valid. Stops a slow sphere first.
 Rolling resisted(const RoundBody& body, const Vec3& n, Vec3 a, const PassedOn& most, Twist& start) {
   Vec3& v = start.velocity_mps;
   const double pull = norm(a);
   const bool still = norm(v) <= k_stick_mps;
   if (still) {
-    // When the centre stops, the part of the spin that belongs to rolling stops too.
+    // When the centre stops, so does the part of the spin that rolls the sphere.
     start.angular_velocity_radps -= cross(n, v) / body.radius_m;
     v = Vec3::Zero();
     const double held = pull > 0 ? most.against(a / pull) : 0;
@@ -142,7 +142,7 @@ ContactMotion in_a_corner(const RoundBody& body, std::span<const LastingContact>
   Vec3& w = motion.start.angular_velocity_radps;
   w = twist.angular_velocity_radps;
   if (norm(w) * body.radius_m < k_stick_mps) w = Vec3::Zero();
-  // The spin's friction contributes to the faces' loads.
+  // Friction against the spin changes the faces' loads.
   std::array<double, 3> slips_mps{};
   LinearSystem loads_of(3);
   for (std::size_t i = 0; i < 3; ++i) {

@@ -36,8 +36,8 @@ Twist scaled(double share, const Twist& twist) {
           .angular_velocity_radps = share * twist.angular_velocity_radps};
 }
 
-/// Applies the effect of a turning normal on a rolling sphere: the surface would slip a little, and
-/// friction stops the slip without taking energy.
+/// Adjusts the twist of a rolling sphere to a turned normal. The surface would slip a little;
+/// friction stops this slip without taking energy.
 void keep_rolling(const RoundBody& body, const Vec3& normal, Twist& twist) {
   const double before = kinetic_energy(body, twist);
   stop_slip(body, normal, twist);
@@ -45,7 +45,7 @@ void keep_rolling(const RoundBody& body, const Vec3& normal, Twist& twist) {
   if (after > 0) twist = scaled(std::sqrt(before / after), twist);
 }
 
-/// A parabola over a chord, in the plane across the edge.
+/// A centre's parabola over a chord, in the plane across the edge.
 struct Arch {
   double chord_m;
   double height_m;  ///< of the chord above the edge
@@ -57,7 +57,7 @@ struct Arch {
 };
 
 /// Returns the maximum rise above the cylinder. At time t, the squared distance exceeds its value
-/// at the ends by t (T - t) q(t), with q of degree two.
+/// at the ends by t (T - t) q(t), where q has degree two.
 double most_rise_m(const Arch& arch, double distance_m) {
   const double x_m = -0.5 * arch.chord_m;
   const double c_2 = arch.along_mps * arch.along_mps + arch.up_mps * arch.up_mps +
@@ -74,7 +74,7 @@ double most_rise_m(const Arch& arch, double distance_m) {
   return 0.125 * span_s * span_s * most / distance_m;
 }
 
-/// The plane half way through a piece, and the sphere's motion on it.
+/// The plane that is tangent half way through a piece, and the sphere's motion on this plane.
 struct HalfWay {
   double sine;
   double cosine;
@@ -107,7 +107,7 @@ HalfWay half_way_of(const Rider& rider, double sine, const Vec3& gravity_mps2) {
   if (rider.rolls) {
     keep_rolling(rider.body, there.normal, twist);
   } else {
-    // Turn the spin with the normal, so that the slip half way is the present slip, turned.
+    // Turn the spin with the normal, so that the slip turns in the same way.
     twist.angular_velocity_radps += dot(w, outwards) * (there.normal - outwards) +
                                     dot(w, rider.onwards) * (tangent - rider.onwards);
   }
@@ -129,7 +129,7 @@ EdgePiece piece_on(const HalfWay& plane) {
           .rolls = plane.motion.rolls};
 }
 
-/// A piece in which the sphere rolls up along the tangent and back to the start.
+/// Returns a piece in which the sphere rolls up along the tangent and then back to the start.
 std::optional<EdgePiece> there_and_back(const HalfWay& plane) {
   const double v = dot(plane.tangent, plane.motion.start.velocity_mps);
   const double a = dot(plane.tangent, plane.motion.acceleration_mps2);
@@ -140,7 +140,7 @@ std::optional<EdgePiece> there_and_back(const HalfWay& plane) {
   return piece;
 }
 
-/// A piece or, without a piece, the factor by which the next attempt reduces the sine.
+/// A piece, or the factor by which the next attempt reduces the sine.
 struct Attempt {
   std::optional<EdgePiece> piece = std::nullopt;
   double shorter = 0;  ///< 0: no shorter piece helps
@@ -174,7 +174,8 @@ Attempt attempt_on(const HalfWay& plane, double distance_m, double rise_max_m) {
   if (most_rise_m(arch, distance_m) > rise_max_m) return {.shorter = 0.7};
   if (lasts_s > motion.lasts_s) return {.shorter = 0.95 * motion.lasts_s / lasts_s};
   EdgePiece piece = piece_on(plane);
-  // The spin follows the whole speed, which changes more slowly than its component along the chord.
+  // The spin follows the whole speed. The whole speed changes more slowly than its component along
+  // the chord.
   const double slower = (first_mps + last_mps) / (v + std::sqrt(v * v + gained));
   const Vec3 turning = cross(plane.normal, plane.tangent);
   piece.angular_acceleration_radps2 +=
@@ -213,12 +214,13 @@ std::optional<EdgePiece> edge_piece(const RoundBody& body, const LastingContact&
                     .along_mps = along_mps,
                     .rolls = rolls};
 
-  // Gravity accelerates or brakes the sphere along its way; if the sphere slips, so does friction.
+  // Gravity accelerates or brakes the sphere along its path. If the sphere slips, friction does so
+  // too.
   const double pull_mps2 = dot(gravity_mps2, onwards);
   const double rolling_mps2 = pull_mps2 / (1 + body.gyration);
   const double most_mps2 =
       rolls ? std::fabs(rolling_mps2) : std::fabs(pull_mps2) + contact.friction * load_mps2;
-  // The rise is about a h T^2 / 4, with T = 2 D h / v, and a grows with h.
+  // The rise is about a h T^2 / 4, where T = 2 D h / v and a grows with h.
   const double scaled_mps2 = rise_max_m * speed_mps * speed_mps / (distance_m * distance_m);
   double sine = k_edge_piece_sine_max;
   if (scaled_mps2 < most_mps2 * sine * sine * sine) sine = cube_root_above(scaled_mps2 / most_mps2);

@@ -1,4 +1,4 @@
-// The direction in which friction acts on a slip for a while, and the duration.
+// Chooses one direction in which friction acts on a slip for a while, and the duration.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -19,8 +19,8 @@ struct HeldSlip {
 };
 
 /// A pull changes a slip while friction acts in one held direction. Returns this direction, which
-/// is the slip's direction at half of the time. (Friction doesn't turn a slip. A held direction
-/// that depended on the initial one would oscillate from piece to piece.) `error_mps`: permitted
+/// is the slip's direction at half of the time. (If the held direction depended on the initial one,
+/// it would oscillate from piece to piece, as friction doesn't turn a slip.) `error_mps`: permitted
 /// error of the slip.
 inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, double error_mps) {
   const double speed = math::norm(slip);
@@ -31,10 +31,10 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, doub
   if (across == 0 || across * stop_s <= k_slip_straight * speed ||
       (forward > 0 && across <= k_slip_straight * forward))
     return {direction, stop_s};
-  // The held direction is the slip's direction at half of the time. So the error is the effect of
-  // friction times the square of the turn. Within `stops` stopping times, friction changes the slip
-  // by at most `stops` times the slip. Within the time of the turn, friction changes the slip by at
-  // most brake / across times the slip. Use the bound that allows the longer time.
+  // The held direction is the slip's direction at half of the time. So the error is friction's
+  // change of the slip, times the square of the turn. Within `stops` stopping times, this change is
+  // at most `stops` times the slip. Within the time of the turn, it is at most brake / across times
+  // the slip. Use the bound that allows the longer time.
   const auto span_of = [&](double turn_squared, double stops) {
     const double turn = std::clamp(std::sqrt(turn_squared), k_slip_turn_rad, k_slip_turn_rad_max);
     return std::min({turn * speed / across, stops * speed / brake, stop_s});

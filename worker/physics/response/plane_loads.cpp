@@ -36,8 +36,8 @@ std::optional<LyingBody::Rates> LyingBody::rates(const Directions& slip, double 
   const Vec3& n = body_.normal;
   const std::size_t count = body_.supports.size();
   if (!(radius_m_ > 0)) return std::nullopt;
-  // For a unit load at each support, compute the push and the torques along the plane. Subtract the
-  // torques that the spin's change requires.
+  // At each support, compute the push and the torques along the plane that a unit load causes.
+  // Subtract the torques that change the spin.
   std::array<Vec3, k_plane_supports_max> pushes;
   struct Row {
     double first_m, second_m;  ///< the support's place over the radius
@@ -88,7 +88,7 @@ std::optional<LyingBody::Rates> LyingBody::rates(const Directions& slip, double 
       }
     }
     if (!(least < -k_load_rounding)) {
-      // This form of the test refuses NaN too.
+      // This test refuses NaN too.
       if (!(least >= -k_load_rounding)) return std::nullopt;
       Vec3 push = Vec3::Zero();
       double turning = 0;

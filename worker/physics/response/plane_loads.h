@@ -1,4 +1,5 @@
-// The loads of a body lying on an area of a plane, and the accelerations that they cause.
+// Computes the loads of a body that lies on an area of a plane, and the accelerations that the
+// loads cause.
 //
 // Internal to worker/physics/response. Thread safety: pure functions.
 #pragma once
@@ -10,7 +11,7 @@
 
 namespace sleight::physics {
 
-/// A body that lies on an area. From the piece's start, the frame turns with the body about the
+/// A body that lies on an area. From the piece's start on, the frame turns with the body about the
 /// normal.
 class LyingBody {
  public:
@@ -23,7 +24,8 @@ class LyingBody {
   }
   /// Returns n x arm.
   const Vec3& across_m(std::size_t support) const { return across_m_[support]; }
-  /// Returns the greatest distance, along the plane, of a support from the centre of mass.
+  /// Returns the greatest distance between a support and the centre of mass, measured along the
+  /// plane.
   double radius_m() const { return radius_m_; }
   double spin_inertia_kgm2() const { return spin_inertia_kgm2_; }
 
@@ -32,8 +34,9 @@ class LyingBody {
     double spin_radps2 = 0;
     std::array<double, k_plane_supports_max> loads{};  ///< shares of the body's weight
   };
-  /// Returns the effect of friction against each support's slip. `slip`: a direction of length 1 or
-  /// less for each support. Empty if the supports don't carry the body.
+  /// Returns the loads and accelerations if friction acts against each support's slip. `slip`: one
+  /// vector per support, in the slip's direction, of length 1 or less. Empty if the supports don't
+  /// carry the body.
   std::optional<Rates> rates(const Directions& slip, double spin_radps) const;
 
  private:

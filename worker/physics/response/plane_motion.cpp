@@ -20,7 +20,7 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Returns a vector along the plane, turned about the normal.
+/// Turns a vector about the plane's normal. REQUIRES: the vector is parallel to the plane.
 Vec3 turned_about(const Vec3& n, const Vec3& v, const math::SinCos& angle) {
   return angle.cos * v + angle.sin * cross(n, v);
 }
@@ -78,15 +78,16 @@ class Slide {
             .lasts_s = lasts_s};
   }
 
-  /// Suppresses rounding that would make a straight slide turn.
+  /// Returns the change of the spin, or 0 if it is only rounding, so that a straight slide stays
+  /// straight.
   double turning(const Rates& rates) const {
     return std::fabs(rates.spin_radps2) * lying_.radius_m() <= k_load_rounding * load_mps2_
                ? 0
                : rates.spin_radps2;
   }
 
-  /// Returns the motion of a body without any slip: friction holds the body, or the body starts to
-  /// slide.
+  /// Returns the motion of a body that doesn't slip anywhere now: friction holds it, or it starts
+  /// to slide.
   PlaneMotion from_rest() {
     velocity_mps_ = Vec3::Zero();
     spin_radps_ = 0;
@@ -111,7 +112,7 @@ class Slide {
       still.brakes = false;
       return still;
     }
-    // Refuse a body of which only some supports stick, because it may swing about them.
+    // If only some supports stick, refuse the body, because it may swing about them.
     if (least < most) return {};
     const Vec3 down = pull_mps2_ / norm(pull_mps2_);
     held.fill(down);
@@ -121,7 +122,8 @@ class Slide {
     return moving(pull_mps2_ + sliding->acceleration_mps2, 0, k_forever_s);
   }
 
-  /// Returns the motion of a body that only turns on the spot. No slip turns in the body's frame.
+  /// Returns the motion of a body that only turns on the spot. In the body's frame, its slips don't
+  /// turn.
   std::optional<PlaneMotion> only_spins() {
     if (norm(velocity_mps_) > body_.stick_mps || norm(pull_mps2_) > k_load_rounding * load_mps2_)
       return std::nullopt;
@@ -178,7 +180,7 @@ class Slide {
       return moving(rate_mps2, 0, span.lasts_s);
     span.lasts_s = std::min(span.lasts_s, k_slide_piece_s_max);
     for (int halving = 0; halving <= k_slide_halvings_max; ++halving) {
-      // Evaluate half way, in a frame turned with the body.
+      // Compute the loads half way through the piece, in a frame that turns with the body.
       const double half_s = 0.5 * span.lasts_s;
       const double spin_radps = spin_radps_ + half_s * now->spin_radps2;
       const double angle = half_s * (spin_radps_ + 0.5 * half_s * now->spin_radps2);
@@ -197,8 +199,8 @@ class Slide {
     return {};
   }
 
-  /// Returns whether friction takes energy in a piece. Mean speeds suffice, as friction is
-  /// constant.
+  /// Returns whether friction takes energy in a piece. Mean speeds suffice for this test, because
+  /// friction is constant.
   bool friction_brakes(const PlaneMotion& motion, const Vec3& friction_mps2,
                        double spin_radps2) const {
     const double half_s = 0.5 * motion.lasts_s;

@@ -1,32 +1,34 @@
-// How a rigid body other than a sphere moves on a plane that doesn't move: it slides, turns about
-// the plane's normal, rolls or stands.
+// How a rigid body that isn't a sphere moves on a fixed plane: it slides, turns about the plane's
+// normal, rolls or stands.
 //
 // Idea. The body touches the plane at its supports, which are points that keep their height. Each
-// support pushes along the plane's normal n with a load N >= 0, and against its slip with mu N.
+// support pushes along the plane's normal n with a load N >= 0. Friction mu N acts against the
+// support's slip.
 //
-//   - A body lying on an area has a velocity along the plane and a spin about n. The supports'
-//     loads are N = a + b.x, linear in their places x in the plane. These are the least-squares
-//     loads, the same as those of many equal springs. Newton's and Euler's laws, for the three
-//     directions in which the body can't move, determine a and b. A support whose load would pull
-//     is lifted and takes no part. If too few supports remain, nothing carries the body and it
-//     topples. If nothing slips, the body stands as long as friction holds it.
-//   - A body of revolution lying on a line rolls about it. On a level plane with an axis that isn't
-//     level (a cone, a lying pin), the body circles at w_n = -spin (axis.n). The supports provide
-//     the centripetal force and the gyroscopic torque, so both loads must push and friction must
-//     suffice. If the axis is parallel to the plane (a cylinder), the body moves like a sphere
-//     across its axis (contact_motion.h), with the gyration about the axis.
+//   - A body lying on an area has a velocity along the plane and a spin about n. A support at a
+//     place x in the plane has the load N = a + b.x. The loads are the least-squares ones, which
+//     many equal springs would also have. In three directions the body can't move. The laws of
+//     Newton and Euler for these directions determine a and b. If a support's load would be
+//     negative, the support is lifted and carries nothing. If fewer than three supports remain, the
+//     body topples. If nothing slips, the body stands as long as friction holds it.
+//   - A body of revolution lying on a line rolls about it. If the plane is level but the body's
+//     axis isn't (a cone, a lying pin), the body circles at w_n = -spin (axis.n). The supports
+//     provide the centripetal force and the gyroscopic torque, so both loads must push and friction
+//     must suffice. If the axis is parallel to the plane (a cylinder), the body moves across its
+//     axis like a sphere (contact_motion.h), whose gyration is the body's gyration about the axis.
 //
-// While no slip turns, loads and accelerations are constant, the centre follows a parabola and the
-// angular velocity changes linearly. A body that slides without turning, or only spins, has one
-// such piece. If slips turn, a piece lasts while they turn by a 32nd of a radian, or for 2^-11 s if
-// that is longer. The piece uses the directions and loads at its midpoint in time. A piece of a
-// cone's circle covers a 32nd of a radian; its velocities are exact at both ends and interpolated
-// in between.
+// While no slip turns, loads and accelerations are constant: the centre follows a parabola and the
+// angular velocity changes linearly. If a body slides without turning, or only spins, its motion is
+// one such piece. If slips turn, a piece lasts until they have turned by a 32nd of a radian, but at
+// least 2^-11 s. The piece uses the directions and loads at its midpoint in time. A cone's circle
+// is cut into pieces of a 32nd of a radian. On a circle, a piece's velocities are exact at both
+// ends and interpolated in between.
 //
 // Invariants
-//   1. Nothing gains energy from piece to piece. At the start, velocity that the plane doesn't
-//      allow is removed by a projection in the metric of the masses. In each piece, friction takes
-//      energy. In the middle of a piece of a circle, the energy is lower by up to 2.5e-4 of itself.
+//   1. Nothing gains energy from piece to piece. At the start, a projection in the metric of the
+//      masses removes velocity that the plane doesn't allow. In each piece, friction takes energy.
+//      In the middle of a circle's piece, the energy is lower than at its ends, by a share of up to
+//      2.5e-4.
 //   2. The supports keep their height: velocities and accelerations have no component along n, and
 //      the spin is about n or the axis of revolution. For cones, this invariant holds to 1e-9 rad
 //      per piece.
@@ -48,7 +50,6 @@ struct PlaneSupport {
   double friction = 0;        ///< mu
 };
 
-/// A body that lies on a plane.
 struct BodyOnPlane {
   double mass_kg = 0;
   Mat3 inertia_kgm2 = Mat3::Zero();  ///< about the centre, in the world's frame
@@ -69,7 +70,7 @@ struct PlaneMotion {
   bool brakes = false;   ///< friction brakes the sliding until the body stands or rolls
   bool on_line = false;  ///< the body lies on a line; `start` has no motion along it
   MotionMode mode = MotionMode::sliding;
-  /// Twist at the start, without motion that the plane doesn't allow.
+  /// Twist at the start. Motion that the plane doesn't allow has been removed.
   Twist start{};
   Vec3 acceleration_mps2 = Vec3::Zero();
   Vec3 angular_acceleration_radps2 = Vec3::Zero();

@@ -39,7 +39,7 @@ PlaneMotion cylinder_motion(const BodyOnPlane& body, const ContactLine& line, co
   const Vec3 pull_mps2 = gravity_mps2 - along_mps2 * line.along;
   const ContactMotion motion = contact_motion(round, {&contact, 1}, across, pull_mps2);
   if (motion.pressed == 0) return {};
-  // If the body rolls, friction must hold it along its axis too.
+  // If the body rolls, friction must also keep it from sliding along its axis.
   const Vec3 friction_mps2 =
       motion.acceleration_mps2 - (pull_mps2 + load_mps2 * body.normal) - along_mps2 * line.along;
   const bool holds = motion.rolls && norm(friction_mps2) <= line.friction * load_mps2;
@@ -81,13 +81,13 @@ PlaneMotion cone_motion(const BodyOnPlane& body, const ContactLine& line, const 
                        body.mass_kg * line.depth_m * dot(twist.velocity_mps, line.across)) /
                       whole;
   PlaneMotion result{.carried = true, .on_line = true, .mode = MotionMode::rolling};
-  // Interpolated velocities are smaller than the velocities at the ends, on average by the share
+  // Interpolated velocities are smaller than the velocities at the ends: on average, by a share of
   // angle^2 / 12.
   constexpr double k_mean = 1 - k_cone_piece_rad * k_cone_piece_rad / 12;
   const double circles = -dot(body.axis, n) / dot(body.axis, line.along);
   const double lasts_s = k_cone_piece_rad / (k_mean * std::fabs(circles * rate_radps));
-  // Rolling resistance reduces the rate at the piece's start, because the axis could not follow a
-  // rate that changes during the piece.
+  // Rolling resistance reduces the rate once, at the piece's start. If the rate changed during the
+  // piece, the axis could not follow it.
   const double brake_radps2 =
       body.rolling_friction * body.mass_kg * load_mps2 * line.depth_m / whole;
   const double left_radps = std::fabs(rate_radps) - brake_radps2 * lasts_s;

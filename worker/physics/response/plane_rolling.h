@@ -1,4 +1,4 @@
-// Bodies of revolution lying on a line of a plane and rolling about it.
+// Bodies of revolution that lie on a line of a plane and roll about this line.
 //
 // Internal to worker/physics/response. Thread safety: pure functions.
 #pragma once

@@ -25,7 +25,8 @@ Side side_of(const RigidImpactBody& body, double sign, const Vec3& contact_m) {
   return {&body, sign, contact_m - body.pose.position_m, math::matrix_of(body.pose.orientation)};
 }
 
-/// Returns a world vector in the body's frame: the transpose of the axes times v.
+/// Converts a vector from the world's to the body's frame: multiplies it by the transpose of the
+/// axes.
 Vec3 in_body(const Mat3& axes, const Vec3& v) {
   return {(axes(0, 0) * v.x() + axes(1, 0) * v.y()) + axes(2, 0) * v.z(),
           (axes(0, 1) * v.x() + axes(1, 1) * v.y()) + axes(2, 1) * v.z(),
@@ -38,8 +39,8 @@ using Whitened = std::array<double, 6 * k_sides>;
 
 template <std::size_t k_size>
 double dot(const std::array<double, k_size>& a, const std::array<double, k_size>& b) {
-  // Six partial sums fix the order of additions, for one and two bodies, and avoid a long
-  // dependency chain.
+  // For one and for two bodies, six partial sums fix the order of additions and avoid a long chain
+  // of dependent additions.
   std::array<double, 6> sums{};
   for (std::size_t i = 0; i < k_size; ++i)
     sums[i % 6] += a[i] * b[i];
@@ -93,8 +94,9 @@ Whitened<k_sides> whitened(const Sides<k_sides>& sides, const std::array<Twist, 
   return y;
 }
 
-/// Returns how much |y|^2 may grow by the rounding of twists. A rounding error d of an angular
-/// velocity adds d times the angular momentum, and d is equally large along heavy and light axes.
+/// Returns how much rounding of the twists may increase |y|^2. A rounding error d of an angular
+/// velocity adds d times the angular momentum. The error is equally large along axes of large and
+/// of small moment.
 template <std::size_t k_sides>
 double rounding_of_energy(const Sides<k_sides>& sides, const Whitened<k_sides>& y) {
   double sum = dot(y, y);
@@ -169,7 +171,7 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
   // Compute the tangential columns by modified Gram-Schmidt, and deflate y in the same steps
   // (Bjoerck, "Solving linear least squares problems by Gram-Schmidt orthogonalization", BIT 7,
   // 1967). K's eigenvalues are at least 1/m_A + 1/m_B, so R's diagonal elements are at least the
-  // square root of this sum. If rounding loses a column, this bound replaces its diagonal element.
+  // square root of this sum. If rounding destroys a column, use this bound as its diagonal element.
   const Tangents t = tangents_of(n);
   double inverse_mass = 0;
   for (const Side& side : sides)
@@ -192,14 +194,14 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
   scale(e3, 1 / r33);
   const double z3 = dot(e3, y);
 
-  // Apply friction against the slip, if the slip keeps its sense: V = R^T z, K = R^T R.
+  // If the slip doesn't reverse, apply friction against it: V = R^T z, K = R^T R.
   const double v2_mps = r12 * z1 + r22 * z2;
   const double v3_mps = r13 * z1 + r23 * z2 + r33 * z3;
   const double slip_mps = std::sqrt(v2_mps * v2_mps + v3_mps * v3_mps);
   if (slip_mps > 0) {
     const double d2 = v2_mps / slip_mps;
     const double d3 = v3_mps / slip_mps;
-    // The vector R d; its first component couples slip and normal.
+    // This is the vector R d, whose first component couples slip and normal motion.
     const double a1 = r12 * d2 + r13 * d3;
     const double a2 = r22 * d2 + r23 * d3;
     const double a3 = r33 * d3;

@@ -3,20 +3,20 @@
 // Idea. The contact normal passes through the centres, so normal and tangential impulse are
 // independent: restitution.h's law becomes Newton's restitution along the normal and Coulomb's
 // friction across it. The impulse that stops the slip s is -s / k_t with
-//   k_t = 1/m_A + 1/m_B + r_A^2/I_A + r_B^2/I_B,
-// which is 7/2 of 1/m_A + 1/m_B for solid spheres, where r^2/I is 5/2 of 1/m. This impulse acts if
-// it is at most mu times the normal impulse. Otherwise friction is mu times the normal impulse,
-// against the slip.
+//   k_t = 1/m_A + 1/m_B + r_A^2/I_A + r_B^2/I_B.
+// For two solid spheres, k_t is 7/2 of 1/m_A + 1/m_B, because r^2/I is 5/2 of 1/m. If this impulse
+// is at most mu times the normal impulse, it acts. Otherwise friction acts against the slip with mu
+// times the normal impulse.
 //
 // Invariants
 //   1. Momentum is conserved up to rounding. Angular momentum about any point is conserved too, if
 //      both bodies meet at one contact point. Kinetic energy never grows beyond rounding.
-//   2. mu = 0 leaves angular velocities unchanged, bit for bit. With e = 1 as well, kinetic energy
-//      is conserved up to rounding, without bias: the reflection divides by |n|^2, so n's rounded
+//   2. mu = 0 leaves angular velocities unchanged, bit for bit. If also e = 1, kinetic energy is
+//      conserved up to unbiased rounding: the reflection divides by |n|^2, so the rounding of n's
 //      length has no effect. In a gas of 64 spheres, energy drifts by 3e-14 over 1e5 collisions
 //      (measured).
-//   3. A static partner, on either side, is the default SphereMass at rest. A static partner's
-//      twist is returned unchanged.
+//   3. To represent static geometry, either partner may be the default SphereMass at rest. A static
+//      partner's twist is returned unchanged.
 // Cost: 43 ns with friction, 16 ns without friction, 4 ns for frictionless_sphere_impact.
 // Thread safety: pure functions.
 #pragma once
@@ -53,18 +53,19 @@ struct SphereImpactInput {
   ContactLaw law{};
 };
 
-/// Resolves the frictionless case, which changes only velocities, for gases of hard spheres.
-/// Returns the impulse along the normal divided by the normal's length, or 0 if the spheres do not
-/// approach. `floor_mps`: v_c. REQUIRES: 0 <= restitution <= 1; at least one inverse mass is > 0.
+/// Resolves an impact without friction, as in gases of hard spheres. Only velocities change.
+/// Returns the impulse along the normal, divided by the normal's length. The result is 0 if the
+/// spheres do not approach. `floor_mps`: v_c. REQUIRES: 0 <= restitution <= 1; at least one inverse
+/// mass is > 0.
 inline double frictionless_sphere_impact(const Vec3& normal, double inverse_mass_a_per_kg,
                                          double inverse_mass_b_per_kg, double restitution,
                                          double floor_mps, Vec3& velocity_a_mps,
                                          Vec3& velocity_b_mps) {
   const double u = math::dot(velocity_a_mps - velocity_b_mps, normal);
   if (!(u > 0)) return 0;
-  // Without friction, energy suffices for a separation speed of at most u.
+  // Without friction, the energy allows a separation speed of at most u.
   const double w = std::max(restitution * u, std::min(floor_mps, u));
-  // Equal partners get bitwise equal shares.
+  // If the partners are equal, their shares are bitwise equal.
   const double inverse_mass = inverse_mass_a_per_kg + inverse_mass_b_per_kg;
   const double impulse = (u + w) / (inverse_mass * math::dot(normal, normal));
   velocity_a_mps -= impulse * inverse_mass_a_per_kg * normal;
@@ -87,7 +88,7 @@ inline ImpactOutput sphere_impact(const SphereImpactInput& input) {
     return out;
   }
 
-  // Split the velocity at the contact into approach and slip.
+  // Split the contact point's velocity into approach and slip.
   const Vec3& n = input.normal;
   const Vec3 apart_mps = input.b.velocity_mps - input.a.velocity_mps;
   const double along = math::dot(apart_mps, n);

@@ -16,7 +16,7 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Returns the acceleration of a sphere rolling along a line, which is `pull` minus a resistance of
+/// Returns the acceleration of a sphere that rolls along a line: `pull`, reduced by a resistance of
 /// at most `most`. A resting sphere stays at rest if the resistance can hold it.
 double resisted(double velocity, double pull, double most) {
   if (velocity == 0) return std::fabs(pull) <= most ? 0 : pull - std::copysign(most, pull);
@@ -66,12 +66,12 @@ class Valley {
            body_.radius_m * cross(motion_.start.angular_velocity_radps, contacts_[i].normal);
   }
 
-  /// Tries a motion without slip: along the line, with the spin of rolling. Returns false if
-  /// friction doesn't suffice.
+  /// Tries a motion without slip: the sphere rolls along the line. Returns false if friction
+  /// doesn't suffice.
   bool rolls() {
     const double k = body_.gyration;
     const double r = body_.radius_m;
-    // The loads balance the pull across the valley, so no friction across is needed.
+    // The loads balance the pull across the valley, so no friction is needed in this direction.
     const double in_a = dot(gravity_, contacts_[0].normal);
     const double in_b = dot(gravity_, contacts_[1].normal);
     const double sine2 = 1 - cosine_ * cosine_;
@@ -82,7 +82,8 @@ class Valley {
 
     const Vec3 spin_per_mps = (side_[0] + side_[1]) / (r * (1 + cosine_));
     const double inertia = k * r * r * dot(spin_per_mps, spin_per_mps);
-    // Choose the rolling motion nearest to the present motion in kinetic energy.
+    // Choose the rolling motion whose difference from the present motion has the least kinetic
+    // energy.
     double speed = (dot(motion_.start.velocity_mps, line_) +
                     k * r * r * dot(motion_.start.angular_velocity_radps, spin_per_mps)) /
                    (1 + inertia);
@@ -96,11 +97,12 @@ class Valley {
     if (resistance > 0 && std::fabs(speed) <= k_stick_mps) speed = 0;
     const double free_a = pull / (1 + inertia);
     double a = resisted(speed, free_a, resistance);
-    // Limit resistance to what the contacts can transmit, because it must not make them slip.
+    // Limit resistance to what the contacts can transmit, because resistance must not make them
+    // slip.
     const double most =
         2 * std::min(contacts_[0].friction * loads[0], contacts_[1].friction * loads[1]);
     if (std::fabs(free_a - pull) <= most) a = std::clamp(a, pull - most, pull + most);
-    // Both contacts take the same share of friction, so that the sphere keeps rolling.
+    // Give both contacts the same share of friction, so that the sphere keeps rolling.
     const double friction = 0.5 * (a - pull);
     for (std::size_t i = 0; i < 2; ++i) {
       if (std::fabs(friction) <= contacts_[i].friction * loads[i] * (1 + k_load_rounding)) continue;
@@ -117,7 +119,7 @@ class Valley {
     return true;
   }
 
-  /// Sets the motion nearest in energy that has no slip at one contact.
+  /// Removes the slip at one contact by the change of motion that has the least kinetic energy.
   void stop_slip(std::size_t i) {
     const double r = body_.radius_m;
     Vec3& w = motion_.start.angular_velocity_radps;
@@ -128,12 +130,14 @@ class Valley {
     w += (speed / r - turning) * side_[i] - dot(w, line_) * line_;
   }
 
-  /// An unknown force, at size 1: its effect on the centre, and its friction at both contacts.
+  /// An unknown force of size 1: its effect on the centre, and its part in the friction at both
+  /// contacts.
   struct Unit {
     Vec3 force;
     std::array<Vec3, 2> friction;
   };
-  /// The two loads and, if a contact sticks, its friction along the line and across the valley.
+  /// The unknown forces: the two loads and, if one contact sticks, friction at this contact, along
+  /// the line and across the valley.
   struct Units {
     std::array<Unit, LinearSystem::k_most> unit;
     std::size_t count = 2;
@@ -155,8 +159,8 @@ class Valley {
     }
     return all;
   }
-  /// Returns the acceleration of the surface at a contact due to a unit: the force minus r (angular
-  /// acceleration x normal).
+  /// Returns the acceleration that a unit gives to the sphere's surface at a contact: force minus r
+  /// (angular acceleration x normal).
   Vec3 surface_acceleration(const Unit& unit, std::size_t at) const {
     Vec3 sum = unit.force;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -165,8 +169,8 @@ class Valley {
     }
     return sum;
   }
-  /// Returns the equations: the centre has no acceleration along the faces' normals, and the body's
-  /// surface has no acceleration at a sticking contact.
+  /// Returns equations that say: the centre doesn't accelerate along the faces' normals, and the
+  /// sphere's surface doesn't accelerate at a sticking contact.
   LinearSystem balance(const Units& all) const {
     LinearSystem system(all.count);
     for (std::size_t column = 0; column < all.count; ++column) {
@@ -186,8 +190,8 @@ class Valley {
     return system;
   }
 
-  /// Computes loads, friction and accelerations for the present slips. Returns false, with
-  /// `pressed` set, if the sphere doesn't stay on both faces.
+  /// Computes loads, friction and accelerations for the present slips. If the sphere doesn't stay
+  /// on both faces, sets `pressed` and returns false.
   bool forces() {
     const Units all = units();
     LinearSystem system = balance(all);
@@ -213,8 +217,8 @@ class Valley {
     return true;
   }
 
-  /// Lets a sticking contact slip if it needs more friction than allowed, unless it would stick
-  /// again at once.
+  /// If a sticking contact needs more friction than mu times its load, lets it slip, unless it
+  /// would stick again at once.
   void let_slip(std::size_t i) {
     if (slips_[i] || motion_.pressed != 3) return;
     if (norm(friction_[i]) <= contacts_[i].friction * loads_[i]) return;
@@ -234,7 +238,7 @@ class Valley {
            body_.radius_m * cross(motion_.angular_acceleration_radps2, contacts_[i].normal);
   }
 
-  /// Finds the direction in which a slip begins and grows although friction acts against it.
+  /// Finds the direction of a beginning slip, which must grow although friction acts against it.
   bool settle_begin(std::size_t i) {
     for (int round = 0; round < k_slip_begin_rounds; ++round) {
       const Vec3 rate = slip_rate(i);
@@ -248,21 +252,21 @@ class Valley {
     return false;
   }
 
-  /// Returns how fast a contact's friction slows its slip by turning the sphere, in m/s^2.
+  /// Returns how fast friction at a contact slows the slip there by turning the sphere, in m/s^2.
   /// unbraked_rate() returns the slip's rate of change without this effect.
   double brake_of(std::size_t i) const {
     return contacts_[i].friction * loads_[i] / body_.gyration;
   }
   Vec3 unbraked_rate(std::size_t i) const { return slip_rate(i) + brake_of(i) * direction_[i]; }
 
-  /// Returns the time for which friction acts on a beginning slip in an approximate direction.
+  /// When a slip begins, friction's direction may be approximate for a while. Returns how long.
   /// After this time, the slip is too fast to stick again.
   double short_while_s(std::size_t i) const {
     const double rate = norm(slip_rate(i));
     return std::max(k_slip_begin_s, rate > 0 ? 2 * body_.stick_mps / rate : 0);
   }
 
-  /// Sets how long the motion lasts, and each slip's direction to its direction at half of that
+  /// Sets how long the motion lasts. Sets each slip's direction to its direction at half of this
   /// time.
   void hold_directions() {
     double lasts_s = k_forever_s;

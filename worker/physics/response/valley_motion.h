@@ -1,4 +1,4 @@
-// A sphere's motion in a valley of two faces, for which contact_motion.h needs a linear system.
+// A sphere's motion in a valley of two faces, computed with a linear system.
 //
 // Thread safety: pure functions.
 #pragma once

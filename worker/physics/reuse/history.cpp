@@ -7,8 +7,8 @@
 namespace sleight::physics {
 namespace {
 
-/// Maximum events of a chunk: large enough to share the part before the first difference quickly,
-/// and small enough that little is copied where two histories diverge.
+/// Maximum events of a chunk: enough to share the part before the first difference quickly, and so
+/// few that little is copied where two histories diverge.
 constexpr std::size_t k_chunk_events = 256;
 
 template <class T>

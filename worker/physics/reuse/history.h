@@ -1,15 +1,15 @@
-// Everything that happened in a simulation, so that a simulation of nearly the same scene need not
-// compute it again (docs/SIMULATOR.md, "Replay of an earlier simulation").
+// Stores everything that happened in a simulation, for reuse by a simulation of nearly the same
+// scene (docs/SIMULATOR.md, "Replay of an earlier simulation").
 //
 // Idea. A history is a list of events in processing order. Each event names the bodies that took
-// part, the segments that they began, and the changes of their other state. So a reader of the list
-// can follow the bodies' state without predictions and without resolving collisions. A recording
+// part, the segments that they began, and how their other state changed. So a reader of the list
+// knows the bodies' state at any event, without predicting or resolving collisions. A recording
 // (recording.h) has the same segments, sorted by body.
 //
 // Invariants
 //   1. A body takes part in an event if the event changes or reads its state. So an event's effect
 //      depends only on its participants' states, nearby static geometry and the scene's laws.
-//   2. Chunks don't change once a history has them, and histories share them.
+//   2. Once a history contains a chunk, the chunk doesn't change. Histories share chunks.
 // Thread safety: threads may share a History for reading; the other types are not thread-safe.
 #pragma once
 
@@ -27,7 +27,8 @@
 
 namespace sleight::physics {
 
-/// A body's part in an event: its id, and flags for the data in the event's lists.
+/// A body that takes part in an event: its id, and flags that tell which of the event's lists have
+/// data of the body.
 struct Participant {
   static constexpr std::uint32_t k_begins = 1U << 31U;         ///< begins a segment
   static constexpr std::uint32_t k_touches = 1U << 30U;        ///< has a touch (Resting::touched)
@@ -47,8 +48,8 @@ struct HistoryEvent {
   double gap_m = 0;  ///< for a collision of two bodies
   std::span<const Participant> participants;
   std::span<const Segment> segments;
-  /// One touch for each participant whose touches() is true, and the touches of each contact state.
-  /// A contact state's touches begin at RestState::first_touch.
+  /// The list has one touch for each participant whose touches() is true, and the touches of all
+  /// contact states. A contact state's touches begin at RestState::first_touch.
   std::span<const TouchRecord> touches;
   std::span<const ContactState> contact_states;
 };
@@ -66,7 +67,7 @@ class HistoryChunk {
   struct Entry {
     EventKey key;
     double gap_m = 0;
-    // In each list below, the index at which the event's range ends.
+    // The index at which the event's range ends, in each list below.
     std::uint32_t participants = 0, segments = 0, touches = 0, contact_states = 0;
   };
   std::vector<Entry> events_;
@@ -78,13 +79,13 @@ class HistoryChunk {
 
 using HistoryChunks = std::vector<std::shared_ptr<const HistoryChunk>>;
 
-/// The events of a simulation up to and at a tick. REQUIRES: the meshes and polyhedra that its
-/// scene shares don't change.
+/// A simulation's events up to and including a tick. REQUIRES: the scene's shared meshes and
+/// polyhedra don't change.
 struct History {
   Scene scene;
   HistoryChunks chunks;
   Tick end{};  ///< last tick that the history covers
-  /// Memory of this history, some of which other histories may share.
+  /// Memory of this history in bytes. Other histories may share some of this memory.
   std::size_t bytes() const;
 };
 
@@ -128,8 +129,8 @@ class HistoryWriter {
   std::shared_ptr<HistoryChunk> open_;
 };
 
-/// Appends the segments of all events after the first `events_done` to a recording. Returns the
-/// number of events in the list.
+/// Skips the first `events_done` events, and appends the segments of all later ones to a recording.
+/// Returns the number of events in the list.
 std::size_t append_to(Recording& recording, const HistoryChunks& chunks, std::size_t events_done);
 
 bool same_bits(const Segment& a, const Segment& b);

@@ -51,7 +51,7 @@ class HistoryBuilder {
     participants_.clear();
     gap_m_ = 0;
   }
-  /// Discards the data collected for a replayed event and appends the earlier history's event.
+  /// After a replayed event: discards the collected data, and appends the earlier history's event.
   void replayed(const HistoryEvent& event) {
     for (const Participant& participant : participants_)
       place_of_[participant.body()] = k_nowhere;

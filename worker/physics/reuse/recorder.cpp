@@ -28,7 +28,7 @@ void Recorder::give_up() {
 }
 
 void Recorder::takes_over(const HistoryReader& reader, Tick last) {
-  // The history contains only events that are over.
+  // The history contains only events that have ended.
   if (builder_ && shared_ == 0 && builder_->is_full()) give_up();
   if (!builder_) return;
   if (shared_ == 0) {

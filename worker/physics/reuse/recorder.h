@@ -2,8 +2,8 @@
 //
 // Invariants
 //   1. A history's segments are stored only in its chunks; recording() copies them when called.
-//   2. A history that exceeds its memory limit is discarded. Its segments move to the recording, if
-//      there is one.
+//   2. A history that exceeds its memory limit is discarded. If there is a recording, the history's
+//      segments move to it.
 // Thread safety: none.
 #pragma once
 
@@ -35,7 +35,7 @@ class Recorder {
   void takes_part(BodyId body) {
     if (builder_) builder_->takes_part(body);
   }
-  /// Call if the event changes the body's contact state by more than a touch.
+  /// Call if the event changes the body's contact state in any other way than by adding a touch.
   void learns(BodyId body) {
     if (builder_) builder_->has_contact_state(body);
   }
@@ -63,8 +63,8 @@ class Recorder {
     if (builder_) builder_->replayed(event);
   }
   /// Adds the reader's current event to the history. Call this for each event up to `last`, before
-  /// its segments are recorded. If a whole chunk ends no later than `last`, the call for its first
-  /// event shares the chunk.
+  /// the event's segments are recorded. If a chunk ends no later than `last`, the call for its
+  /// first event shares the whole chunk.
   void takes_over(const HistoryReader& reader, Tick last);
   /// Records a segment of an event that takes_over() has added.
   void takes_over(BodyId body, const Segment& segment, const EventKey& cause) {
@@ -73,7 +73,7 @@ class Recorder {
 
   /// The recording up to the last event; the caller sets its end.
   Recording& recording();
-  /// The events so far; empty if there is no history or it exceeded the memory limit.
+  /// The events so far. Empty if there is no history, or if it exceeded the memory limit.
   std::optional<HistoryChunks> history();
 
  private:

@@ -1,8 +1,8 @@
-// A simulation's segments by body, each with the event that began it. A recording defines the state
-// of any body at any tick without a simulator.
+// Stores the segments of each body of a simulation, and the event that began each segment. A
+// recording defines each body's state at any tick; no simulator is needed.
 //
 // A segment is valid from its tick up to the tick of the next segment. The last segment is valid up
-// to the recording's end. A body has no state before its first segment, because it hasn't started.
+// to the recording's end. Before its first segment, a body hasn't started and has no state.
 // Thread safety: a value.
 #pragma once
 

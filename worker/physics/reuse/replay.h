@@ -1,13 +1,13 @@
 // Stores how far an earlier simulation's history has been replayed, and by which bodies.
 //
 // Invariants of a replaying simulation
-//   1. A body is replayed if it has started and so far equals its history bit for bit: it has the
-//      segment and the contact state that its last event in the history left. For a replayed body,
-//      only collisions with live bodies are predicted.
+//   1. A body is replayed if it has started and has equalled its history so far, bit for bit: its
+//      segment and contact state are those after its last event in the history. For a replayed
+//      body, only collisions with live bodies are predicted.
 //   2. If an event other than the history's next one is about to read or change a replayed body's
-//      contact state, the body goes live first. Such events are collisions with the body, rest
-//      decisions that read its state, and waking it. Other events may read only a replayed body's
-//      segment.
+//      contact state, the body goes live first. Three kinds of event do this: a collision with the
+//      body, a rest decision that reads its state, and waking the body. All other events read at
+//      most a replayed body's segment.
 //   3. If a live body rests on another body, the other body is live too; so waking never spreads to
 //      replayed bodies.
 //   4. An event of the history is replayed if all its participants are replayed. Otherwise the
@@ -35,7 +35,7 @@ struct Replay {
   std::shared_ptr<const History> history;
   SceneChanges changes;
   HistoryReader reader;
-  /// For each body: whether it will start as in the history but hasn't started yet.
+  /// By body: whether it hasn't started yet but will start as in the history.
   std::vector<std::uint8_t> awaited{};
   std::uint32_t awaited_count = 0;
   /// Before this tick, only the history's events happen.

@@ -1,4 +1,4 @@
-// The set of replayed bodies (replay.h), and the list of bodies that have left the set.
+// Stores which bodies are replayed (replay.h), and lists the bodies that have gone live.
 //
 // Thread safety: none.
 #pragma once

@@ -67,7 +67,8 @@ bool same_laws(const Scene& a, const Scene& b) {
   return true;
 }
 
-/// Whether all static geometry consists of the same objects, so that it needs no comparison.
+/// Whether both scenes' static geometry consists of the same objects. If so, it needs no
+/// comparison.
 bool same_statics(const Scene& a, const Scene& b) {
   const auto same_plane = [](const StaticPlane& p, const StaticPlane& q) {
     return same(p.outside, q.outside) && p.material == q.material &&
@@ -84,7 +85,8 @@ bool same_statics(const Scene& a, const Scene& b) {
          std::ranges::equal(a.meshes, b.meshes, same_mesh);
 }
 
-/// Returns, by surface, the control points that may have changed; nothing if all points may have.
+/// Returns each surface's control points that may have changed. Returns nothing if any point may
+/// have changed.
 std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene& before,
                                                                     const Scene& after) {
   std::vector<std::vector<GridIndex>> changed;
@@ -103,8 +105,8 @@ std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene&
   return changed;
 }
 
-/// If a body touches something, its points within this distance of a surface may carry it too, even
-/// without touching.
+/// Points of a body within this distance of a surface may carry it without touching, if the body
+/// touches something elsewhere.
 double near_m(const Scene& scene) {
   double reach_m = 0;
   for (const BodyDescription& body : scene.bodies) {
@@ -114,8 +116,9 @@ double near_m(const Scene& scene) {
   return k_near_corner * reach_m;
 }
 
-/// Region in which a body depends on a control point. It lies over the patches that depend on the
-/// point, and ends `above_m` above all their old and new heights.
+/// Returns the region in which bodies may depend on a control point. The region covers the patches
+/// that depend on the point. The region ends `above_m` above all old and new heights of these
+/// patches.
 Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point, double above_m) {
   double top_m = -std::numeric_limits<double>::infinity();
   for (std::int32_t i = -3; i <= 3; ++i) {
@@ -181,8 +184,8 @@ bool same_piece(const StaticGeometry& a, const StaticGeometry& b, PieceId index)
   return true;
 }
 
-/// Compares static geometry by pieces and features, which finds indirect changes: a moved vertex
-/// changes where its neighbours are touched.
+/// Compares all pieces and features, because some change indirectly: a moved vertex changes the
+/// regions in which its neighbours are touched.
 class PlaceFinder {
  public:
   PlaceFinder(const StaticGeometry& before, const StaticGeometry& after)
@@ -297,8 +300,8 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     changes.laws = true;
     return changes;
   }
-  // If most of the scene has changed, almost nothing can be replayed. In this case, skip the
-  // comparison of features, which takes as long as some simulations.
+  // If most of the scene has changed, almost nothing can be replayed. So skip the comparison of
+  // features, which takes as long as some simulations.
   if (std::ranges::all_of(changes.bodies, [](auto differs) { return differs != 0; }) ||
       most_moved(before, after)) {
     changes.laws = true;
@@ -313,11 +316,12 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     for (const GridIndex point : (*controls)[i])
       over_surfaces.push_back(place_of(before.surfaces[i], after.surfaces[i], point, above_m));
   }
-  // The regions of static features depend on the spheres' sizes.
+  // If shapes changed, compare features too, because their regions depend on the spheres' sizes.
   if (!same_shapes || !same_statics(before, after) || !over_surfaces.empty()) {
     const StaticGeometry old(before);
-    // Two changes count as changed laws: whether spheres can stay on static geometry, and the
-    // number of pieces, because surfaces are numbered after the pieces.
+    // Laws count as changed if spheres can stay on static geometry in only one of the scenes. Laws
+    // also count as changed if the number of pieces differs, because surfaces are numbered after
+    // the pieces.
     changes.laws = (old.feature_count() > 0) != (statics.feature_count() > 0) ||
                    (!after.surfaces.empty() && old.piece_count() != statics.piece_count());
     if (changes.laws) return changes;

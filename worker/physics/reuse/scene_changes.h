@@ -16,8 +16,8 @@
 
 namespace sleight::physics {
 
-/// Where static geometry differs. If a body with a margin of k_touch_m overlaps none of these
-/// places, it meets the same static geometry in both scenes, with the same indices.
+/// Where static geometry differs. If a body, widened by k_touch_m, overlaps none of these places,
+/// it meets the same static geometry, with the same indices, in both scenes.
 struct ChangedPlaces {
   BoxTree boxes;  ///< of changed pieces and features, before and after
   bool has_boxes = false;
@@ -28,20 +28,20 @@ struct ChangedPlaces {
 };
 
 struct SceneChanges {
-  /// Whether everything may differ. This is so if the number of bodies, the laws or the meaning of
-  /// indices changed. It is also so if some bodies start at rest, and these bodies or static
+  /// Whether everything may differ: if the number of bodies, the laws or the meaning of indices
+  /// changed. Everything may also differ if bodies start at rest, and such bodies or static
   /// geometry changed.
   bool laws = false;
   std::vector<std::uint8_t> bodies{};  ///< by body: whether the body or its start has changed
   ChangedPlaces places{};
   std::size_t same_controls =
       0;  ///< number of equal controls before the first difference, in event order
-  /// In neither scene does a changed body or control have an effect before this tick.
+  /// Before this tick, changed bodies and controls have no effect in either scene.
   Tick first = k_never;
 };
 
-/// Compares two scenes. Functions can't be compared. REQUIRES: a body with the same start has the
-/// same `start_again`; `statics` is the geometry of `after`.
+/// Compares two scenes. Functions can't be compared. REQUIRES: bodies with equal starts have equal
+/// `start_again`; `statics` is the geometry of `after`.
 SceneChanges changes_between(const Scene& before, const Scene& after,
                              const StaticGeometry& statics);
 

@@ -24,7 +24,7 @@ std::uint32_t spread(std::uint32_t bits) {
   return (bits | bits << 2) & 0x09249249;
 }
 
-/// Twice the middle of a box along an axis.
+/// Returns twice the middle of a box along an axis.
 float middle(const Box& box, std::size_t axis) {
   return box.low_m[axis] + box.high_m[axis];
 }
@@ -46,7 +46,7 @@ std::vector<Item> coded(std::span<const Box> boxes) {
       high[axis] = std::max(high[axis], middle(box, axis));
     }
   }
-  // All axes share one scale, so that cells are cubes.
+  // Use one scale for all axes, so that cells are cubes.
   const float extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
   const float scale = extent > 0 ? static_cast<float>(k_digits) / extent : 0;
   std::vector<Item> items(boxes.size());
@@ -113,7 +113,8 @@ Box BoxTree::build(std::span<const std::uint32_t> codes, std::uint32_t begin, st
     nodes_[place].begin = begin;
     nodes_[place].end = end;
   } else {
-    // Cut where the highest differing bit changes, or in the middle if all codes are equal.
+    // Some bits differ among the codes: cut where the highest one changes. If all codes are equal,
+    // cut in the middle.
     std::uint32_t cut = begin + (end - begin) / 2;
     if (const std::uint32_t differ = codes[begin] ^ codes[end - 1]; differ != 0) {
       const std::uint32_t bit = std::bit_floor(differ);

@@ -1,11 +1,11 @@
 // A bounding-volume tree over boxes that don't move, for overlap and distance queries.
 //
-// Idea. The boxes are sorted along Morton's space-filling curve by their centres, ten bits per axis
-// (Karras 2012, section 3). The sorted array is cut in two where the highest bit changes,
-// recursively, down to leaves of at most k_leaf boxes. Sorting takes three passes over the boxes,
-// so rebuilding a tree costs less than repairing it. The nodes form one array in depth-first order.
-// Each node stores the index at which a query continues if it misses the node's box, so queries
-// need no stack.
+// Idea. The boxes are sorted by the positions of their centres on Morton's space-filling curve,
+// with ten bits per axis (Karras 2012, section 3). The sorted array is cut in two where the highest
+// bit changes. Each part is cut again, until it has at most k_leaf boxes: it is then a leaf.
+// Sorting takes three passes over the boxes, so rebuilding a tree costs less than repairing it. The
+// nodes form one array in depth-first order. Each node stores the index at which queries continue
+// if they miss the node's box, so queries need no stack.
 //
 // Invariants
 //   1. Each box is in exactly one leaf; a node's box contains the boxes of all leaves below it.
@@ -34,8 +34,8 @@ class BoxTree {
     for_each_that([&](const Box& other) { return meets(other, box); }, visit);
   }
 
-  /// Calls visit(index) for each box within a distance, allowing for rounding. for_each_within
-  /// finds fewer boxes than for_each_overlap with a box widened by the distance.
+  /// Calls visit(index) for each box within a distance, allowing for rounding. Compared with
+  /// for_each_overlap on a widened box, fewer boxes are visited.
   template <class Visit>
   void for_each_within(const Box& box, float distance_m, Visit&& visit) const {
     constexpr float k_rounding = 1 + 0x1p-18F;
@@ -54,8 +54,8 @@ class BoxTree {
     std::uint32_t end = 0;
   };
 
-  /// Equals overlap(), but makes all six comparisons without branches, because no branch predictor
-  /// could guess which comparison fails first.
+  /// Equals overlap(), but makes all six comparisons without branches: the processor couldn't
+  /// predict which one fails first.
   static bool meets(const Box& a, const Box& b) {
     unsigned apart = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -42,7 +42,7 @@ Range range_of(const Line& line, double until_s) {
   return range;
 }
 
-/// Return x rounded outwards by one unit in the float's last place or slightly more.
+/// Round x down or up, by one unit in the float's last place or slightly more.
 float below(double x) {
   return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
 }
@@ -57,13 +57,13 @@ bool holds(double low, double high, double x) {
   return low <= x && x < high;
 }
 
-/// Time at which a coordinate that is between two bounds passes one of them.
+/// Returns the time at which a coordinate passes one of two bounds. It starts between them.
 double leaves_s(const Line& line, double low, double high) {
   return std::min(first_fall_s(std::max(0.0, line.place - low), line.rate, line.bend),
                   first_fall_s(std::max(0.0, high - line.place), -line.rate, -line.bend));
 }
 
-/// Times in ascending order: two crossings for each of four sides, and the end.
+/// Times in ascending order: up to two crossings of each of four sides, and the end.
 struct FewTimes {
   std::array<double, 9> s{};
   std::size_t count = 0;
@@ -88,16 +88,17 @@ void add_crossings(const Line& line, double value, double until_s, FewTimes& tim
   }
   const double discriminant = line.rate * line.rate - 2 * line.bend * excess;
   if (!(discriminant >= 0)) return;
-  // The root of larger magnitude comes first, which avoids cancellation.
+  // Compute the root of larger magnitude first, to avoid cancellation.
   const double sum = -(line.rate + std::copysign(std::sqrt(discriminant), line.rate));
   add(sum / line.bend);
   if (sum != 0) add(2 * excess / sum);
 }
 
-/// Time at which a point first enters a rectangle in which it doesn't start; until_s if it doesn't
-/// enter earlier.
+/// Returns the time at which a point first enters a rectangle, but at most until_s. The point
+/// starts outside.
 double enters_s(const Line& u, const Line& v, const FrictionRectangle& rectangle, double until_s) {
-  // The point crosses no side between two successive times, so testing the middle is enough.
+  // Between two successive times, the point crosses no side. So test whether the point is inside at
+  // their middle.
   FewTimes times;
   add_crossings(u, rectangle.u_min_m, until_s, times);
   add_crossings(u, rectangle.u_max_m, until_s, times);

@@ -1,16 +1,17 @@
-// Friction that varies across a plane, given by rectangles, such as the oil on a bowling lane.
+// Friction that varies across a plane, such as on an oiled bowling lane. Rectangles define it.
 //
-// A rectangle contains the points with u_min <= u < u_max and v_min <= v < v_max, where u and v are
-// coordinates along two axes of the plane. If rectangles overlap, the later one applies, as if
-// painted over the earlier one. Outside all rectangles, the friction of the scene's contact table
-// applies.
+// The coordinates u and v are along two axes of the plane. A rectangle contains the points with
+// u_min <= u < u_max and v_min <= v < v_max. If rectangles overlap, the later one applies, as if
+// painted over the earlier one. Outside all rectangles, the scene's contact table gives the
+// friction.
 //
 // Idea. A body that slides or rolls on one plane moves along a parabola as long as its friction
 // stays constant. The parabola crosses the sides of a rectangle at roots of quadratic equations. A
-// tree of boxes finds the rectangles that the path may enter before it leaves the current one.
+// tree of boxes finds the rectangles that the path may enter before it leaves its current
+// rectangle.
 //
-// Invariant: one rectangle applies for border_s from a path's start, except for rounding. Thread
-// safety: const functions may run concurrently.
+// Invariant: from a path's start, one rectangle applies for the time border_s, except for rounding.
+// Thread safety: const functions may run concurrently.
 #pragma once
 
 #include <cstddef>
@@ -57,7 +58,7 @@ class FrictionMap {
 
   /// Returns nothing if no rectangle contains the point.
   std::optional<double> friction_at(const Vec3& point_m) const;
-  /// Time until the applicable rectangle changes; most_s if that happens later.
+  /// Returns the time until the applicable rectangle changes, but at most most_s.
   double border_s(const MapPath& path, double most_s) const;
 
   const MapFrame& frame() const { return frame_; }
@@ -70,7 +71,7 @@ class FrictionMap {
   };
   FrictionMap(const MapFrame& frame, std::vector<FrictionRectangle> rectangles);
   Plane2 coordinates(const Vec3& vector) const;
-  /// Index of the last rectangle at a point, plus 1; 0 if there is none.
+  /// Returns 1 plus the index of the last rectangle that contains a point; 0 if none does.
   std::size_t count_at(const Plane2& place) const;
 
   MapFrame frame_;

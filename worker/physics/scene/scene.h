@@ -31,8 +31,9 @@ struct Sphere {
   double radius_m = 0;
 };
 
-/// A ball, or convex parts in the body's frame: origin at the centre of mass, principal axes along
-/// x, y and z (see mass_properties.h). Bodies of the same shape share their parts.
+/// A ball, or convex parts in the body's frame. The body's frame has the centre of mass as origin
+/// and the principal axes as x, y and z (mass_properties.h). Bodies of the same shape share their
+/// parts.
 using Shape = std::variant<Sphere, std::shared_ptr<const Compound>>;
 
 struct StartState {
@@ -47,15 +48,14 @@ struct BodyDescription {
   MaterialId material{};
   Tick start_tick{};
   StartState start;
-  /// Returns an alternative start if the body would overlap something at `start`, for attempt 1, 2,
-  /// ... up to k_start_attempts_max. The result must depend only on the attempt. Without this
-  /// function, an overlap is an error.
+  /// If the body would overlap something at `start`, this function returns another start. Attempts
+  /// are 1, 2, ... up to k_start_attempts_max. The result must depend only on the attempt. If the
+  /// function isn't set, an overlap is an error.
   std::function<StartState(std::uint32_t attempt)> start_again{};
   /// The body starts at rest on what it touches, as a bowling pin or a stone in an arch does.
   /// REQUIRES: start_tick is 0, velocities are 0, the gaps to its supporters are at most
-  /// k_at_rest_gap_m, and SlowContacts lets bodies rest. If contact forces can't hold all connected
-  /// bodies that start at rest, the scene is refused. An impact or a moving supporter wakes the
-  /// body.
+  /// k_at_rest_gap_m, and SlowContacts lets bodies rest. The scene is refused if contact forces
+  /// can't hold all bodies that start at rest. An impact or a moving supporter wakes the body.
   bool rests = false;
 };
 
@@ -64,8 +64,8 @@ struct StaticPlane {
   std::string name;
   HalfSpace outside;
   MaterialId material{};
-  /// Friction that varies with position and overrides the contact table's. Scenes with the same
-  /// plane share the map.
+  /// Varies with position, and replaces the contact table's friction. Scenes with the same plane
+  /// share the map.
   std::shared_ptr<const FrictionMap> friction_map{};
 };
 
@@ -75,9 +75,8 @@ struct StaticConvex {
   MaterialId material{};
 };
 
-/// A triangle surface that doesn't move. A closed mesh is solid on the side that its triangle
-/// normals point away from. An open mesh is a sheet of zero thickness that bodies meet from both
-/// sides.
+/// A triangle surface that doesn't move. The normals of a closed mesh point away from the solid. An
+/// open mesh is a sheet of zero thickness; bodies meet it from both sides.
 struct StaticMesh {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  ///< in the world's frame
@@ -87,21 +86,22 @@ struct StaticMesh {
   double slack_m = 0;
 };
 
-/// How the simulator ends series of ever slower contacts. If all values are 0, such series never
-/// end, as in a gas.
+/// Limits that end series of ever slower contacts. If all are 0, such series never end, as in a
+/// gas.
 struct SlowContacts {
-  /// Minimum separation speed of a pair after an impact, if its energy allows (restitution.h). A
-  /// body in contact with another bounces at about this speed, a few micrometres high.
+  /// Minimum separation speed of a pair after an impact, if the pair's energy allows it
+  /// (restitution.h). If a body lies on another, it bounces at about this speed, a few micrometres
+  /// high.
   double separation_speed_mps = 0;
-  /// A body comes to rest if it was slower than this speed for `rest_time_s` and touched only
-  /// static geometry, resting bodies, and bodies that were as slow. 0: bodies don't rest.
+  /// To come to rest, a body must be slower than this for `rest_time_s`. Meanwhile the body must
+  /// touch only static geometry, resting bodies, and bodies that are as slow. 0: bodies don't rest.
   double rest_speed_mps = 0;
   double rest_time_s = 0;
 };
 
 /// Returns limits for bodies of size L. With v = sqrt(g L) and t = sqrt(L / g), bodies separate at
-/// 0.01 v or more. They rest after being slower than 0.08 v for a time of 0.1 t. A fall by L / 2
-/// takes the time t and reaches the speed v.
+/// 0.01 v or more. Bodies rest after being slower than 0.08 v for a time of 0.1 t. If a body falls
+/// by L / 2, this takes the time t, and its speed becomes v.
 inline SlowContacts slow_contacts_of(double size_m, double gravity_mps2) {
   const double fall_mps = std::sqrt(gravity_mps2 * size_m);
   return {.separation_speed_mps = 0.01 * fall_mps,
@@ -111,15 +111,15 @@ inline SlowContacts slow_contacts_of(double size_m, double gravity_mps2) {
 
 /// Returns limits for heaps, walls and bumpy tables, where bodies tumble, rock and creep in many
 /// small bounces. The separation speed is three times that of slow_contacts_of: bounces are 7
-/// micrometres high for a die of 16 mm. A heap then has half as many events, and a cube comes to
-/// rest tilted by up to 3e-3 rad instead of 1e-3.
+/// micrometres high for a die of 16 mm. A heap has half as many events as with slow_contacts_of.
+/// But a cube comes to rest tilted by up to 3e-3 rad instead of 1e-3.
 inline SlowContacts coarse_slow_contacts_of(double size_m, double gravity_mps2) {
   SlowContacts slow = slow_contacts_of(size_m, gravity_mps2);
   slow.separation_speed_mps *= 3;
   return slow;
 }
 
-/// A jump of a body's velocities that a user or a script causes.
+/// A sudden change of a body's velocities, made by a user or a script.
 struct Control {
   Tick tick{};
   BodyId body{};
@@ -136,12 +136,14 @@ struct Scene {
   ContactTable contacts;
   SlowContacts slow;
   Vec3 gravity_mps2 = Vec3::Zero();
-  /// Period of space along each axis; 0 for an axis without a period. REQUIRES: no static geometry.
+  /// Space repeats with this period along each axis; 0: it doesn't repeat. REQUIRES: no static
+  /// geometry.
   std::array<double, 3> period_m{};
   std::vector<Control> controls;  ///< in any order; controls of one tick apply in the order given
 };
 
-/// Why a scene can't be simulated, or why a simulation stopped. The message names the body.
+/// The reason why a scene can't be simulated, or why a simulation stopped. The message names the
+/// body.
 struct SceneError {
   enum class Kind : std::uint8_t {
     // Errors in the scene.
@@ -151,8 +153,8 @@ struct SceneError {
     bad_reference,  ///< a material or a body that doesn't exist
     no_balance,     ///< contact forces can't hold a body that starts at rest
     overlap,        ///< at the start, after all attempts
-    // Failures of the simulator with a valid scene. Such failures are bugs; simulating the scene
-    // again reproduces them.
+    // The scene is valid, but the simulator failed. Such a failure is a bug; simulating the scene
+    // again reproduces it.
     search_gave_up,       ///< a collision search examined too many ticks
     too_many_collisions,  ///< of one body, at one tick or in a millisecond
     impact_unresolved,    ///< no impulse was found

@@ -18,8 +18,8 @@ bool inside(const ConvexPolyhedron& polyhedron, const Vec3& point_m) {
   });
 }
 
-/// Winding number of a closed mesh around a point, from the solid angles of its triangles (van
-/// Oosterom and Strackee 1983, equation 8).
+/// Returns the winding number of a closed mesh around a point. Adds the solid angles of the mesh's
+/// triangles (van Oosterom and Strackee 1983, equation 8).
 double turns_around(const TriangleMesh& mesh, const Vec3& point_m) {
   double angle = 0;
   for (const TriangleCorners& corners : mesh.triangles()) {
@@ -121,7 +121,8 @@ void StaticGeometry::assign(const Scene& scene) {
   piece_tree_ = BoxTree(piece_boxes_);
 }
 
-/// Builds the tree over features that can be met now or after vertices move within the slack.
+/// Builds the tree of all features that can be met, now or after vertices have moved within the
+/// slack.
 void StaticGeometry::plant_feature_tree() {
   in_feature_tree_.clear();
   tree_boxes_.clear();
@@ -166,7 +167,7 @@ StaticGeometry::Margins StaticGeometry::margins_of(std::span<const Vec3> vertice
   for (const Vec3& v : vertices_m)
     size_m = std::max({size_m, std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
   const double border_m = k_rounding_ulps * size_m;
-  // `flat_m` bounds the distance between the prisms of two faces that are flat to k_mesh_flat_sine.
+  // If two faces are flat to k_mesh_flat_sine, `flat_m` bounds the distance between their prisms.
   return {.border_m = border_m, .flat_m = border_m + 4 * k_mesh_flat_sine * radius_m_max_};
 }
 
@@ -282,7 +283,8 @@ void StaticGeometry::add_features(const ConvexView& view, StaticOwner owner) {
   for (std::uint16_t v = 0; v < view.vertex_count; ++v) {
     const std::uint32_t first = side_count();
     for (std::uint16_t i = view.ring_first[v]; i < view.ring_first[v + 1]; ++i) {
-      // Both regions use the edge's own direction, so that rounding can't put a point outside both.
+      // Use the edge's own direction, as its region does, so that rounding can't put a point
+      // outside both regions.
       const Edge& edge = view.edges[view.ring_edges[i]];
       const Vec3 direction = direction_of(edge);
       const double offset_m = math::dot(direction, vertices_m[v]);
@@ -322,7 +324,7 @@ CentreRange::CentreRange(const Box& box, double radius_m) : reach_m(radius_m + k
 }
 
 bool reaches(const HalfSpace& outside, const Box& box) {
-  // Find the deepest corner and an error bound for its depth.
+  // Find the deepest corner, and bound the error of its depth.
   double deepest_m = -outside.offset_m;
   double size_m = std::fabs(outside.offset_m);
   for (int i = 0; i < 3; ++i) {

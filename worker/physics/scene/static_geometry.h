@@ -1,29 +1,30 @@
-// Static geometry as bodies meet it, and queries for its parts near a box.
+// Static geometry in the form in which bodies meet it. Queries find the parts near a box.
 //
 // Idea. Spheres meet features: faces, edges and vertices, each with its region (sphere_search.h).
 // Bodies made of convex parts meet convex pieces: half-spaces, polyhedra and triangles
 // (convex_search.h). Each plane is both a feature and a piece, with the same index.
 //
 // A sphere touches the feature that contains the point closest to the sphere's centre. So a face's
-// region is the prism above the face. An edge's region is between its ends and outside the prisms
-// of its faces. A vertex's region is beyond the ends of all its edges. A closed mesh is met from
-// outside. Concave and flat edges of a closed mesh are left out, because a sphere touches their
-// faces first. An open mesh is a sheet that is met from both sides: each triangle counts as two
-// faces, back to back. An edge that is concave from one side of a sheet is met from the other side,
-// so only flat edges are left out. One region serves both sides of a sheet's edge: of the two
-// wedges between the adjacent prisms, the region is the wedge on the convex side.
+// region is the prism above the face. An edge's region is between the edge's ends and outside the
+// prisms of its faces. A vertex's region is beyond the ends of all its edges. Spheres meet a closed
+// mesh from outside. A closed mesh's concave and flat edges are left out, because a sphere touches
+// the adjacent faces first. Spheres meet an open mesh, a sheet, from both sides: each triangle
+// counts as two faces, back to back. If a sheet's edge is concave from one side, it is met from the
+// other side; so only flat edges are left out. A sheet's edge has one region for both sides: the
+// wedge between the adjacent prisms on the convex side.
 //
 // Invariants
-//   1. Planes come first, then features of convexes, then features of meshes. Each mesh has its
-//      faces (a sheet has each face twice), then its edges, then its vertices, in the mesh's order.
-//      A feature that can't be met has an empty region, so indices stay the same when vertices
-//      move.
+//   1. Planes come first, then features of convexes, then features of meshes. Each mesh's features
+//      are its faces (a sheet has each face twice), then its edges, then its vertices, in the
+//      mesh's order. Features that can't be met stay in the list with an empty region, so indices
+//      stay the same when vertices move.
 //   2. Every point outside the solids is in the region of the feature closest to the point.
-//      Adjacent regions have bitwise equal borders; regions of faces and vertices extend over their
-//      borders by a few rounding errors, so that no sphere slips through a crack of that width.
-//      Where two regions overlap, their gaps and normals agree to rounding.
+//      Adjacent regions have bitwise equal borders. Regions of faces and vertices extend over them
+//      by a few rounding errors, so that no sphere slips through between two regions. Where two
+//      regions overlap, their gaps and normals agree to rounding.
 //   3. Features exist only if some body is a sphere, and convex pieces only if some body is not a
-// sphere. Building takes about 35 ns per feature and 130 ns per triangle stored as a piece. A
+//      sphere.
+// Building takes about 35 ns per feature, and 130 ns per triangle if triangles are pieces. A
 // refresh takes about 20 ns per feature around the moved vertices. Thread safety: const functions
 // may run concurrently.
 #pragma once
@@ -47,10 +48,11 @@
 
 namespace sleight::physics {
 
-/// Whether any point of the box is inside the solid below the plane.
+/// Returns whether the box reaches below the plane, into the solid.
 bool reaches(const HalfSpace& outside, const Box& box);
 
-/// Returns a name for error messages, such as "plane 'floor'", or "plane 0" without a name.
+/// Returns a name for error messages, such as "plane 'floor'". If `given` is empty, uses the index:
+/// "plane 0".
 std::string name_of_static(std::string_view kind, const std::string& given, std::size_t index);
 
 struct StaticOwner {
@@ -58,8 +60,8 @@ struct StaticOwner {
   MaterialId material{};
 };
 
-/// Possible positions of a sphere's centre while the sphere stays in a box. Queries extend this
-/// range by k_touch_m on all sides to cover rounding.
+/// The positions that a sphere's centre can have while the sphere stays in a box. Queries extend
+/// this range by k_touch_m on all sides to cover rounding.
 struct CentreRange {
   CentreRange(const Box& box, double radius_m);
   Vec3 middle_m;
@@ -79,7 +81,7 @@ class StaticGeometry {
   /// Shares the scene's polyhedra and meshes. REQUIRES: error_of(scene) has none.
   explicit StaticGeometry(const Scene& scene) { assign(scene); }
   /// Makes this object equal to a newly built one, but reuses its memory. Reusing memory is several
-  /// times faster on systems that allocate and free memory page by page.
+  /// times faster if the system allocates and frees memory page by page.
   void assign(const Scene& scene);
   /// Updates a mesh (by its index in the scene) after its last move of vertices. After refresh(),
   /// this object equals newly built geometry. REQUIRES: only spheres meet the geometry.
@@ -102,29 +104,29 @@ class StaticGeometry {
     return std::span(sides_).subspan(feature.regions_begin,
                                      feature.regions_end - feature.regions_begin);
   }
-  /// Whether no sphere can meet the feature, given the current vertices of its mesh.
+  /// Whether no sphere can meet the feature at the current positions of its mesh's vertices.
   bool is_absent(FeatureId index) const { return is_absent(features_[index]); }
   static bool is_absent(const SphereFeature& feature) {
     return feature.regions_end == k_nothing + 1;
   }
-  /// Bounding box of a feature, including all vertex positions within its mesh's slack. REQUIRES:
-  /// the feature is not a plane.
+  /// Bounding box of a feature. The box also contains the feature after vertices have moved within
+  /// the slack. REQUIRES: the feature is not a plane.
   const Box& feature_box(FeatureId index) const { return feature_boxes_[index - plane_count_]; }
-  /// Number of times that refresh() has rebuilt feature boxes because a vertex left its slack.
+  /// Counts how often refresh() rebuilt feature boxes because a vertex had left its slack.
   std::uint64_t boxes_made() const { return boxes_made_; }
   /// Features that the last refresh rewrote; some may be listed twice.
   std::span<const FeatureId> refreshed() const { return refreshed_; }
-  /// The features and edges of a mesh that can change when one vertex moves, as long as border_m
-  /// stays the same. If border_m changes, the whole mesh changes.
+  /// If one vertex moves and border_m stays the same, only these features and edges of the mesh can
+  /// change. If border_m changes, all can.
   struct About {
     std::vector<FeatureId> features;  ///< features that depend on the vertex
-    /// Faces that don't depend on the vertex but are adjacent to faces that do. The region of such
-    /// a face changes only if the edge to its neighbour becomes flat or stops being flat.
+    /// Faces that don't depend on the vertex but are adjacent to faces that depend on it. Such a
+    /// face's region changes only if the edge in between becomes flat or stops being flat.
     std::vector<FeatureId> beside;
     std::vector<std::uint32_t> edges;  ///< mesh edges that can change
   };
   About about(std::size_t mesh, std::uint32_t vertex) const;
-  /// Width by which a mesh's regions extend over their borders: the rounding error at the mesh's
+  /// Returns how far a mesh's regions extend over their borders: the rounding error at the mesh's
   /// greatest coordinate.
   double border_m(std::size_t mesh) const { return meshes_[mesh].margins.border_m; }
   const HalfSpace& plane(PieceId index) const { return planes_[index]; }
@@ -151,15 +153,14 @@ class StaticGeometry {
     return names_[piece_owners_[index].name];
   }
 
-  /// Appends the indices of the features that a sphere of this radius may meet while its centre
-  /// stays in a box, in ascending order.
+  /// Appends, in ascending order, the features that a sphere may meet while it stays in a box.
   void features_near(const Box& box, double radius_m, std::vector<StaticId>& found) const;
   /// Appends the pieces that overlap a box, in ascending order.
   void pieces_near(const Box& box, std::vector<StaticId>& found) const;
 
-  /// Whether a sphere may meet a feature: its centre can enter the feature's region and come close
-  /// enough. Inline for speed, since the simulator calls may_meet for each feature near each new
-  /// box.
+  /// Whether a sphere may meet a feature: whether its centre can enter the feature's region and
+  /// come close enough. Inline for speed, since the simulator calls may_meet for each feature near
+  /// each new box.
   bool may_meet(FeatureId index, const CentreRange& centre) const {
     const SphereFeature& one = features_[index];
     const Vec3 from = centre.middle_m - one.point_m;
@@ -182,18 +183,19 @@ class StaticGeometry {
   }
 
   /// Returns the name of the solid that contains a point: a plane's lower side, a polyhedron or a
-  /// closed mesh. Returns null if no solid contains the point. solid_at() detects bodies that start
-  /// wholly inside a solid, where they touch no feature of its surface. The answer is exact except
-  /// for points within a rounding error of a surface. solid_at() costs about 60 ns per triangle of
-  /// each closed mesh whose box contains the point.
+  /// closed mesh. Returns null if no solid contains the point. So a body is detected that starts
+  /// wholly inside a solid and touches no feature of its surface. The answer is exact except for
+  /// points within a rounding error of a surface. Cost: about 60 ns per triangle, for closed meshes
+  /// whose box contains the point.
   const std::string* solid_at(const Vec3& point_m) const;
 
  private:
-  /// Index of the first side, which is never satisfied: a region with this single side is empty.
+  /// Index of the first side. No point satisfies this side, so a region that has only this side is
+  /// empty.
   static constexpr std::uint32_t k_nothing = 0;
 
   struct Sizes;
-  /// Widths by which regions of faces and vertices extend over their borders.
+  /// How far the regions of faces and vertices extend over their borders.
   struct Margins {
     double border_m = 0;
     double flat_m = 0;  ///< over edges that count as flat but may not be quite flat
@@ -216,9 +218,9 @@ class StaticGeometry {
     std::uint32_t first_face = 0, first_edge = 0, first_vertex = 0;
     std::uint32_t face_sides = 0, edge_sides = 0;
     std::vector<std::uint32_t> vertex_sides{};  ///< the sides of vertex v are [v] to [v + 1]
-    /// By triangle: the width by which its region extends over each of its borders.
+    /// By triangle: how far its region extends over each of its three borders.
     std::vector<std::array<double, 3>> face_margins_m{};
-    /// By edge: the indices of its two sides in the regions of its end vertices.
+    /// By edge: the indices of its two sides. Each is in the region of one end vertex.
     std::vector<std::array<std::uint32_t, 2>> end_sides{};
     bool keeps_side = false;  ///< no move within the slack turns the mesh inside out
   };

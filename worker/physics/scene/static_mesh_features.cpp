@@ -12,7 +12,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Whether a sphere can touch the edge itself rather than an adjacent face.
+/// Whether a sphere can touch the edge before it touches an adjacent face.
 bool is_met(const MeshEdge& edge, bool closed) {
   return closed ? edge.kind == EdgeKind::convex : edge.kind != EdgeKind::flat;
 }
@@ -29,8 +29,8 @@ void StaticGeometry::add_features(const StaticMesh& placed, StaticOwner owner) {
                   .closed = is_closed(mesh),
                   .slack_m = placed.slack_m,
                   .margins = margins_of(mesh.vertices_m())};
-  // Reserve the maximum number of sides: each face has three borders and its own plane, each edge
-  // two ends and two faces, each vertex one side per edge.
+  // Reserve the maximum number of sides. A face has three borders and its own plane. An edge has
+  // two ends and two faces. A vertex has one side per edge.
   const std::uint32_t faces = place.closed ? triangles : 2 * triangles;
   place.first_face = feature_count();
   place.first_edge = place.first_face + faces;
@@ -131,8 +131,8 @@ void StaticGeometry::refresh(std::size_t index) {
 /// Rewrites the features that the mesh's last move changed.
 void StaticGeometry::write_moved(MeshPlace& place) {
   const TriangleMesh& mesh = *place.mesh;
-  // A face's margin depends on which of its edges are flat, so faces at edges that became flat or
-  // stopped being flat are rewritten too.
+  // A face's margin depends on which of its edges are flat. So if an edge became flat or stopped
+  // being flat, rewrite its faces too.
   beside_.clear();
   for (const std::uint32_t e : mesh.flat_changes()) {
     for (const std::uint32_t t : mesh.edges()[e].triangle) {
@@ -201,10 +201,10 @@ void StaticGeometry::write_margins(MeshPlace& place, std::uint32_t triangle) con
   }
 }
 
-// The loops below load array addresses once, because the compiler can't prove that the writes leave
-// these addresses unchanged.
+// The functions below load array addresses once, before their loops. The compiler can't prove that
+// the loops' writes leave the addresses unchanged.
 
-/// Writes the regions of faces, on both sides for a sheet.
+/// Writes the regions of faces. A sheet's faces have a region on each side.
 void StaticGeometry::write_faces(const MeshPlace& place, std::span<const std::uint32_t> triangles) {
   const Vec3* const vertices_m = place.mesh->vertices_m().data();
   const TriangleCorners* const corners = place.mesh->triangles().data();
@@ -233,8 +233,8 @@ void StaticGeometry::write_faces(const MeshPlace& place, std::span<const std::ui
   }
 }
 
-/// Writes the regions of edges, and the sides that edges contribute to the regions of their end
-/// vertices.
+/// Writes the regions of edges. Each edge also is a side of its end vertices' regions; writes these
+/// sides too.
 void StaticGeometry::write_edges(const MeshPlace& place, std::span<const std::uint32_t> numbers) {
   const Vec3* const vertices_m = place.mesh->vertices_m().data();
   const MeshFace* const faces = place.mesh->faces().data();
@@ -252,7 +252,8 @@ void StaticGeometry::write_edges(const MeshPlace& place, std::span<const std::ui
     const Vec3 back = -direction;
     const double start = math::dot(direction, edge.start_m);
     const double end = math::dot(direction, vertices_m[edge.vertex[1]]);
-    // Both regions use the edge's own direction, so that rounding can't put a point outside both.
+    // Use the edge's own direction, as its region does, so that rounding can't put a point outside
+    // both regions.
     HalfSpace& at_start = all_sides[end_sides[number][0]].space;
     HalfSpace& at_end = all_sides[end_sides[number][1]].space;
     at_start.normal = back;
@@ -285,8 +286,8 @@ void StaticGeometry::write_edges(const MeshPlace& place, std::span<const std::ui
   }
 }
 
-/// Writes vertices. A vertex's region is empty if no edge at the vertex is met. write_edges has
-/// already written the sides of the region, one per edge.
+/// Writes vertices. If no edge at a vertex can be met, the vertex's region is empty. Otherwise
+/// write_edges has already written the region's sides, one per edge.
 void StaticGeometry::write_vertices(const MeshPlace& place,
                                     std::span<const std::uint32_t> vertices) {
   const TriangleMesh& mesh = *place.mesh;

@@ -14,7 +14,7 @@
 
 namespace sleight::physics {
 
-/// Box around a point, rounded outwards and widened to include touches.
+/// Returns a box around a point, rounded outwards and widened by the distance of a touch.
 inline Box box_around(const Vec3& point_m) {
   Box box;
   for (int i = 0; i < 3; ++i) {
@@ -62,7 +62,7 @@ inline RegionSide open_side(const Vec3& normal, double offset_m) {
   return {.space = {normal, offset_m}, .strict = true};
 }
 
-/// Makes a closed side, lowered by a margin.
+/// Makes a closed side; the margin extends the region over its border.
 inline RegionSide closed_side(const Vec3& normal, double offset_m, double margin_m) {
   return {.space = {normal, offset_m - margin_m}, .strict = false};
 }
@@ -72,8 +72,7 @@ inline bool is_closed(const TriangleMesh& mesh) {
                               [](const MeshEdge& edge) { return edge.kind == EdgeKind::boundary; });
 }
 
-/// Whether the normals of a closed mesh point inwards: the mesh is then a cavity in an infinite
-/// solid.
+/// Whether a closed mesh's normals point inwards. The mesh is then a cavity in an infinite solid.
 inline bool is_hollow(const TriangleMesh& mesh) {
   double volume = 0;
   for (const TriangleCorners& corners : mesh.triangles()) {
@@ -84,11 +83,11 @@ inline bool is_hollow(const TriangleMesh& mesh) {
   return volume < 0;
 }
 
-/// Returns whether a closed mesh stays hollow (or solid) if each vertex coordinate moves by at most
-/// slack_m.
+/// Returns whether a closed mesh stays hollow or stays solid, however its vertices move. Each
+/// coordinate moves by at most slack_m.
 inline bool keeps_side(const TriangleMesh& mesh, double slack_m) {
-  // When one vertex moves, the volume changes by at most a third of the distance times the area of
-  // the triangles at the vertex. No edge grows by more than the distances that its two ends move.
+  // When one vertex moves by d, the volume changes by at most d / 3 times the area of the triangles
+  // at the vertex. An edge grows by at most the sum of the distances that its two ends move.
   const double way_m = std::sqrt(3) * slack_m;
   double volume = 0;
   double change = 0;

@@ -21,11 +21,11 @@ struct SurfaceLaw {
   double rolling_friction = 0;  ///< rolling deceleration of a sphere / normal acceleration, >= 0
 };
 
-/// A law for each pair of materials, independent of their order.
+/// Has a law for each pair of materials, in either order.
 class ContactTable {
  public:
   ContactTable() : ContactTable(1) {}
-  /// A table in which all pairs of materials follow the same law.
+  /// Makes a table with the same law for all pairs of materials.
   explicit ContactTable(std::size_t materials, const SurfaceLaw& law = {})
       : materials_(materials), laws_(materials * materials, law) {}
 

@@ -25,10 +25,10 @@ struct Triangle {
   std::array<std::uint16_t, 3> v{};
 };
 
-// Returns the exact sign of det(b - a, c - a, p - a). A positive sign means that p is above the
-// triangle: on the side from which the triangle looks anticlockwise. The 2x2 minors have at most
-// 108 bits. Each minor is split into a high part and 56 low bits, so that every sum below fits into
-// 127 bits.
+// Returns the exact sign of det(b - a, c - a, p - a). If the sign is positive, p is above the
+// triangle: on the side from which the corners run anticlockwise. The 2x2 minors have at most 108
+// bits. Each minor is split into a high part and 56 low bits, so that every sum below fits into 127
+// bits.
 int side_of(const Grid& a, const Grid& b, const Grid& c, const Grid& p) {
   std::array<std::int64_t, 3> u{}, v{}, w{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -61,7 +61,7 @@ struct Hull {
   std::vector<Triangle> triangles;
 };
 
-// Rounds points to the grid, leaving out points within the tolerance of an earlier point.
+// Rounds points to the grid. Omits each point that is within the tolerance of an earlier point.
 std::optional<ShapeError> take_points(std::span<const Vec3> points_m, Hull& hull) {
   using Kind = ShapeError::Kind;
   if (points_m.size() < 4)
@@ -83,7 +83,7 @@ std::optional<ShapeError> take_points(std::span<const Vec3> points_m, Hull& hull
   }
   for (int axis = 0; axis < 3; ++axis)
     hull.extent_m = std::max(hull.extent_m, high[axis] - low[axis]);
-  // Far from the origin, the spacing of doubles contributes to the tolerance.
+  // If points are far from the origin, the spacing of doubles increases the tolerance.
   hull.tolerance_m = k_hull_coplanar * hull.extent_m + 8 * 0x1p-52 * largest;
   if (!(hull.extent_m > 1e-60) || hull.tolerance_m > 1e-3 * k_hull_flat * hull.extent_m)
     return ShapeError{.kind = Kind::flat};
@@ -119,7 +119,7 @@ std::size_t furthest(const std::vector<Vec3>& points, const Measure& measure) {
   return best;
 }
 
-// Finds a first tetrahedron that is as thick as the points allow, up to a small factor.
+// Finds a first tetrahedron. The tetrahedron is as thick as the points allow, up to a small factor.
 std::optional<ShapeError> take_tetrahedron(Hull& hull, std::array<std::uint16_t, 4>& corner) {
   const auto& p = hull.points_m;
   const std::size_t i0 = furthest(p, [&](const Vec3& q) { return norm(q - p[0]); });
@@ -145,10 +145,11 @@ std::optional<ShapeError> take_tetrahedron(Hull& hull, std::array<std::uint16_t,
   return std::nullopt;
 }
 
-// Adds the points one by one. Triangles that see the point from strictly above are replaced by
-// triangles from the region's rim to the point. A point in a triangle's plane does not see it, so
-// coplanar triangles are seen together or not at all. The region is therefore a disc. No side of
-// the rim is collinear with the point, because the side's inner triangle sees the point strictly.
+// Adds the points one by one. A triangle sees a point that is strictly above it. The triangles that
+// see the new point form a region. Triangles from the region's rim to the point replace this
+// region. A triangle doesn't see a point in its own plane, so coplanar triangles see the point
+// together or not at all. The region is therefore a disc. No side of the rim is collinear with the
+// point, because a triangle at this side sees the point.
 void add_points(Hull& hull, const std::array<std::uint16_t, 4>& corner) {
   std::vector<Triangle> kept;
   std::vector<std::pair<std::uint16_t, std::uint16_t>> rim;
@@ -206,8 +207,8 @@ Neighbours neighbours_of(const std::vector<Triangle>& triangles) {
   return result;
 }
 
-// Returns each triangle's face number. Starting from the largest triangle, a face grows over
-// neighbours whose corners are in its plane.
+// Returns each triangle's face number. A face starts with the largest triangle that has no face
+// yet. The face grows over neighbours whose corners are in this triangle's plane.
 std::vector<std::uint32_t> merge(const Hull& hull, const Neighbours& neighbours,
                                  std::uint32_t& count) {
   constexpr std::uint32_t k_none = UINT32_MAX;
@@ -230,8 +231,8 @@ std::vector<std::uint32_t> merge(const Hull& hull, const Neighbours& neighbours,
     if (face[seed] != k_none) continue;
     face[seed] = count;
     const Vec3 anchor = hull.points_m[triangles[seed].v[0]];
-    // A sliver has no reliable plane. The sliver stays a face of its own; if that is wrong, the
-    // checks below fail.
+    // A sliver has no reliable plane, so it doesn't grow and stays a face of its own. If this is
+    // wrong, the checks below fail.
     const bool grows = area[seed] > hull.tolerance_m * hull.tolerance_m;
     const Vec3 unit = grows ? Vec3(normal[seed] / area[seed]) : Vec3(Vec3::Zero());
     if (grows) open.push_back(seed);
@@ -254,8 +255,8 @@ std::vector<std::uint32_t> merge(const Hull& hull, const Neighbours& neighbours,
   return face;
 }
 
-// Returns the faces' loops over vertices shared by at least three faces; empty if they aren't
-// closed.
+// Returns each face's loop of vertices. Uses only vertices that at least three faces share. Empty
+// if the loops aren't closed.
 std::vector<std::vector<std::uint16_t>> loops_of(const Hull& hull, const Neighbours& neighbours,
                                                  const std::vector<std::uint32_t>& face,
                                                  std::uint32_t count, std::vector<bool>& corner) {
@@ -332,7 +333,7 @@ bool wide(const std::vector<std::vector<std::uint16_t>>& loops, const Hull& hull
   });
 }
 
-// Returns whether every point is below every face, and every corner of a face is inside its other
+// Returns whether every point is below every face, and each face's corners are inside all its
 // sides. The second condition may fail at sides as short as the tolerance, because their directions
 // are arbitrary.
 bool sound(const ConvexPolyhedron& polyhedron, const Hull& hull) {

@@ -78,7 +78,7 @@ void ConvexPolyhedron::add_face(std::span<const std::uint16_t> loop,
 }
 
 void ConvexPolyhedron::join_sides(std::vector<DirectedEdge>& directed) {
-  // Sort by the lower, then the higher vertex, so that a side is next to its opposite.
+  // Sort by the lower, then the higher vertex, so that opposite sides are neighbours.
   std::sort(directed.begin(), directed.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
     const auto low_a = std::min(a.from, a.to), low_b = std::min(b.from, b.to);
     const auto high_a = std::max(a.from, a.to), high_b = std::max(b.from, b.to);
@@ -140,7 +140,7 @@ void ConvexPolyhedron::index_rings() {
   }
   for (std::size_t v = 1; v < ring_first_.size(); ++v)
     ring_first_[v] = static_cast<std::uint16_t>(ring_first_[v] + ring_first_[v - 1]);
-  // A vertex has as many faces as edges, so both share ring_first_.
+  // A vertex has as many faces as edges, so ring_first_ applies to both.
   ring_faces_.assign(ring_vertices_.size(), 0);
   std::vector<std::uint16_t> used(vertices_m_.size(), 0);
   for (std::size_t f = 0; f < faces_.size(); ++f) {

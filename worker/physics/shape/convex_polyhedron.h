@@ -1,25 +1,27 @@
-// Convex polyhedra: vertices, faces, edges, and the data that distances and masses need.
+// Convex polyhedra: vertices, faces and edges, and derived data for computing distances and masses.
 //
 // Idea. A ConvexPolyhedron is the convex hull of a set of points. A polyhedron is built once and
 // read many times, so all derived data are stored in flat arrays. Outward planes and the sides'
 // inward normals show whether a point is above a face. To find the furthest vertex in a direction,
-// algorithms climb from vertex to neighbour, or scan the coordinates, which are stored by axis.
+// algorithms climb from vertex to neighbour, or scan all coordinates. For scans, coordinates are
+// stored by axis.
 //
-// The hull is exact on a grid of 2^-52 of the extent (the longest side of the bounding box). Points
-// are rounded to the grid, and the sign of every volume is computed exactly in integers, so
-// rounding never misleads the construction. Triangles then merge into one polygon if their corners
-// are near the plane of the largest triangle, within k_hull_coplanar times the extent. The vertices
-// keep the given coordinates, bit for bit.
+// The extent is the longest side of the bounding box. Points are rounded to a grid with a spacing
+// of 2^-52 of the extent. The hull of the rounded points is exact: the sign of every volume is
+// computed in integers. Then triangles merge into one polygon if their corners are within
+// k_hull_coplanar times the extent of the largest triangle's plane. The vertices keep the given
+// coordinates, bit for bit.
 //
 // Invariants
-//   1. Vertices are in the order of the given points. Points inside the hull, a face or an edge, or
-//      within the tolerance of an earlier point are left out. All given points are within 8
-//      tolerances of the polyhedron.
+//   1. Vertices are in the order of the given points. A point isn't a vertex if it is inside the
+//      hull, a face or an edge, or within the tolerance of an earlier point. All given points are
+//      within 8 tolerances of the polyhedron.
 //   2. A face's sides run anticlockwise seen from outside. A face's normal has length 1 up to
-//      rounding. dot(normal, v) <= offset_m for all its vertices v, with equality for one. Each
-//      edge has two different faces, face[0] on the left of vertex[0] -> vertex[1]. V - E + F = 2.
+//      rounding. dot(normal, v) <= offset_m for all its vertices v, and is equal for one. Each edge
+//      has two different faces. Seen along vertex[0] -> vertex[1], face[0] is on the left. V - E +
+//      F = 2.
 //   3. All arrays depend only on the points.
-// A ConvexView borrows these arrays, so the same algorithms accept a triangle or a point
+// A ConvexView borrows such arrays. So algorithms for polyhedra also accept a triangle or a point
 // (small_pieces.h). A triangle is a polyhedron with two opposite faces.
 // Thread safety: values; const access from several threads is safe.
 #pragma once
@@ -42,9 +44,10 @@ using math::Vec3;
 /// Vertices, edges, faces and sides are counted with 16 bits: at most 6 * 1024 sides.
 inline constexpr std::size_t k_hull_points_max = 1024;
 /// Tolerance of the hull, as a share of its extent. Rotating and shifting a shape moves vertices by
-/// some 1e-15. A larger tolerance flattens faces by more than the error of distances.
+/// some 1e-15. A larger tolerance would flatten faces by more than the error of distances.
 inline constexpr double k_hull_coplanar = 1e-12;
-/// Bodies thinner than this share of their extent are refused as flat: normals would err by 1e-10.
+/// If a body is thinner than this share of its extent, it is refused as flat: normals would err by
+/// 1e-10.
 inline constexpr double k_hull_flat = 1e-6;
 
 /// A side of a face, from `vertex` to the next side's vertex.
@@ -70,8 +73,8 @@ struct Edge {
 
 class RoundPiece;
 
-/// Borrowed arrays of a convex piece. A round piece has no arrays, only `round`. REQUIRES: the
-/// owner stays in place while the view is used.
+/// Borrowed arrays of a convex piece. If the piece is round, the arrays are null and only `round`
+/// is set. REQUIRES: the owner stays in place while the view is used.
 struct ConvexView {
   /// A round piece (round_piece.h); null for a polyhedron, a triangle or a point.
   const RoundPiece* round = nullptr;
@@ -113,9 +116,10 @@ class ConvexPolyhedron {
   }
   /// Mean of the vertices, in the body's frame.
   const Vec3& centre_m() const { return centre_m_; }
-  /// Radius of a ball about the frame's origin that contains the body.
+  /// Radius of a ball that contains the body. The ball's centre is the frame's origin.
   double r_outer_m() const { return r_outer_m_; }
-  /// Radius of a ball about the origin that is inside the body; negative if the origin is outside.
+  /// Radius of a ball that is inside the body and centred at the origin. Negative if the origin is
+  /// outside the body.
   double r_inner_m() const { return r_inner_m_; }
 
   /// The view is valid until this polyhedron is changed, moved or destroyed.
@@ -127,7 +131,7 @@ class ConvexPolyhedron {
   struct DirectedEdge;
   /// Adds a loop's face and its sides. The inward normals follow from the plane and the sides.
   void add_face(std::span<const std::uint16_t> loop, std::vector<DirectedEdge>& directed);
-  /// Makes edges by joining each side with the opposite side of another face.
+  /// Makes edges: joins each side with the opposite side of another face.
   void join_sides(std::vector<DirectedEdge>& directed);
   void index_rings();
   /// Computes the bounds and the coordinates by axis.
@@ -147,18 +151,18 @@ class ConvexPolyhedron {
   double r_inner_m_ = 0;
 };
 
-/// Returns the convex hull of points, in their frame. 60 points take some 0.1 ms, 500 some 6 ms:
-/// the time grows with points times faces.
+/// Returns the convex hull of points, in their frame. The time grows with points times faces: 60
+/// points take some 0.1 ms, 500 points some 6 ms.
 base::Result<ConvexPolyhedron, ShapeError> convex_hull(std::span<const Vec3> points_m);
 
-/// Returns the polyhedron with each vertex v moved to product(rotation, v) + shift_m. Faces and
-/// edges keep their numbers. REQUIRES: rotation is orthonormal up to rounding, with determinant 1.
+/// Moves each vertex v to product(rotation, v) + shift_m. Faces and edges keep their numbers.
+/// REQUIRES: rotation is orthonormal up to rounding, with determinant 1.
 ConvexPolyhedron moved(const ConvexPolyhedron& polyhedron, const Mat3& rotation,
                        const Vec3& shift_m);
 
-/// Makes a polyhedron of known topology from its vertices and its faces' anticlockwise vertex
-/// loops. Merges nothing, and checks only that the arrays are consistent. REQUIRES: the loops bound
-/// a convex body (for a triangle: two opposite loops).
+/// Makes a polyhedron from its vertices and one anticlockwise loop of vertices per face. Merges
+/// nothing, and checks only that the arrays are consistent. REQUIRES: the loops bound a convex body
+/// (for a triangle: two opposite loops).
 ConvexPolyhedron polyhedron_of_loops(std::span<const Vec3> vertices_m,
                                      std::span<const std::vector<std::uint16_t>> loops);
 

@@ -1,7 +1,8 @@
-// The faces of two triangles at once, one in each half of a vector register.
+// Derives the faces of two triangles at once, one in each half of a vector register.
 //
-// Idea. Deriving a face takes some hundred operations, the same for every triangle, so deriving two
-// at once takes hardly longer than one. Each result has the same bits as scalar operations.
+// Idea. Deriving a face takes the same hundred or so operations for every triangle. So deriving two
+// faces at once takes hardly longer than deriving one. Each result has the same bits as scalar
+// operations.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -55,8 +56,8 @@ inline Two roots(Two a) {
 
 using Corners = std::array<const Vec3*, 3>;
 
-/// Derives both faces. Returns false if either triangle is thinner than k_mesh_sliver; its face is
-/// then invalid. REQUIRES: no coordinate's square or cube overflows.
+/// Derives both faces. If a triangle is thinner than k_mesh_sliver, its face is invalid, and the
+/// result is false. REQUIRES: no coordinate's square or cube overflows.
 inline bool derive(const Corners& first_m, const Corners& second_m, MeshFace& first,
                    MeshFace& second) {
   const Pair a = pair_of(*first_m[0], *second_m[0]);

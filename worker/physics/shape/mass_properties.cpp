@@ -116,7 +116,7 @@ base::Result<Chosen, ShapeError> axes_of_top(const PrincipalAxes& principal) {
       odd = axis;
     }
   }
-  // If all three moments agree, the choice above depends on rounding, so keep the z axis instead.
+  // If all three moments agree, the choice above would depend on rounding. So keep the z axis.
   const double spread = (m.maxCoeff() - m.minCoeff()) / m.maxCoeff();
   if (spread <= k_moment_tolerance) odd = 2;
   if (least > k_moment_tolerance)
@@ -160,7 +160,8 @@ MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double d
   }
   result.mass_kg = density_kgpm3 * result.volume_m3;
   result.centre_m = first / result.volume_m3;
-  // Shift the second moments to the common centre: x = d + y, where d leads to the part's centre.
+  // Shift the second moments to the common centre: x = d + y, where d leads from it to the part's
+  // centre.
   Mat3 second = Mat3::Zero();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Moments& m = moments[i];
@@ -178,7 +179,7 @@ PrincipalAxes principal_axes(const Mat3& symmetric) {
   m(2, 0) = m(0, 2);
   m(2, 1) = m(1, 2);
   Mat3 axes = Mat3::Identity();
-  // Convergence is quadratic: five or six sweeps suffice, and the limit is a guard.
+  // Convergence is quadratic, so five or six sweeps suffice. The limit is only a guard.
   constexpr int k_sweeps_max = 32;
   for (int sweep = 0; sweep < k_sweeps_max; ++sweep) {
     const double off = std::fabs(m(0, 1)) + std::fabs(m(0, 2)) + std::fabs(m(1, 2));
@@ -188,7 +189,8 @@ PrincipalAxes principal_axes(const Mat3& symmetric) {
     rotate_away(m, axes, 0, 2);
     rotate_away(m, axes, 1, 2);
   }
-  // Choose the first order of axes with the largest sum of |cosines| to the given axes.
+  // Choose the order of axes whose |cosines| to the given axes have the largest sum. If tied,
+  // choose the first such order.
   constexpr std::array<std::array<int, 3>, 6> k_orders{
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
   std::array<int, 3> order = k_orders[0];

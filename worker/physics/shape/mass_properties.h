@@ -1,12 +1,12 @@
-// Mass, centre and inertia of bodies made of convex parts, and the body's own frame.
+// Computes the mass, centre, inertia and own frame of a body made of convex parts.
 //
 // Idea. A body of uniform density is a union of convex parts that do not overlap. Each part is cut
-// into tetrahedra from its centre to its faces' triangles. A tetrahedron's volume, first and second
-// moments are exact polynomials of its corners (Tonon, "Explicit exact formulas for the 3-D
-// tetrahedron inertia tensor in terms of its vertex coordinates", Journal of Mathematics and
-// Statistics 1, 2004). The covariance form is from Blow and Binstock ("How to find the inertia
-// tensor of a 3D solid body", 2004): the integral of x x^T over the tetrahedron (0, a, b, c) of
-// volume V is V/20 (a a^T + b b^T + c c^T + s s^T) with s = a + b + c.
+// into tetrahedra. A tetrahedron joins the part's centre to a triangle of a face. A tetrahedron's
+// volume, first moments and second moments are exact polynomials of its corners (Tonon, "Explicit
+// exact formulas for the 3-D tetrahedron inertia tensor in terms of its vertex coordinates",
+// Journal of Mathematics and Statistics 1, 2004). The covariance form is from Blow and Binstock
+// ("How to find the inertia tensor of a 3D solid body", 2004): the integral of x x^T over the
+// tetrahedron (0, a, b, c) of volume V is V/20 (a a^T + b b^T + c c^T + s s^T) with s = a + b + c.
 //
 // The maker of a shape declares its symmetry, which selects how free rotation is computed. The
 // declaration is checked; symmetry is never guessed from rounded numbers.
@@ -21,7 +21,7 @@
 
 namespace sleight::physics {
 
-/// Moments that are declared equal may differ by this share of the largest moment.
+/// If moments are declared equal, they may differ by this share of the largest moment.
 inline constexpr double k_moment_tolerance = 1e-9;
 
 struct MassProperties {
@@ -31,7 +31,7 @@ struct MassProperties {
   Mat3 inertia_kgm2 = Mat3::Zero();  ///< about the centre of mass, in the parts' frame's axes
 };
 
-/// REQUIRES: at least one part; density > 0. Overlapping mass counts once for each part.
+/// REQUIRES: at least one part; density > 0. Where parts overlap, mass counts once for each part.
 MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double density_kgpm3);
 
 struct PrincipalAxes {
@@ -40,9 +40,9 @@ struct PrincipalAxes {
 };
 
 /// Computes the eigenvalues and eigenvectors of a symmetric matrix by cyclic Jacobi rotations
-/// (Golub and Van Loan, "Matrix computations", 3rd edition, 8.4). Chooses the order and signs of
-/// the axes closest to the given frame, so a diagonal matrix gives the identity. Errors are some
-/// 1e-15 of the largest entry. Reads only the upper triangle. REQUIRES: finite.
+/// (Golub and Van Loan, "Matrix computations", 3rd edition, 8.4). The axes' order and signs are
+/// those closest to the given frame. So a diagonal matrix gives the identity. Errors are some 1e-15
+/// of the largest entry. Reads only the upper triangle. REQUIRES: finite.
 PrincipalAxes principal_axes(const Mat3& symmetric);
 
 /// A body in its own frame: origin in the centre of mass, principal axes along x, y, z.
@@ -54,9 +54,9 @@ struct BodyShape {
 
 /// Moves parts into the body's frame. The axes depend on the declared symmetry.
 ///   - Spherical: The axes are those of the given frame. The moments are set to their mean.
-///   - Axial: The z axis is the odd moment's axis, in the direction whose largest component is
-///     positive. The x axis is as close as possible to the given x (or to y if z is near x). The
-///     moments about x and y are set to their mean.
+///   - Axial: The z axis is the axis of the moment that differs. The z axis has the direction whose
+///     largest component is positive. The x axis is as close as possible to the given x (or to y if
+///     z is near x). The moments about x and y are set to their mean.
 ///   - General: The axes are the principal axes, with the order and signs closest to the given
 ///     frame.
 ///

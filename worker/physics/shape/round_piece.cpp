@@ -8,7 +8,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Normals count as equal within this tolerance, and lengths within this share of the piece's size.
+/// Tolerance of equality: absolute for normals, and a share of the piece's size for lengths.
 constexpr double k_alike = 1e-12;
 
 using math::dot;
@@ -18,7 +18,7 @@ bool is_finite(const Vec3& v) {
   return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
 }
 
-/// Returns the maximum distance of a feature's points from a point.
+/// Returns the distance from a point to the furthest point of a feature.
 double furthest_m(const RoundFeature& feature, const Vec3& axis, const Vec3& point_m) {
   const Vec3 from = feature.centre_m - point_m;
   const double along = dot(axis, from);
@@ -91,15 +91,17 @@ ConvexView RoundPiece::view() const {
 
 // ---- the profile --------------------------------------------------------------------------------
 
-/// Returns a feature's arc, which ends where another feature reaches further: at the first common
-/// tangent. `next` is the feature itself if its arc is the last.
+/// Returns a feature's arc. An arc ends at the first tangent that it shares with another feature.
+/// After this tangent, the other feature reaches further. `next` is the other feature; if the arc
+/// is the last, `next` is `feature`.
 ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from,
                                 std::uint32_t& next) const {
   ProfileArc arc{.feature = feature, .from = from, .to = {0, -1}};
   const RoundFeature& own = features_[feature];
   next = feature;
   double way_m = 0;
-  // Normals go down from (0, 1) to (0, -1), so a later normal has a smaller axial component.
+  // Along the profile, normals turn from (0, 1) down to (0, -1). So a later normal has a smaller
+  // axial component.
   for (std::uint32_t i = 0; i < features_.size(); ++i) {
     if (i == feature) continue;
     // The discs share a tangent line with normal e if e.D = own.r - other.r.
@@ -123,7 +125,7 @@ ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from
   return arc;
 }
 
-/// Removes features that another feature contains, and all but one of equal features.
+/// If a feature contains another one, removes the other. Of equal features, keeps one.
 void RoundPiece::drop_held() {
   const auto holds = [&](const RoundFeature& big, const RoundFeature& small) {
     const bool on_axis = big.circle_m > 0 || small.circle_m > 0;
@@ -153,7 +155,7 @@ void RoundPiece::find_profile() {
   if (std::ranges::any_of(features_, off_axis)) return;
   for (RoundFeature& feature : features_)
     feature.centre_m = origin_m_ + feature.height_m * axis_;
-  // Start at the highest feature; among these, the widest.
+  // Start at the highest feature. If several are equally high, start at the widest of them.
   std::uint32_t now = 0;
   for (std::uint32_t i = 1; i < features_.size(); ++i) {
     const double top_m = features_[i].height_m + features_[i].radius_m;
@@ -175,7 +177,8 @@ void RoundPiece::find_profile() {
 }
 
 double RoundPiece::radius_at_m(double height_m) const {
-  // The profile is convex: the radius is the least that its lines and arcs allow at that height.
+  // The profile is convex. So the radius is the least one that the lines and arcs allow at that
+  // height.
   double widest_m = 0;
   const auto point_of = [&](const RoundFeature& one, const ProfileNormal& normal) {
     return ProfileNormal{one.circle_m + one.radius_m * normal.across,

@@ -1,18 +1,22 @@
-// Convex hulls of balls and of rings about one axis: capsules, cylinders, cones, parts of pins.
+// Round pieces, such as capsules, cylinders, cones and parts of pins: convex hulls of balls and of
+// rings about one axis.
 //
-// A ball has a centre and a radius. A ring is a torus: all points within a radius of a circle about
-// the piece's axis. A ring whose circle has radius 0 is a ball on the axis. The piece is the convex
-// hull of all its features. The piece's support, its reach in a unit direction u, is
+// A ball has a centre and a radius. A ring is a solid torus: a circle about the piece's axis, and
+// all points within a radius of the circle. A ring whose circle has radius 0 is a ball on the axis.
+// The piece is the convex hull of all its features. The piece's reach in a unit direction u (its
+// support) is
 //   h(u) = max over its features of c.u + R |u across the axis| + r,
-// with c the centre, R the circle's radius (0 for a ball) and r the radius around it.
+// where c is the feature's centre, R is the circle's radius (0 for a ball), and r is the radius
+// around the circle.
 //
 // No edge is perfectly sharp: each r is at least k_round_edge_min of the piece's size, like the
-// edges of real things. So two touching pieces are apart once each is reduced by its margin (its
-// least r), and the line between them gives the contact's direction (distance/round_distance.h).
+// edges of real things. A piece's margin is its least r. If two touching pieces are reduced by
+// their margins, they are apart, and the line between them gives the contact's direction
+// (distance/round_distance.h).
 //
-// A piece of revolution has all its features on the axis. In the half-plane of an axial and a
-// radial coordinate it is the hull of discs, and its profile is a chain of arcs and straight lines.
-// The arcs are stored in order, and so are the normals of the lines between them.
+// A piece of revolution has all its features on the axis. If a half-plane that begins at the axis
+// cuts the piece, the section is the hull of discs. The profile, its outline there, is a chain of
+// arcs and straight lines. The arcs are stored in order, and so are the lines' normals.
 #pragma once
 
 #include <cmath>
@@ -27,15 +31,15 @@
 namespace sleight::physics {
 
 inline constexpr std::size_t k_round_features_max = 64;
-/// Minimum r of a feature, as a share of the distance of the piece's furthest point from the
-/// origin.
+/// Minimum r of a feature, as a share of the piece's size. The size is the distance from the origin
+/// to the furthest point.
 inline constexpr double k_round_edge_min = 1e-4;
 
 struct RoundBall {
   Vec3 centre_m = Vec3::Zero();
   double radius_m = 0;
 };
-/// A ring, with its circle perpendicular to the axis.
+/// A ring. The ring's circle is perpendicular to the axis.
 struct RoundRing {
   double height_m = 0;  ///< height of the centre along the axis, from the piece's origin
   double circle_m = 0;  ///< radius of the circle; 0: a ball
@@ -55,12 +59,13 @@ struct RoundFeature {
   double radius_m = 0;
 };
 
-/// A direction in the half-plane through the axis: components away from the axis and along it.
+/// A direction in a half-plane that begins at the axis. One component points away from the axis,
+/// the other along it.
 struct ProfileNormal {
   double across = 0;  ///< >= 0
   double along = 0;
 };
-/// A feature's arc of the profile: from one normal to the next, from the top downwards.
+/// A feature's arc of the profile, from its top normal down to its bottom normal.
 struct ProfileArc {
   std::uint32_t feature = 0;
   ProfileNormal from;
@@ -69,7 +74,7 @@ struct ProfileArc {
 
 class RoundPiece {
  public:
-  /// Makes a piece, leaving out features that other features contain. Fails with no_parts,
+  /// Makes a piece. Omits features that other features contain. Fails with no_parts,
   /// too_many_features, no_axis, not_finite, dimension_not_positive (for a radius), or sharp (if r
   /// is below k_round_edge_min of the size). The error's `index` counts the rings, then the balls.
   static base::Result<RoundPiece, ShapeError> make(const RoundDescription& description);
@@ -80,7 +85,7 @@ class RoundPiece {
   const Vec3& origin_m() const { return origin_m_; }
   /// The least r of all features.
   double margin_m() const { return margin_m_; }
-  /// Radius of a ball about the frame's origin that contains the piece.
+  /// Radius of a ball that contains the piece. The ball's centre is the frame's origin.
   double r_outer_m() const { return r_outer_m_; }
   const Vec3& centre_m() const { return centre_m_; }
 
@@ -90,12 +95,13 @@ class RoundPiece {
   std::span<const ProfileArc> arcs() const { return arcs_; }
   /// Outward normals of the straight parts, flat ends included.
   std::span<const ProfileNormal> flats() const { return flats_; }
-  /// Returns a piece of revolution's radius at a height of its axis, 0 above and below the piece.
+  /// Returns the radius of a piece of revolution at a height along its axis; 0 above and below the
+  /// piece.
   double radius_at_m(double height_m) const;
 
-  /// Calls offer(feature, reach) for each feature with its reach along a direction u of any length:
-  /// c.u + R |u across| + r. `across` is |u across|. Inline, because most search time is spent
-  /// here.
+  /// Calls offer(feature, reach) for each feature. A feature's reach along a direction u of any
+  /// length is c.u + R |u across| + r. `across` is |u across|. Inline, because most search time is
+  /// spent here.
   template <class Offer>
   void for_each_reach(const Vec3& direction, double across, const Offer& offer) const {
     if (of_revolution()) {

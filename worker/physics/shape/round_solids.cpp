@@ -60,7 +60,8 @@ struct Revolution {
   double across_m5 = 0;  ///< about the centre
 };
 
-/// Integrates a profile that is smooth between neighbouring heights, which ascend.
+/// Integrates a profile. REQUIRES: heights ascend, and the profile is smooth between neighbouring
+/// ones.
 template <class Profile>
 Revolution revolution_of(std::span<const double> heights_m, const Profile& radius_m) {
   const auto over_all = [&](const auto& of_height_and_square) {
@@ -85,7 +86,7 @@ Revolution revolution_of(std::span<const double> heights_m, const Profile& radiu
 }
 
 Revolution revolution_of(std::span<const RoundPiece> pieces) {
-  // Between neighbouring heights each piece's profile is smooth.
+  // Collect heights such that each piece's profile is smooth between neighbouring ones.
   std::vector<double> heights_m;
   for (const RoundPiece& piece : pieces) {
     for (const ProfileArc& arc : piece.arcs()) {
@@ -147,8 +148,8 @@ struct ProfilePoint {
   double height_in;
   double radius_in;
 };
-/// Heights and half the diameters, from United States Bowling Congress, "Equipment specifications
-/// and certifications manual", pin specifications.
+/// Heights and radii. Source: United States Bowling Congress, "Equipment specifications and
+/// certifications manual", pin specifications.
 constexpr std::array<ProfilePoint, 14> k_pin{{{0, 2.031 / 2},
                                               {0.75, 2.828 / 2},
                                               {2.25, 3.906 / 2},
@@ -167,8 +168,8 @@ constexpr double k_pin_height_in = 15;
 constexpr double k_dome_in = 1.273;
 constexpr double k_rim_in = 5.0 / 32;
 
-/// Returns the second derivatives of the cubic spline through the points, free at the foot and
-/// level at the top (Press and others, "Numerical recipes", 3.3).
+/// Returns the second derivatives of the cubic spline through the points. The spline is free at the
+/// foot and level at the top (Press and others, "Numerical recipes", 3.3).
 std::array<double, k_pin.size()> pin_bends() {
   constexpr std::size_t n = k_pin.size();
   std::array<double, n> bend{};
@@ -284,7 +285,7 @@ RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3
   }
   auto piece = RoundPiece::make(description);
   if (!piece) return piece.error();
-  // A section at a distance from the core is a rectangle with rounded corners.
+  // Each section perpendicular to an axis is a rectangle with rounded corners.
   double volume_m3 = 0;
   Vec3 squares = Vec3::Zero();  // integrals of x^2, y^2, z^2
   for (int axis = 0; axis < 3; ++axis) {
@@ -323,7 +324,8 @@ RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3
 
 RoundResult bowling_pin(double mass_kg) {
   if (!is_positive(mass_kg)) return not_positive(0, mass_kg);
-  // The rim's outermost points are inside the profile, since the line to the next ring is outside.
+  // The rim's outermost points are inside the profile, because the line to the next ring is outside
+  // it.
   constexpr double k_inside_in = 0.008;
   std::vector<RoundRing> belly =
       pin_rings({0.75, 1.5, 2.25, 2.8, 3.375, 3.9, 4.5, 5.2, 5.875, 6.55, 7.25, 7.9});
@@ -335,7 +337,8 @@ RoundResult bowling_pin(double mass_kg) {
                   .circle_m = 0,
                   .radius_m = k_dome_in * k_inch_m});
   std::vector<std::vector<RoundRing>> pieces{belly};
-  // The neck is concave, so it has one part between each pair of neighbouring heights.
+  // The neck is concave. So the neck is divided into parts, one between each two neighbouring
+  // heights.
   constexpr std::array k_neck_in{7.9, 8.625, 9.0, 9.375, 9.7, 10.2, 10.875, 11.5, 12.2};
   for (std::size_t i = 0; i + 1 < k_neck_in.size(); ++i)
     pieces.push_back(pin_rings({k_neck_in[i], k_neck_in[i + 1]}));

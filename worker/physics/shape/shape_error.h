@@ -1,7 +1,7 @@
-// Errors of points or parts that don't make a shape.
+// Errors for points or parts that don't make a shape.
 //
-// Shapes come from requests and files, so a bad shape is an expected outcome, which the makers
-// return instead of a shape. Thread safety: values.
+// Shapes come from requests and files, so a bad shape is an expected outcome. The makers then
+// return an error instead of a shape. Thread safety: values.
 #pragma once
 
 #include <cmath>

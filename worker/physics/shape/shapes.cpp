@@ -19,7 +19,8 @@ struct Globe {
 };
 
 Globe icosahedron() {
-  // Cyclic permutations of (0, 1, golden ratio) with all signs, scaled to the sphere.
+  // The vertices are the cyclic permutations of (0, 1, golden ratio), with all signs, scaled to the
+  // sphere.
   const double golden = 0.5 * (1 + std::sqrt(5.0));
   const double scale = 1 / std::sqrt(1 + golden * golden);
   Globe globe;
@@ -33,7 +34,8 @@ Globe icosahedron() {
       }
     }
   }
-  // Before scaling, neighbours are 2 apart, and all other pairs at least 2 golden ratios.
+  // Before scaling, neighbours are 2 apart. All other pairs are at least twice the golden ratio
+  // apart.
   const auto near = [&](std::size_t a, std::size_t b) {
     return math::norm(globe.points[a] - globe.points[b]) < 2.5 * scale;
   };
@@ -102,7 +104,7 @@ std::optional<RoundPiece> hull_of(const Compound& compound) {
 
 std::optional<Vec3> axis_of_revolution(const Compound& compound) {
   if (!compound.parts.empty() || compound.round_parts.empty()) return std::nullopt;
-  // Permit the rounding errors with which makers compute a body's frame.
+  // Makers compute a body's frame with rounding errors, so permit small differences.
   constexpr double k_off = 1e-12;
   const Vec3 z = Vec3::UnitZ();
   for (const RoundPiece& part : compound.round_parts) {

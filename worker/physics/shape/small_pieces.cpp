@@ -34,7 +34,7 @@ TrianglePiece::TrianglePiece(const Vec3& a_m, const Vec3& b_m, const Vec3& c_m)
     side.vertex = static_cast<std::uint16_t>(i);
     side.edge = static_cast<std::uint16_t>(i);
     sides_[i] = side;
-    // On the opposite face, the same side runs in the opposite direction.
+    // The other face has the same side in the opposite direction.
     side.vertex = static_cast<std::uint16_t>((i + 1) % 3);
     sides_[5 - i] = side;
     r_outer_m_ = std::max(r_outer_m_, math::norm(from));

@@ -1,10 +1,10 @@
 // Triangles and points as convex pieces, without allocation.
 //
 // Idea. The distance algorithms read ConvexViews. A static mesh has many triangles, and a sphere's
-// centre is a point; neither should need a ConvexPolyhedron's vectors. The types here hold the same
-// arrays inline. A triangle is a polyhedron of no thickness with three edges and two faces,
-// (normal, offset) and (-normal, -offset). A triangle's corners run anticlockwise seen from face
-// 0's side. A point has one vertex and nothing else.
+// centre is a point. For both, a ConvexPolyhedron's vectors would cost too much. The types here
+// store the same arrays inline. A triangle is a polyhedron without thickness: it has three edges
+// and two faces, (normal, offset) and (-normal, -offset). Seen from face 0's side, a triangle's
+// corners run anticlockwise. A point has one vertex and nothing else.
 //
 // A view borrows the piece, so the piece must stay in place.
 #pragma once

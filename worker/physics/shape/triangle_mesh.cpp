@@ -42,7 +42,7 @@ std::vector<DirectedSide> sides_of(std::span<const TriangleCorners> triangles) {
   return sides;
 }
 
-/// Checks whether the triangles at one edge, given by consecutive sides, may meet there.
+/// Checks whether triangles may share an edge. `run` contains the sides at this edge.
 std::optional<MeshError> error_of_edge(std::span<const DirectedSide> run, MeshClosure closure) {
   using Kind = MeshError::Kind;
   const DirectedSide& first = run[0];
@@ -61,8 +61,8 @@ std::optional<MeshError> error_of_edge(std::span<const DirectedSide> run, MeshCl
   return std::nullopt;
 }
 
-/// Makes an edge from one side, or from two opposite sides. With two sides, triangle[0] runs from
-/// the lower to the higher vertex.
+/// Makes an edge from one side, or from two opposite sides. If there are two, triangle[0] is the
+/// one whose side runs from the lower to the higher vertex.
 MeshEdge edge_of(std::span<const DirectedSide> run) {
   const bool swapped = run.size() == 2 && !run[0].forward;
   const DirectedSide& left = swapped ? run[1] : run[0];
@@ -87,7 +87,7 @@ base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> v
   TriangleMesh mesh;
   mesh.vertices_m_.assign(vertices_m.begin(), vertices_m.end());
   mesh.triangles_.assign(triangles.begin(), triangles.end());
-  // Check each triangle by itself, then vertices that no triangle uses.
+  // Check each triangle alone, then each vertex, even if no triangle uses it.
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     if (const auto error = mesh.check_triangle(t)) return *error;
   }
@@ -134,7 +134,7 @@ std::optional<MeshError> TriangleMesh::check_triangle(std::uint32_t triangle) co
   const Vec3& a = vertices_m_[corners[0]];
   const Vec3& b = vertices_m_[corners[1]];
   const Vec3& c = vertices_m_[corners[2]];
-  // The root of the greatest square is the greatest root, bit for bit.
+  // The root of the greatest square equals the greatest root, bit for bit.
   const Vec3 ab = b - a;
   const Vec3 bc = c - b;
   const Vec3 ca = a - c;
@@ -190,7 +190,8 @@ bool TriangleMesh::derive_faces(std::span<const std::uint32_t> triangles) {
 
 /// REQUIRES: the faces of the edges' triangles are derived.
 void TriangleMesh::derive_edges(std::span<const std::uint32_t> numbers) {
-  // Local pointers, because compilers can't exclude that the results alias these members.
+  // Use local pointers, because compilers can't exclude that writing the results changes these
+  // members.
   const Vec3* const vertices_m = vertices_m_.data();
   const MeshFace* const faces = faces_.data();
   MeshEdge* const edges = edges_.data();
@@ -209,7 +210,8 @@ void TriangleMesh::derive_edges(std::span<const std::uint32_t> numbers) {
     if (edge.triangle[1] != k_no_triangle) {
       const MeshFace& right = faces[edge.triangle[1]];
       edge.normal[1] = right.normal;
-      // The right face's rise above the left face's plane, per unit away from the edge.
+      // How far the right face rises above the left face's plane, per unit of distance from the
+      // edge.
       const double rise = dot(normal, right.inward[edge.side[1]]);
       if (rise < -k_mesh_flat_sine) {
         kind = EdgeKind::convex;
@@ -237,9 +239,9 @@ void TriangleMesh::count_edge(const MeshEdge& edge, EdgeKind before) {
     exposing_edges_[v] += exposes(edge.kind) - exposes(before);
 }
 
-/// Finds the triangles at moving vertices, their edges, and the edges' ends.
+/// Finds the triangles that have a moving vertex, these triangles' edges, and the edges' ends.
 void TriangleMesh::find_moved(std::span<const VertexMove> moves) {
-  // A world usually moves the same vertices each time, or only a few.
+  // A world usually moves the same vertices each time, or only a few vertices.
   if (std::ranges::equal(moves, moves_of_, {}, &VertexMove::vertex)) return;
   is_moved_.resize(std::max({triangles_.size(), edges_.size(), vertices_m_.size()}));
   const auto add_once = [&](std::uint32_t item, std::vector<std::uint32_t>& items) {
@@ -274,7 +276,7 @@ void TriangleMesh::find_moved(std::span<const VertexMove> moves) {
   unmark(moved_vertices_);
 }
 
-/// Returns what is wrong with the vertices at their present positions. REQUIRES: something is.
+/// Returns what is wrong with the vertices' present positions. REQUIRES: something is wrong.
 MeshError TriangleMesh::error_of_move(std::span<const VertexMove> moves) const {
   std::optional<MeshError> error;
   for (const std::uint32_t t : moved_triangles_) {
@@ -302,8 +304,8 @@ std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove>
   }
   for (const VertexMove& move : moves)
     sound = sound && finite(vertices_m_[move.vertex]);
-  // Deriving faces also checks them. On failure, restore positions, in reverse order because a
-  // vertex may occur twice, and derive the faces again.
+  // Deriving faces also checks them. On failure, restore positions and derive the faces again.
+  // Restore in reverse order, because a vertex may occur twice.
   if (!derive_faces(moved_triangles_) || !sound) {
     const MeshError error = error_of_move(moves);
     for (std::size_t i = moves.size(); i-- > 0;)

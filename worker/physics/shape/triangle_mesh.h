@@ -1,16 +1,17 @@
 // Static triangle meshes, and their features that a sphere can touch.
 //
-// Idea. A sphere's centre keeps its distance from faces, edges and vertices, each in its own
-// region: above a face between its sides, beside an edge, beyond a vertex. The data for testing
-// these regions are derived once. An edge on a flat or concave surface can never be touched first,
-// nor can a vertex with only such edges, so they are marked. A world that draws its geometry again
-// may move vertices; then only data that depend on these vertices are derived again.
+// Idea. A sphere's centre keeps its distance from faces, edges and vertices. A face's region is
+// above the face and between its sides. An edge's region is beside the edge, a vertex's region
+// beyond the vertex. The data that describe these regions are derived once. Where the surface is
+// flat or concave, an edge can never be touched first, so it is marked. A vertex is marked too if
+// it has only such edges. If a world draws its geometry again, it may move vertices. Then only data
+// that depend on these vertices are derived again.
 //
 // Invariants
 //   1. A mesh has passed all checks. All vertices are finite, and no triangle is thinner than
-//      k_mesh_sliver. Every edge is in at most two triangles, which list its vertices in opposite
-//      orders, so neighbours have the same outside. In a closed mesh, every edge is in exactly two
-//      triangles.
+//      k_mesh_sliver. Every edge is in at most two triangles. Two triangles at an edge list its
+//      vertices in opposite orders, so neighbours have the same outside. In a closed mesh, every
+//      edge is in exactly two triangles.
 //   2. Derived data depend only on vertices and triangles: after move_vertices() they equal the
 //      data of a fresh build, bit for bit. The numbering of features and the topology never change.
 //   3. Edges are in ascending order of (lower, higher vertex). A failed move changes nothing.
@@ -33,13 +34,13 @@ namespace sleight::physics {
 
 using math::Vec3;
 
-/// Triangles with a height below this share of their longest side are refused, because their
-/// normals would have rounding errors of 1e-10.
+/// Triangles thinner than this share of their longest side are refused, because their normals would
+/// have rounding errors of 1e-10.
 inline constexpr double k_mesh_sliver = 1e-6;
-/// Triangles whose longest side is at most this are refused, because division by the side's square
-/// would be unsafe.
+/// Triangles whose longest side is at most this are refused: division by its square would be
+/// unsafe.
 inline constexpr double k_mesh_point_m = 1e-60;
-/// Faces at an angle with a smaller sine than this count as one plane, up to rounding.
+/// If the sine of the angle between two faces is smaller than this, they count as one plane.
 inline constexpr double k_mesh_flat_sine = 1e-12;
 inline constexpr std::uint32_t k_no_triangle = std::numeric_limits<std::uint32_t>::max();
 
@@ -69,8 +70,9 @@ std::string describe(const MeshError& error);
 struct MeshFace {
   Vec3 normal = Vec3::Zero();  ///< unit, outward
   double offset_m = 0;         ///< dot(normal, p) = offset_m for p in the plane
-  /// inward[k] belongs to the side from corner k to k + 1: a unit vector in the plane that points
-  /// inwards. A point is above the face if dot(inward[k], p) >= inward_offset_m[k] for all k.
+  /// inward[k] belongs to the side from corner k to k + 1. The vector has length 1, is in the
+  /// face's plane, and points inwards. A point is above the face if dot(inward[k], p) >=
+  /// inward_offset_m[k] for all k.
   std::array<Vec3, 3> inward{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   std::array<double, 3> inward_offset_m{};
   friend bool operator==(const MeshFace&, const MeshFace&) = default;
@@ -79,14 +81,14 @@ struct MeshFace {
 enum class EdgeKind : std::uint8_t { convex, flat, concave, boundary };
 
 struct MeshEdge {
-  /// The edge's ends, in the direction in which triangle[0] is on the left.
+  /// The edge's ends. Seen along vertex[0] -> vertex[1], triangle[0] is on the left.
   std::array<std::uint32_t, 2> vertex{};
   /// [1] is k_no_triangle at a boundary.
   std::array<std::uint32_t, 2> triangle{k_no_triangle, k_no_triangle};
   Vec3 start_m = Vec3::Zero();
   Vec3 direction = Vec3::Zero();  ///< unit, from vertex[0] to vertex[1]
   double length_m = 0;
-  /// Normals of triangle[0] and triangle[1]; zero for a missing triangle.
+  /// Normals of triangle[0] and triangle[1]. Zero if there is no second triangle.
   std::array<Vec3, 2> normal{Vec3::Zero(), Vec3::Zero()};
   EdgeKind kind = EdgeKind::flat;
   std::array<std::uint8_t, 2> side{};  ///< the edge's number among the sides of triangle[0] and [1]
@@ -111,7 +113,7 @@ class TriangleMesh {
   std::span<const TriangleCorners> triangles() const { return triangles_; }
   std::span<const MeshFace> faces() const { return faces_; }  ///< one for each triangle
   std::span<const MeshEdge> edges() const { return edges_; }
-  /// Returns whether a vertex has a convex or boundary edge. Others can't be touched first.
+  /// Returns whether a vertex has a convex or boundary edge. Other vertices can't be touched first.
   bool exposed(std::uint32_t vertex) const { return exposing_edges_[vertex] != 0; }
   /// Returns a triangle's edges: edge k joins its corners k and k + 1.
   const std::array<std::uint32_t, 3>& edges_of(std::uint32_t triangle) const {
@@ -125,13 +127,14 @@ class TriangleMesh {
                  edges_first_[vertex + std::size_t{1}] - edges_first_[vertex]);
   }
 
-  /// Moves vertices and derives the dependent data again, in some 0.1 us per adjacent triangle, or
-  /// less if the last move had the same vertices. If a vertex occurs twice, the last move counts.
-  /// Doesn't allocate once the largest set of vertices has been moved. On an error nothing changes;
-  /// the error names the lowest triangle concerned. REQUIRES: the vertices exist.
+  /// Moves vertices and derives the dependent data again. Takes some 0.1 us per adjacent triangle,
+  /// or less if the last move had the same vertices. If a vertex occurs twice, the last move
+  /// counts. Doesn't allocate after the largest set of vertices has been moved once. On an error
+  /// nothing changes. The error names the invalid triangle with the lowest index. REQUIRES: the
+  /// vertices exist.
   [[nodiscard]] std::optional<MeshError> move_vertices(std::span<const VertexMove> moves);
-  /// The triangles that the last move changed, their edges, and the edges' ends, each once,
-  /// unordered.
+  /// The triangles that the last move changed, these triangles' edges, and the edges' ends. Each
+  /// item is listed once, in no order.
   std::span<const std::uint32_t> moved_triangles() const { return moved_triangles_; }
   std::span<const std::uint32_t> moved_edges() const { return moved_edges_; }
   std::span<const std::uint32_t> moved_vertices() const { return moved_vertices_; }
@@ -157,7 +160,7 @@ class TriangleMesh {
   // Vertex v has the entries first[v] to first[v + 1].
   std::vector<std::uint32_t> triangles_first_, triangles_about_;
   std::vector<std::uint32_t> edges_first_, edges_about_;
-  // Vertices of the last move, as given, and what that move changed.
+  // Vertices of the last move, in the given order, and what that move changed.
   std::vector<std::uint32_t> moves_of_;
   std::vector<std::uint32_t> moved_triangles_, moved_edges_, moved_vertices_, flat_changes_;
   // Scratch memory of move_vertices.

@@ -1,5 +1,5 @@
-// The interface through which simulations (simulation.h) use engines (engine.h) of any broad phase
-// and event queue.
+// The interface through which simulations (simulation.h) use engines (engine.h). The interface
+// hides an engine's broad phase and event queue.
 //
 // The product has one engine; tests compare it with others (tests/engines). Thread safety: none.
 #pragma once
@@ -16,7 +16,7 @@ namespace sleight::physics {
 class Replaying;
 class World;
 
-/// State that one engine passes to another: everything up to and at `now` has happened.
+/// State that one engine passes to another. Everything up to and at `now` has happened.
 struct Takeover {
   Tick now{};
   Counts counts{};
@@ -36,8 +36,8 @@ class AnyEngine {
   virtual Takeover state() const = 0;
 };
 
-/// Creates an engine that borrows the world and the replay. Without `from`, the engine begins
-/// before all events in a world where no body has started.
+/// Creates an engine that borrows the world and the replay. If `from` isn't set, the engine begins
+/// before all events, and no body has started.
 using EngineMaker = std::unique_ptr<AnyEngine> (*)(World& world, Replaying& replaying,
                                                    EngineOptions options,
                                                    const std::optional<Takeover>& from);

@@ -52,7 +52,7 @@ Bodies::Bodies(const Scene& scene) : scene_(scene) {
       if (body.inertia.symmetry != InertiaSymmetry::general)
         constants.axis = axis_of_revolution(compound).value_or(Vec3::Zero());
     }
-    // Allocate the track of a general body now rather than at its start.
+    // Allocate a general body's track now, not when the body starts.
     if (constants.inertia.symmetry == InertiaSymmetry::general) {
       turning_[constants_.size()].track.restart({}, constants.inertia);
     }

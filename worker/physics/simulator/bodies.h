@@ -1,10 +1,9 @@
 // The bodies of a running simulation: their properties and their current motion.
 //
 // Invariants
-//   1. A query at a tick depends only on the body's segment and supports, never on earlier queries;
-//      caches change speed only.
-//   2. segment() returns a segment that agrees with the body's Flight; before that call, the stored
-//      segment may be out of date.
+//   1. A query's result depends only on the tick and the body's segment and supports, never on
+//      earlier queries. Caches affect only speed.
+//   2. A stored segment may be older than the body's Flight; segment() updates it.
 // Thread safety: none.
 #pragma once
 
@@ -31,7 +30,7 @@
 
 namespace sleight::physics {
 
-/// The data that predictions of spheres read, in one cache line.
+/// The data that predictions read for a sphere, in one cache line.
 struct alignas(64) Flight {
   Vec3 position_m = Vec3::Zero();
   Vec3 velocity_mps = Vec3::Zero();
@@ -40,7 +39,7 @@ struct alignas(64) Flight {
 };
 static_assert(sizeof(Flight) == 64);
 
-/// A body's constants. The constants needed for spheres come first, in one cache line.
+/// A body's constants. The constants that spheres need come first, in one cache line.
 struct alignas(64) BodyConstants {
   SphereMass sphere_mass{};  ///< spheres only
   double reach_m = 0;        ///< radius of a sphere about the centre that contains the body
@@ -49,7 +48,7 @@ struct alignas(64) BodyConstants {
   bool has_round_parts = false;  ///< balls and rings (round_piece.h)
   std::uint32_t first_part = 0;  ///< its convex parts in parts(); a sphere has one point
   std::uint32_t part_count = 1;
-  /// Index in hulls_ of the hull of the body's parts (hull_of()); k_no_hull: no hull.
+  /// Index in hulls_: the hull of the body's parts (hull_of()). k_no_hull: no hull.
   std::uint32_t hull = k_no_hull;
   static constexpr std::uint32_t k_no_hull = UINT32_MAX;
   Vec3 axis = Vec3::Zero();  ///< axis of a body of revolution, in its frame; otherwise 0
@@ -97,7 +96,7 @@ class Bodies {
   bool is_resting(BodyId body) const { return mode(body) == MotionMode::resting; }
   /// Whether a sphere's segment rotates.
   bool turns(BodyId body) const { return turns_[body] != 0; }
-  /// Path of the body's segment. For a sphere in flight, the segment itself isn't read.
+  /// Path of the body's segment. Reads the segment only if the body isn't a sphere in flight.
   Path path(BodyId body) const {
     const Flight& flight = flights_[body];
     return {.begin = flight.begin,
@@ -110,7 +109,7 @@ class Bodies {
     const double radius_m = flights_[body].radius_m;
     return radius_m > 0 ? radius_m : constants_[body].reach_m;
   }
-  /// Upper bound for the speed of the body's points about its centre. REQUIRES: not a sphere.
+  /// Upper bound for the speed of the body's points relative to its centre. REQUIRES: not a sphere.
   double turning_speed_mps(BodyId body) const {
     return turning_speed_mps_max(turning_[body].bounds, constants_[body].reach_m);
   }
@@ -155,7 +154,8 @@ class Bodies {
   double kinetic_energy_j(Tick tick);
 
   // Periodic worlds.
-  /// The shift, in whole periods, that turns a vector into its shortest image.
+  /// Returns a shift by whole periods. Adding the shift to a vector gives the vector's shortest
+  /// image.
   Vec3 to_nearest_image(const Vec3& between_m) const {
     Vec3 shift_m = Vec3::Zero();
     for (int i = 0; i < 3; ++i) {
@@ -165,13 +165,14 @@ class Bodies {
     }
     return shift_m;
   }
-  /// Vector from a's centre to the centre of b's nearest image.
+  /// Returns the vector from a's centre to the nearest image of b's centre.
   Vec3 between_at(BodyId a, BodyId b, Tick tick) const {
     const Vec3 between_m = position_at(b, tick) - position_at(a, tick);
     return periodic_ ? Vec3(between_m + to_nearest_image(between_m)) : between_m;
   }
 
-  // Prefetch the data for a body's predictions (fetch_flight) or for its next collision (fetch).
+  // fetch_flight() prefetches the data for a body's predictions, and fetch() the data for its next
+  // collision.
   void fetch_flight(BodyId body) const { __builtin_prefetch(&flights_[body]); }
   void fetch(BodyId body) const {
     __builtin_prefetch(&flights_[body], 1);
@@ -182,7 +183,7 @@ class Bodies {
   }
 
  private:
-  // Only World changes bodies, because World also notifies the other parts (World::begin_segment).
+  // Only World may change bodies, because it then notifies its other parts (World::begin_segment).
   friend class World;
   void let_stay() { supports_.resize(size()); }
   Supports& supports_of(BodyId body) { return supports_[body]; }
@@ -195,8 +196,8 @@ class Bodies {
   /// Begins a segment, without supports.
   void begin(BodyId body, const Segment& segment);
   void has_started(BodyId body) { started_[body] = 1; }
-  /// Has the effect of begin() for a sphere that flies on without turning. The segment is written
-  /// only when segment() is called, which saves memory traffic and changes no bits.
+  /// Has the effect of begin() for a sphere that flies on without turning. To save memory traffic,
+  /// fly_on() writes only the flight; segment() writes the segment later.
   void fly_on(BodyId body, Tick tick, const Vec3& position_m, const Vec3& velocity_mps) {
     lags_ = true;
     Flight& flight = flights_[body];
@@ -205,7 +206,7 @@ class Bodies {
     flight.begin = tick;
   }
 
-  /// State for bodies that aren't spheres, besides their segments.
+  /// Further state of a body that isn't a sphere.
   struct Turning {
     RotationTrack track;
     RotationBounds bounds;
@@ -214,7 +215,7 @@ class Bodies {
     MovingPiece placed;  ///< without a view
   };
 
-  /// Hulls by shape, while the table is built: bodies with the same shape share a hull.
+  /// Used while the table of hulls is built, because bodies with the same shape share a hull.
   using HullOfShape = std::vector<std::pair<const Compound*, std::uint32_t>>;
   std::uint32_t hull_index(const Compound& compound, HullOfShape& known);
   Vec3 wrapped_m(const Vec3& place_m) const;

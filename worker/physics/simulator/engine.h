@@ -1,25 +1,25 @@
-// The event loop, for any broad phase and any event queue.
+// The event loop, which works with any broad phase and any event queue.
 //
-// Asynchronous (thesis, Algorithms 3.2 and 3.3): each body has its own temporal bounding volume, a
+// Asynchronous (thesis, Algorithms 3.2 and 3.3): each body has its own temporal bounding volume: a
 // box that contains the body for a time span. When the span ends, the body gets a new box. If the
-// last box overlapped few boxes, the new box lasts somewhat longer; if the last box overlapped
-// many, the new box lasts less long. When the motion changes, the body keeps its box if the box
-// still contains it for long enough. Pairs of overlapping boxes are watched. Every event affects
-// one or two bodies.
+// last box overlapped few boxes, the new box lasts somewhat longer than the last one. If the last
+// box overlapped many boxes, the new box lasts less long. When a body's motion changes, the body
+// keeps its box if the box will still contain it for long enough. Pairs of overlapping boxes are
+// watched. Every event affects one or two bodies.
 //
-// Synchronous (Algorithm 3.4): after every event, all bodies get new boxes that last until the next
-// event, and all extents are sorted again.
+// Synchronous (Algorithm 3.4): after every event, all bodies get new boxes, and all extents are
+// sorted again. The boxes last until the next event.
 //
 // All pairs: the reference algorithm, without boxes.
 //
 // Invariants
-//   1. A body's box contains the body and k_touch_m around it, from now to the box's expiry.
-//   2. A pair whose boxes overlap has an edge, and the edge's prediction is not later than the
-//      pair's next collision. A body's key in the queue is the minimum over its own predictions
-//      (for pairs and static geometry) and its box's expiry. When the least key's prediction turns
-//      out to be void (pair_graph.h), that key is recomputed. So the least non-void key in the
-//      queue is the simulation's next event.
-//   3. Nothing is allocated in the loop once lists have reached their full size.
+//   1. From now to its expiry, a body's box contains the body and k_touch_m around it.
+//   2. If the boxes of two bodies overlap, the pair has an edge. The edge's prediction is not later
+//      than the pair's next collision. A body's key in the queue is its earliest prediction (for
+//      pairs and static geometry) or its box's expiry, whichever is earlier. If the least key's
+//      prediction is void (pair_graph.h), that key is recomputed. So the least key that isn't void
+//      is the simulation's next event.
+//   3. After lists have reached their full size, the loop allocates nothing.
 // Hence the choice and timing of boxes don't affect the results. Thread safety: none.
 #pragma once
 
@@ -53,8 +53,8 @@ class Engine final : public AnyEngine {
  private:
   static constexpr BodyId k_nobody{UINT32_MAX};
 
-  /// The queue has a slot for each body, with the same number as the body, followed by a slot for
-  /// each kind of event that belongs to no body.
+  /// Each body has a slot in the queue, with the body's number. The slots after these are for the
+  /// kinds of events that belong to no body.
   enum class OwnSlot : std::uint32_t {
     control,    ///< next control of the scene
     sample,     ///< next sampling event
@@ -75,7 +75,7 @@ class Engine final : public AnyEngine {
     std::uint32_t search = k_no_search;
   };
   /// Receives the broad phase's reports on one body. finish() predicts new pairs in batches, unless
-  /// the caller is going to predict all of the body's pairs.
+  /// the caller will predict all pairs of the body anyway.
   struct Sink {
     Engine& engine;
     BodyId body;
@@ -145,7 +145,7 @@ class Engine final : public AnyEngine {
   void renew_all_boxes(Tick end);
   bool watch_statics(BodyId body, const Box& box);
   TickCount least_span(BodyId body) const;
-  /// Static geometry near a body. If the scene has no static geometry, the body's list isn't read.
+  /// Static geometry near a body. Doesn't read the body's list if the scene has no static geometry.
   std::span<StaticEdge> statics_of(BodyId body) {
     return world_.statics().any() ? std::span<StaticEdge>(statics_[body]) : std::span<StaticEdge>{};
   }

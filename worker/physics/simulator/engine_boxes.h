@@ -1,4 +1,5 @@
-// How long bounding volumes last, and what is near them: implementation of templates in engine.h.
+// Implements templates of engine.h that decide how long bounding volumes last and find what is near
+// them.
 #pragma once
 
 #include <algorithm>
@@ -9,36 +10,37 @@
 
 namespace sleight::physics {
 
-// All constants below affect speed only.
+// All constants below affect only speed.
 
-/// Minimum duration of a new box: the time in which its body moves by this share of its radius.
-/// Shorter boxes expire often and separate no more pairs.
+/// Minimum duration of a new box: the time in which its body moves by this share of the body's
+/// radius. Boxes with shorter durations would expire more often and still overlap as many boxes.
 inline constexpr double k_least_box_radii = 0.2;
-/// Maximum duration of a box: the time in which its body moves by this many radii. A longer box
-/// would be on a higher grid level than most boxes, and every move would have to search that level
-/// too.
+/// Maximum duration of a box: the time in which its body moves by this many radii. With a longer
+/// duration, the box would be larger and on a higher grid level than most boxes. Then every move
+/// would have to search that level too.
 inline constexpr double k_most_box_radii = 2.5;
-/// Maximum duration for a body with many static features near it: a smaller box contains fewer
-/// features, which must be predicted at each change of motion.
+/// Maximum duration if a body has many static features near it. Each change of motion must predict
+/// all features in the box, and a smaller box contains fewer.
 inline constexpr double k_most_box_radii_among_many = 0.7;
 inline constexpr std::size_t k_many_statics = 12;
-/// Padding of a box on each side of its body's path, as a share of the body's radius, so that it
-/// usually contains the body for a while after a collision.
+/// A box is padded on each side of its body's path by this share of the body's radius. So the box
+/// usually still contains the body for a while after a collision.
 inline constexpr double k_box_pad_radii = 0.2;
-/// After a change of motion, a body keeps its box if the box contains it for the time in which it
-/// moves by this share of its radius.
+/// When a body's motion changes, it keeps its box if it will stay inside while it moves by this
+/// share of its radius.
 inline constexpr double k_keep_box_radii = 0.05;
-/// Target number of boxes that a box overlaps. A new box lasts as long as the last box, times this
-/// target, divided by the number of boxes that the last box overlapped. The two factors below limit
-/// the change. The target balances the cost of predictions against the cost of new boxes.
+/// Each box should overlap about this many boxes. The duration of a new box is that of the last
+/// box, times this target, divided by the number of boxes that the last box overlapped. The two
+/// factors below limit the change. The target balances the cost of predictions against the cost of
+/// new boxes.
 inline constexpr double k_neighbours_wanted = 6;
 inline constexpr double k_span_factor_min = 0.5;
 inline constexpr double k_span_factor_max = 1.3;
-/// Margin of the boxes used to search static features, as a share of the body's radius, so that
-/// most new boxes are within the last such box.
+/// Boxes for searching static features have this margin, as a share of the body's radius. So most
+/// new boxes are within the last such box, and no new search is needed.
 inline constexpr double k_static_margin_radii = 0.7;
-/// Maximum duration of a box in the synchronous algorithm: the time in which the fastest body moves
-/// by this share of its radius.
+/// Maximum duration of boxes in the synchronous algorithm: no body moves by more than this many of
+/// its radii in this time.
 inline constexpr double k_synchronous_step_radii = 1;
 
 inline bool holds(const Box& outer, const Box& inner) {
@@ -58,11 +60,11 @@ inline Box wider(const Box& box, float margin_m) {
   return wide;
 }
 
-/// Approximate time that a body takes, from a tick on, to move by a given number of its radii.
+/// Returns about how long a body takes, from a tick on, to move by a given number of its radii.
 inline TickCount span_of_travel(const Bodies& bodies, BodyId body, Tick tick, double radii) {
   const Path flight = bodies.path(body);
   const double way_m = radii * bodies.reach_m(body);
-  // Use sums of components instead of norms; this affects speed only.
+  // Use sums of components instead of norms; this affects only the boxes' duration.
   const Vec3& pull = flight.acceleration_mps2;
   const Vec3 velocity_mps = flight.velocity_mps + seconds(tick - flight.begin) * pull;
   const double speed_mps =
@@ -73,10 +75,11 @@ inline TickCount span_of_travel(const Bodies& bodies, BodyId body, Tick tick, do
   return rate > 0 ? ticks_after(2 * way_m / rate) : k_tick_max.value;
 }
 
-/// Limits the span of a body's box, which is the box of its path plus padding. In a periodic world,
-/// two bodies whose boxes overlap must be nearer to each other than to other images, which
-/// Bodies::to_nearest_image requires. The distance between the bodies' centres is at most the sum
-/// of both boxes' edges minus both radii; limited_span() keeps this distance below half a period.
+/// Limits the span of a body's box, which contains its path and padding. In a periodic world, if
+/// two bodies' boxes overlap, the bodies must be nearer to each other than to each other's images:
+/// Bodies::to_nearest_image requires this. The distance between the centres of two such bodies is
+/// at most the sum of both boxes' edges minus both radii. limited_span() keeps this distance below
+/// half a period.
 inline TickCount limited_span(const Bodies& bodies, BodyId body, Tick tick, TickCount span,
                               double pad_radii) {
   TickCount limited = std::min(span, k_tick_max - tick);
@@ -86,7 +89,8 @@ inline TickCount limited_span(const Bodies& bodies, BodyId body, Tick tick, Tick
     const double period = bodies.scene().period_m[static_cast<std::size_t>(i)];
     const double speed_mps = std::fabs(flight.velocity_mps[i]);
     if (period == 0 || speed_mps == 0) continue;
-    // Each of the two bodies gets a quarter of the period, minus a hundredth of it for rounding.
+    // Each of the two bodies gets a quarter of the period, minus a hundredth of the period for
+    // rounding.
     const double way_m = 0.24 * period - (1 + 2 * pad_radii) * bodies.reach_m(body);
     limited = std::min(limited, ticks_before(way_m / speed_mps));
   }
@@ -100,7 +104,7 @@ inline double typical_box_m(const Bodies& bodies) {
   return bodies.size() == 0 ? 1 : 1.3 * sum_m / static_cast<double>(bodies.size());
 }
 
-/// Updates a body that began a segment at this tick. The body keeps its box if the box contains it
+/// Updates a body that began a segment at this tick. The body keeps its box if it will stay inside
 /// for long enough.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::motion_changed(BodyId body) {
@@ -118,8 +122,8 @@ void Engine<Boxes, Queue>::motion_changed(BodyId body) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::renew_box(BodyId body, bool predict_new) {
-  // The thesis doubles the time since the last box; here the factor depends on the number of boxes
-  // that the last box overlapped.
+  // The new box lasts the time since the last box was made, times a factor. In the thesis the
+  // factor is 2. Here it depends on the number of boxes that the last box overlapped.
   Bound& bound = bounds_[body];
   const auto neighbours = static_cast<double>(graph_.others_of(body).size());
   const double factor =
@@ -142,7 +146,7 @@ void Engine<Boxes, Queue>::renew_box(BodyId body, bool predict_new) {
   if (predict_new) fetch_next_neighbours();
   watch_statics(body, box);
   if (!predict_new) return;
-  // Static searches that stopped at the last box's expiry continue here.
+  // Some static searches stopped at the last box's expiry. Continue them.
   for (StaticEdge& edge : statics_of(body)) {
     if (edge.prediction.certain || edge.prediction.tick > now_ + 1) continue;
     ++counts_.predictions;
@@ -152,14 +156,15 @@ void Engine<Boxes, Queue>::renew_box(BodyId body, bool predict_new) {
   refresh_key(body);
 }
 
-/// Updates the body's list of static features that it may meet in a box, using the candidates in a
-/// wider box. Returns whether the list changed.
+/// Updates the list of static features that the body may meet in a box. Selects them from the
+/// candidates in a wider box. Returns whether the list changed.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::watch_statics(BodyId body, const Box& box) {
   if (!world_.statics().any() || world_.statics().count(body) == 0) return false;
   if (world_.replayed().has(body)) return false;
   if (!holds(static_boxes_[body], box)) {
-    // A fast body would leave the wider box at once.
+    // If the new box is far outside the last wide one, use no margin: the fast body would leave a
+    // wide box at once.
     const auto margin = static_cast<float>(k_static_margin_radii * bodies_.reach_m(body));
     Box& wide = static_boxes_[body];
     wide = wider(box, holds(wider(wide, margin), box) ? margin : 0);
@@ -171,7 +176,7 @@ bool Engine<Boxes, Queue>::watch_statics(BodyId body, const Box& box) {
   world_.statics().in(body, box, candidates_[body], near_);
   std::vector<StaticEdge>& list = statics_[body];
   if (std::ranges::equal(list, near_, {}, &StaticEdge::index)) return false;
-  // Features that were watched before keep their predictions. Both lists are ascending.
+  // If a feature was already watched, it keeps its prediction. Both lists are ascending.
   const std::size_t before = list.size();
   std::size_t old = 0;
   for (const StaticId index : near_) {
@@ -198,7 +203,8 @@ template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
   boxes_until_ = k_never;
   if (failure_ || present_ == 0) return;
-  // Boxes last until the next event, with a limit, because the next event may be far away.
+  // Boxes last until the next event. Boxes also have a maximum duration, because the next event may
+  // be far away.
   TickCount step = k_tick_max.value;
   for (BodyId body{}; body < bodies_.size(); ++body) {
     if (bodies_.started(body))
@@ -219,7 +225,7 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
   }
   PairsSink sink{*this};
   boxes_.move_all(all_boxes_, sink);
-  // If the next event has become void, the boxes still last only until its tick.
+  // If the next event has become void, the boxes still last only until that event's tick.
   if (queue_.least().key.tick > next && next < end) {
     queue_.set(slot_of(OwnSlot::new_boxes),
                {.tick = next, .kind = EventKind::update, .lower = k_nobody, .higher = k_nobody});

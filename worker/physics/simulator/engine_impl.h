@@ -13,18 +13,18 @@
 
 namespace sleight::physics {
 
-/// Initial capacity of each list of neighbours: at most 12 equal spheres touch one, and boxes
-/// extend somewhat further. A larger capacity would spread the lists over memory.
+/// Initial capacity of each list of neighbours: at most 12 equal spheres touch a sphere of the same
+/// size, and boxes extend somewhat further. A larger capacity would spread the lists over memory.
 inline constexpr std::size_t k_list_room = 16;
-/// Average number of neighbours per body for which memory is reserved.
+/// Memory is reserved for this many neighbours per body, on average.
 inline constexpr std::size_t k_list_average = 48;
-/// Initial capacity for the static geometry near a body. While a list is updated, it may be twice
-/// as long as usual.
+/// Initial capacity of each body's list of the static geometry near it. During an update, a list
+/// may be twice as long as usual.
 inline constexpr std::size_t k_static_room = 96;
-/// Initial capacity for the static candidates that are tested with each new box.
+/// Initial capacity of each body's list of static candidates. Each new box tests them.
 inline constexpr std::size_t k_candidate_room = 256;
-/// Minimum number of bodies for prefetching the next event's data. If there are fewer bodies, their
-/// data fits in the second-level cache. Prefetching would slow a gas of 1,000 spheres by 5%.
+/// If there are at least this many bodies, the next event's data are prefetched. The data of fewer
+/// bodies fit in the second-level cache: prefetching would slow a gas of 1,000 spheres by 5%.
 inline constexpr std::uint32_t k_read_ahead_bodies = 4000;
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -64,7 +64,7 @@ Engine<Boxes, Queue>::Engine(World& world, Replaying& replaying, EngineOptions o
   reads_ahead_ = count >= k_read_ahead_bodies;
   if (options_.algorithm == Algorithm::synchronous) all_boxes_.resize(count);
 
-  // Take over bodies that have started; give the others start events.
+  // Take over bodies that have started. Give all other bodies start events.
   predictions_.forget_searches(options_.algorithm != Algorithm::all_pairs);
   for (BodyId body{}; body < count; ++body) {
     if (bodies_.started(body)) {
@@ -135,14 +135,13 @@ void Engine<Boxes, Queue>::unwatch(BodyId body) {
 template <BroadPhase Boxes, EventQueue Queue>
 std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
   if (end < now_) return failure_;
-  // Boxes from the last call of run_until() are valid only until the end of that call's time span.
+  // The last call of run_until() made boxes that are valid only until the end of its time span.
   if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
   take_over_live();
   while (!failure_ && !queue_.empty()) {
     const QueuedEvent event = queue_.least();
     if (event.key.tick > end) break;
-    // An event before the present would mean that a bound was wrong and a collision was found too
-    // late.
+    // If an event were before the present, a bound would be wrong: a collision was found too late.
     CHECK_GE(event.key.tick.value, now_.value);
     now_ = event.key.tick;
     if (reads_ahead_) fetch_next();
@@ -211,7 +210,7 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
   CHECK(false);
 }
 
-/// Whether a prediction is void: the body's partner has changed its motion since then, or the pair
+/// Whether a prediction is void: the partner's motion has changed since the prediction, or the pair
 /// is no longer watched.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::is_void(BodyId body, const EventKey& event) {
@@ -232,7 +231,7 @@ void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
     const std::string obstacle = obstacle_of(body);
     if (obstacle.empty()) break;
 
-    // Remove the body and try another start, if its description has one.
+    // Remove the body. If its description has another start, try that one.
     unwatch(body);
     if (!description.start_again || attempt > k_start_attempts_max) {
       fail(
@@ -265,7 +264,7 @@ void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
 /// Returns the name of what a body overlaps; empty if nothing.
 template <BroadPhase Boxes, EventQueue Queue>
 std::string Engine<Boxes, Queue>::obstacle_of(BodyId body) {
-  // World::lay_down has already checked the bodies that start at rest against each other.
+  // If both bodies start at rest, World::lay_down has already checked the pair.
   const std::vector<BodyDescription>& bodies = bodies_.scene().bodies;
   const bool rests = bodies[body].rests;
   BodyId lowest = k_nobody;
@@ -281,7 +280,7 @@ std::string Engine<Boxes, Queue>::obstacle_of(BodyId body) {
     if (world_.statics().touching(body, edge.index, now_))
       return world_.statics().name(body, edge.index);
   }
-  // A body deep inside a solid may touch nothing of its surface.
+  // A body deep inside a solid may touch nothing of the solid's surface.
   return world_.statics().solid_at(bodies_.position_at(body, now_));
 }
 
@@ -298,10 +297,10 @@ void Engine<Boxes, Queue>::collide(const EventKey& event) {
   bodies_changed();
 }
 
-/// Gives new bounds and predictions to the bodies that began a segment at this event.
+/// If a body began a segment at this event, gives it new bounds and predictions.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::bodies_changed() {
-  // Update all change numbers first, because a prediction becomes void if they change later.
+  // Update all change numbers before predicting: if they change later, a prediction becomes void.
   for (const BodyId body : world_.changed())
     ++changes_[body];
   for (const BodyId body : world_.changed()) {
@@ -390,11 +389,10 @@ void Engine<Boxes, Queue>::sample() {
 
 // ---- reading ahead ------------------------------------------------------------------------------
 
-// In a simulation of many bodies, most of an event's data are not in the caches, and processing
-// waits for one list or box after another. The following event is usually known, so its data are
-// prefetched while this event is processed: first the data and lists of its bodies, then the data
-// of their neighbours. The neighbours' boxes are left out, because prefetching them slows gases
-// down.
+// If a simulation has many bodies, most of an event's data are not in the caches: processing waits
+// for one list or box after another. The next event is usually known. So while this event is
+// processed, the next one's data are prefetched: first its bodies' data and lists, then their
+// neighbours' data. The neighbours' boxes are left out, because prefetching them slows gases down.
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::fetch_next() {
@@ -436,7 +434,7 @@ void Engine<Boxes, Queue>::end_pair(BodyId a, BodyId b) {
   predictions_.end_search(search);
 }
 
-/// Predicts a pair. The prediction is stored in this body's copy of the edge, and the other copy
+/// Predicts a pair. Stores the prediction in this body's copy of the edge. The partner's copy
 /// becomes void.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict(BodyId body, const PairEdge& edge) {
@@ -494,7 +492,7 @@ void Engine<Boxes, Queue>::predict_last(BodyId body, std::size_t count) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_statics(BodyId body) {
   if (world_.replayed().has(body)) return;
-  // Predictions beyond the first change of the body's motion aren't needed.
+  // Predictions aren't needed beyond the tick at which the body's motion first changes.
   Tick until = std::min(bounds_[body].expiry, world_.mode_end(body));
   for (StaticEdge& edge : statics_of(body)) {
     ++counts_.predictions;
@@ -515,7 +513,8 @@ void Engine<Boxes, Queue>::refresh_key(BodyId body) {
                        .feature = prediction.feature};
     if (key < best) best = key;
   };
-  // First find the least tick; the loop has no branches. Then compare whole keys at that tick.
+  // First find the least tick, in a loop without branches. Then compare the whole keys of
+  // predictions at that tick.
   const PairEdges edges = graph_.edges_of(body);
   const auto is_void = [&](std::size_t i) {
     return edges.other_changes[i] != changes_[edges.others[i]];

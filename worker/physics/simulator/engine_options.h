@@ -10,7 +10,8 @@
 
 namespace sleight::physics {
 
-/// Which bodies are updated after an event. All algorithms have the same results, bit for bit.
+/// Determines which bodies are updated after an event. All algorithms have the same results, bit
+/// for bit.
 enum class Algorithm : std::uint8_t {
   asynchronous,  ///< thesis, Algorithms 3.2 and 3.3: only the bodies involved
   synchronous,   ///< Algorithm 3.4: all bodies, as a baseline for comparison

@@ -1,8 +1,8 @@
-// Replays the history of another simulation: implementation of templates in engine.h.
+// Implements templates of engine.h that replay another simulation's history.
 //
-// A replayed body has a box and pairs like any other body. A replayed body's pairs with other
-// replayed bodies, collisions with static geometry and rest decisions are not predicted, because
-// the history contains them. The queue's slot OwnSlot::replayed holds the history's next event.
+// A replayed body has a box and pairs like any other body. The history contains a replayed body's
+// rest decisions, and its collisions with static geometry and with other replayed bodies. So these
+// events are not predicted. The queue's slot OwnSlot::replayed holds the history's next event.
 #pragma once
 
 #include "worker/physics/simulator/engine.h"
@@ -14,8 +14,8 @@ template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::starts_as_before(BodyId body, const EventKey& event) {
   const bool same = replaying_.starts(body, event);
   if (same) {
-    // The body's start is known to be free, so end its searches for collisions with static
-    // geometry.
+    // The history shows that nothing is in the way at the start. So end the searches for collisions
+    // with static geometry.
     for (StaticEdge& edge : statics_[body])
       predictions_.end_search(edge.search);
     if (options_.algorithm != Algorithm::all_pairs) {
@@ -46,7 +46,7 @@ template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::schedule_replay() {
   if (replaying_.active()) replaying_.end_if_over();
   const EventKey next = replaying_.active() ? replaying_.next() : k_no_event;
-  // Controls that both scenes have are processed from the control slot, in the scene's order.
+  // If both scenes have a control, it is processed from the control slot, in the scene's order.
   const bool comes_by_itself =
       next.kind == EventKind::control && next.feature < replaying_.same_controls();
   if (next == k_no_event || comes_by_itself) {
@@ -65,8 +65,8 @@ void Engine<Boxes, Queue>::take_over_live() {
     predict_all(body);
   }
   world_.replayed().forget_gone_live();
-  // Boxes last only until the tick of the event that was next when they were made, even if that
-  // event was void and has been removed.
+  // Boxes expire at the tick of the event that was next when they were made. Boxes keep this expiry
+  // even if that event was void and has been removed.
   if (options_.algorithm == Algorithm::synchronous && boxes_until_ != k_never &&
       (queue_.empty() || queue_.least().key.tick > boxes_until_)) {
     queue_.set(

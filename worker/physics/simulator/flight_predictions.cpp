@@ -1,5 +1,5 @@
-// Predictions of spheres in flight, the main work in gases. They read as little memory as possible,
-// because reading takes longer than computing if there are many bodies.
+// Predictions of spheres in flight, which are the main work in gases. The code here reads as little
+// memory as possible: if there are many bodies, reading takes longer than computing.
 #include <algorithm>
 #include <array>
 
@@ -30,13 +30,13 @@ Prediction Predictions::predict_free_spheres_at(BodyId a, BodyId b, const Vec3& 
   return {.tick = tick, .certain = true};
 }
 
-/// `k_fresh`: the body's flight begins at `now`, so all pairs are evaluated at that tick and the
-/// body's position needs no computation.
+/// `k_fresh`: the body's flight begins at `now`. So all pairs are evaluated at that tick, and the
+/// body's position is known.
 template <bool k_fresh>
 bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
                                       std::span<const std::uint32_t> changes, Tick now) const {
-  // First test some pairs without branches, then compute the colliding ones, because the processor
-  // can't predict which pairs collide.
+  // First test a batch of pairs without branches, because the processor can't predict which pairs
+  // collide. Then compute the colliding pairs.
   constexpr std::size_t k_batch = 32;
   std::array<double, k_batch> towards;
   std::array<double, k_batch> excess;
@@ -63,8 +63,8 @@ bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
       const Lanes place = Lanes::of(other.position_m);
       const Lanes velocity = Lanes::of(other.velocity_mps);
 
-      // Shift to the image of the second body nearest to the first one now. The usual case needs no
-      // branch: rounding can't decide whether the shift is one period or none.
+      // Shift to the second body's image that is nearest to the first body now. Usually rounding
+      // can't decide whether the shift is one period or none; this case needs no branch.
       const LaneMask own_is_first = LaneMask::all(body < batch.others[i]);
       const Lanes place_now = place + Lanes::all(seconds(now - other.begin)) * velocity;
       const Lanes apart = choose(own_is_first, place_now, own_place_now) -
@@ -77,7 +77,7 @@ bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
         shift = Lanes::of(bodies_.to_nearest_image({apart.xy[0], apart.xy[1], apart.z[0]}));
       }
 
-      // Compute the relative motion since the later flight's start; gravity cancels.
+      // Compute the relative motion from the start of the later flight on. Gravity cancels.
       const Tick begin = k_fresh ? now : std::max(own.begin, other.begin);
       const double s = k_fresh ? 0 : seconds(begin - own.begin);
       const double t = seconds(begin - other.begin);

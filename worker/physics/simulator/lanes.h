@@ -1,5 +1,5 @@
-// Three numbers in vector registers. Each operation computes two numbers at once, and choices need
-// no branch. Each result has the same bits as operations on doubles.
+// Three numbers in vector registers. Each operation computes two numbers at once. Choices need no
+// branch. Results have the same bits as if computed with single doubles.
 //
 // Thread safety: values.
 #pragma once
@@ -11,7 +11,8 @@
 namespace sleight::physics {
 
 struct Lanes {
-  // Compilers map these to the processor's registers: pairs of doubles on plain x86-64.
+  // Compilers map these types to the processor's registers. On plain x86-64, these hold pairs of
+  // doubles.
   using Two = double __attribute__((vector_size(16)));
   using Mask = std::int64_t __attribute__((vector_size(16)));
 

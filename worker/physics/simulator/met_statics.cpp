@@ -8,7 +8,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Whether any part of a box is below the surface's highest point under the box.
+/// Whether the box's bottom is below the surface's highest point under the box.
 bool reaches_into(const Box& box, SplineSurface& surface) {
   const auto low = [&](std::size_t axis) { return double{box.low_m[axis]}; };
   const auto high = [&](std::size_t axis) { return double{box.high_m[axis]}; };

@@ -1,7 +1,7 @@
-// Static geometry as the bodies of a simulation meet it: spheres meet features, other bodies meet
-// pieces. Surfaces are numbered after the pieces.
+// Static geometry in the form in which a simulation's bodies meet it. Spheres meet features; other
+// bodies meet pieces. Surfaces are numbered after the pieces.
 //
-// A StaticId's meaning depends on the body, so all queries take a body. Thread safety: none,
+// All queries take a body, because the meaning of a StaticId depends on it. Thread safety: none,
 // because surfaces cache queries.
 #pragma once
 
@@ -26,7 +26,7 @@ struct MetSurface {
 
 class MetStatics {
  public:
-  /// Borrows the bodies, and takes the static geometry of their scene.
+  /// Borrows the bodies, and builds the static geometry of their scene.
   explicit MetStatics(Bodies& bodies);
 
   const StaticGeometry& geometry() const { return geometry_; }
@@ -35,7 +35,7 @@ class MetStatics {
   // Candidates for contact.
   std::uint32_t count(BodyId body) const;
   void near(BodyId body, const Box& box, std::vector<StaticId>& found) const;
-  /// Appends the elements of `some` that the body may meet in a box, in the same order.
+  /// If the body may meet an element of `some` in a box, appends it. Keeps their order.
   void in(BodyId body, const Box& box, std::span<const StaticId> some,
           std::vector<StaticId>& found) const;
   const std::string& name(BodyId body, StaticId met) const;
@@ -49,12 +49,12 @@ class MetStatics {
     return surface(met).lattices[bodies_.constants(body).first_part + part];
   }
 
-  /// Contact law of a body and static geometry at a contact point.
+  /// Returns the law of a contact between a body and static geometry at a point.
   SurfaceLaw law(BodyId body, StaticId met, const Vec3& point_m) const;
   PieceContact contact_of_part(StaticId met, BodyId body, std::uint32_t part, Tick tick) const;
   bool touching(BodyId body, StaticId met, Tick tick) const;
-  /// Returns the name of the solid that contains a point; empty if none. solid_at() finds bodies
-  /// deep inside a solid, which may touch nothing of its surface.
+  /// Returns the name of the solid that contains a point; empty if none. A body deep inside a solid
+  /// may touch nothing of the solid's surface; solid_at() finds it.
   std::string solid_at(const Vec3& place_m) const;
 
  private:

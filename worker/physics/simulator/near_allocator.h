@@ -1,9 +1,9 @@
-// Arrays that events access at random places. They are aligned to cache lines, and large arrays are
-// on huge pages.
+// Arrays that events access at random places. The arrays are aligned to cache lines, and large
+// arrays are on huge pages.
 //
-// A simulation of many bodies reads some tens of cache lines per event from all over its arrays. On
-// pages of 4 KiB, each read would also cost a page-table walk. So large arrays request huge pages
-// where the kernel has them but doesn't use them by default. Thread safety: values.
+// A simulation of many bodies reads some tens of cache lines per event, from places all over its
+// arrays. If pages had 4 KiB, each read would also need a page-table walk. So large arrays request
+// huge pages, for kernels that have them but don't use them by default. Thread safety: values.
 #pragma once
 
 #include <cstddef>

@@ -1,23 +1,23 @@
-// The graph of watched pairs, and when each may collide next.
+// The graph of watched pairs, which stores when each pair may collide next.
 //
-// Each body has a flat list of edges, one for each body whose bounding volume overlaps its own.
-// Lists are ranges of a few shared arrays, so that the lists in use occupy few pages of memory. A
-// full list moves to a range of twice the capacity. Ids, ticks, change numbers and details are in
-// separate arrays. So a search for an id reads one cache line, and the two copies of an edge don't
-// store each other's position. If the world has only spheres in flight, there are no details, and
-// sixteen edges fill four cache lines.
+// If two bounding volumes overlap, each of the two bodies has an edge to the other in its list.
+// Lists are ranges of a few shared arrays, so that they occupy few pages of memory. A full list
+// moves to a range of twice the capacity. Ids, ticks, change numbers and details are in separate
+// arrays. So a search for an id reads one cache line, and an edge's two copies needn't store each
+// other's position. If all bodies are spheres in flight, there are no details: sixteen neighbours
+// occupy four cache lines.
 //
 // A pair's prediction is stored in the copy of the body whose motion changed last, because that
-// body made the prediction. The partner's copy may still hold an older prediction. With its
-// prediction, each copy stores the partner's change number. The copy is void if the partner has
-// changed since.
+// body made the prediction. The partner's copy may still hold an older prediction. Each copy also
+// stores the partner's change number at the prediction. If that number has changed since, the copy
+// is void.
 //
 // Invariants
 //   1. The same index in all arrays belongs to the same edge.
 //   2. One of a pair's two copies holds the prediction for the bodies' current segments.
 //   3. The order within a list has no meaning, and no result may depend on it.
-//   4. Capacities are first_room_ times a power of two. When a list leaves a range, the range joins
-//      the chain of free ranges of its capacity, for reuse by other lists.
+//   4. Capacities are first_room_ times a power of two. Each capacity has a chain of free ranges.
+//      When a list leaves a range, the range joins this chain, and other lists can reuse it.
 // Thread safety: none.
 #pragma once
 
@@ -49,7 +49,7 @@ struct Prediction {
 /// Marks a copy without prediction; never equal to a change number.
 inline constexpr std::uint32_t k_void = UINT32_MAX;
 
-/// An edge's data besides its tick; absent if all bodies are spheres in flight.
+/// Further data of an edge. Absent if all bodies are spheres in flight.
 struct EdgeDetail {
   std::uint32_t feature = 0;
   std::uint32_t search = k_no_search;  ///< the same in both copies
@@ -75,7 +75,7 @@ struct PairEdge {
   }
 };
 
-/// All or part of a body's list; valid until the next change of the graph.
+/// All or some edges of a body's list. Valid until the graph changes.
 struct PairEdges {
   std::size_t count = 0;
   const BodyId* others = nullptr;
@@ -109,8 +109,8 @@ class PairGraph {
   void reset(std::size_t bodies, const Room& room) {
     first_room_ = static_cast<std::uint32_t>((room.list + k_scan - 1) / k_scan * k_scan);
     left_.fill(k_none);
-    // When lists move, they leave ranges behind. In total, these are at most as large as all ranges
-    // in use.
+    // When lists move, they leave ranges behind. Together, these ranges are at most as large as all
+    // ranges in use.
     const std::size_t edges = bodies * std::max<std::size_t>(first_room_, 2 * room.average);
     others_.reserve(edges);
     ticks_.reserve(edges);
@@ -153,8 +153,8 @@ class PairGraph {
     return all()[std::size_t{list.begin} + place];
   }
 
-  /// Removes a pair and returns its search. The last edges of the two lists move to the free
-  /// places. REQUIRES: the graph contains the pair.
+  /// Removes a pair and returns its search. In each list, the last edge moves to the free place.
+  /// REQUIRES: the graph contains the pair.
   std::uint32_t remove(BodyId a, BodyId b) {
     take_out(lists_[b], a);
     return take_out(lists_[a], b);
@@ -188,7 +188,7 @@ class PairGraph {
     if (has_details_) details_[at] = {};
   }
 
-  /// Returns a free range with this number of doublings of the initial capacity.
+  /// Returns a free range whose capacity is the initial one, doubled this many times.
   std::uint32_t stretch(std::uint32_t doublings) {
     std::uint32_t& left = left_[doublings];
     if (left != k_none) {
@@ -221,9 +221,9 @@ class PairGraph {
     ++list.doublings;
   }
 
-  /// Index of another body in a list; at least list.count if the list doesn't contain that body.
-  /// Compares many ids at a time, because the processor can't predict where a sequential search
-  /// ends.
+  /// Returns the index of another body in a list, or at least list.count if the list doesn't
+  /// contain that body. Compares many ids at a time, because the processor can't predict where a
+  /// sequential search ends.
   std::uint32_t place_of(const List& list, BodyId other) const {
     const BodyId* ids = others_.data() + list.begin;
     std::uint32_t from = 0;
@@ -231,7 +231,7 @@ class PairGraph {
       const std::uint32_t bits = equal_bits(ids + from, other);
       if (bits != 0) return from + static_cast<std::uint32_t>(std::countr_zero(bits));
     }
-    // The length of a range is a multiple of k_scan, so reading beyond the count finds old ids.
+    // A range's length is a multiple of k_scan, so reading beyond the count finds only old ids.
     if (from == list.count) return list.count;
     const std::uint32_t bits = equal_bits(ids + from, other);
     return from + static_cast<std::uint32_t>(std::countr_zero(bits));

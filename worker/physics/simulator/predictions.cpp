@@ -7,11 +7,11 @@
 namespace sleight::physics {
 namespace {
 
-/// Maximum number of ticks that a search tests in advance. Then it waits until the next tick is
-/// due, because most pairs change their motion before that. Affects speed only.
+/// Maximum number of ticks that a search tests in advance. After that, the search waits until its
+/// next tick is due, because most pairs change their motion before then. Affects speed only.
 constexpr int k_looks_ahead = 32;
 
-/// Replaces a feature's number to mark that the search exceeded its limit.
+/// In place of a feature's number: the search exceeded its limit.
 constexpr std::uint32_t k_gave_up = UINT32_MAX;
 
 /// Tests a few ticks of a search without stored state.
@@ -27,8 +27,9 @@ Prediction looked_ahead(Tick tick, Tick until, const Examine& examine) {
   return {.tick = tick, .certain = false};
 }
 
-/// Continues the searches of a pair's parts up to `now`. examine(i, tick, search) tests the i-th
-/// pair of parts. Returns the first collision, with the lowest part number if tied.
+/// Continues the searches of all pairs of parts up to `now`. examine(i, tick, search) tests the
+/// i-th pair of parts. Returns the earliest collision; if several are tied, the one with the lowest
+/// number.
 template <class Examine>
 Prediction advanced(std::span<PieceSearch> searches, Tick now, const Examine& examine) {
   Prediction first;
@@ -66,8 +67,8 @@ Predictions::Predictions(Bodies& bodies, const MetStatics& statics, bool contact
 
 void Predictions::forget_searches(bool use_places) {
   searches_.clear();
-  // Bodies are slow for long enough only in scenes where they can rest. Places also require
-  // positions that don't wrap around.
+  // Remembered places save work only if bodies are slow for long, as in scenes where they can rest.
+  // Places also require that positions don't wrap around.
   const bool useful = use_places && !bodies_.only_spheres() &&
                       bodies_.scene().slow.rest_speed_mps > 0 && !bodies_.periodic();
   places_.reset(useful ? bodies_.size() : 0, ticks_after(0.5 * bodies_.scene().slow.rest_time_s));
@@ -102,7 +103,7 @@ Prediction Predictions::predict(BodyId a, BodyId b, Tick now, std::uint32_t& sea
   if (bodies_.is_resting(a) && bodies_.is_resting(b)) return {};
   const std::size_t pairs =
       std::size_t{bodies_.constants(a).part_count} * std::size_t{bodies_.constants(b).part_count};
-  // Skip the search while both bodies stay near places in which they are clear of each other.
+  // Skip the search if both bodies stay near places in which they can't touch each other.
   const PlacesOfPair places = places_.enabled() ? places_.of(a, b, now) : 0;
   if (places != 0 && search != k_no_search) {
     bool all_clear = true;
@@ -136,7 +137,7 @@ Prediction Predictions::predict(BodyId a, BodyId b, Tick now, std::uint32_t& sea
 Prediction Predictions::look(BodyId a, BodyId b, Tick now, std::uint32_t search) {
   if (bodies_.is_sphere(a) && bodies_.is_sphere(b)) return predict_spheres(a, b, now);
   const std::uint32_t of_b = bodies_.constants(b).part_count;
-  // Compute the parts' refractory time only when needed, because most tested ticks are after it.
+  // Compute the parts' refractory time only when it is needed: most tested ticks are after it.
   Refractory refractory = recent_.of(a, b);
   bool asked = false;
   const bool several = searches_.of(search).size() > 1;
@@ -194,8 +195,8 @@ Refractory Predictions::refractory_of_parts(BodyId a, BodyId b) {
   const Refractory refractory = recent_.of(a, b);
   const Tick begin = std::max(bodies_.flight(a).begin, bodies_.flight(b).begin);
   if (refractory.until <= begin) return refractory;
-  // As for spheres, compare the approach speed at the closest points of any two parts. Usually no
-  // point is fast.
+  // For each pair of parts, compare the approach speed at the closest points. Usually no point is
+  // fast.
   const MovingPiece& first = bodies_.moving_at(a, begin);
   const MovingPiece& second = bodies_.moving_at(b, begin);
   const double turning_mps =
@@ -217,7 +218,7 @@ Refractory Predictions::refractory_of_spheres(BodyId a, BodyId b) const {
   const Refractory refractory = recent_.of(a, b);
   const Tick begin = std::max(bodies_.flight(a).begin, bodies_.flight(b).begin);
   if (refractory.until <= begin) return refractory;
-  // During the refractory time, free motion hardly changes the bodies' speeds.
+  // The speeds at `begin` suffice: free motion hardly changes them during the refractory time.
   const Vec3 between_m = bodies_.between_at(a, b, begin);
   const Vec3 relative_mps =
       velocity_at(bodies_.segment(b).flight, begin) - velocity_at(bodies_.segment(a).flight, begin);
@@ -273,8 +274,8 @@ PieceContact Predictions::contact_at(BodyId a, BodyId b, const EventKey& event) 
 // ---- images -------------------------------------------------------------------------------------
 
 Prediction Predictions::predict_any_image(BodyId a, BodyId b, Tick now) const {
-  // Until two bodies have moved by half a period relative to each other, they can meet only images
-  // within one period of the nearest one.
+  // Until two bodies have moved by half a period relative to each other, the first can meet only
+  // some images of the second: those within one period of the nearest image.
   const Vec3 between_m = bodies_.position_at(b, now) - bodies_.position_at(a, now);
   const Vec3 nearest_m = bodies_.to_nearest_image(between_m);
   const Vec3 relative_mps =
@@ -347,7 +348,7 @@ Prediction Predictions::look_static(BodyId body, StaticId met, Tick now, std::ui
     if (prediction.feature == k_gave_up) gives_up(body, now);
     return prediction;
   }
-  // A sphere can't meet its own supports before its mode event.
+  // Before its mode event, a sphere can't meet its own supports.
   if (bodies_.stays_on_faces(body) && bodies_.supports(body).holds(met)) return {};
   const SphereFeature& feature = statics_.geometry().feature({met});
   const double radius_m = bodies_.constants(body).reach_m;

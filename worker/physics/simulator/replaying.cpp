@@ -26,8 +26,8 @@ Replaying::Replaying(World& world, std::shared_ptr<const History> history) : wor
   find_quiet_until();
 }
 
-/// Finds the first tick at which a segment that comes near changed static geometry begins, or a
-/// body may start elsewhere because of the change.
+/// Finds the tick until which only the history's events happen. From this tick on, a segment may
+/// come near changed static geometry, or a body may start elsewhere because of the change.
 void Replaying::find_quiet_until() {
   Replay& replay = *replay_;
   const ChangedPlaces& places = replay.changes.places;
@@ -52,7 +52,7 @@ void Replaying::find_quiet_until() {
       if (latest[body] != nullptr) look(body, event.key.tick);
       latest[body] = &event.segments[segment++];
       if (event.key.kind != EventKind::start) continue;
-      // Test whether the body used `start_again` in the history, or would have to use it now.
+      // Test whether the body used `start_again` in the history, or must use it now.
       const Vec3& place_m = latest[body]->flight.position_m;
       if (place_m != bodies().scene().bodies[body].start.pose.position_m ||
           !world_.statics().solid_at(place_m).empty())

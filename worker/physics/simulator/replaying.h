@@ -1,4 +1,4 @@
-// Replays the history of another simulation in a world, as far as both agree (see replay.h).
+// Replays another simulation's history in a world, as far as both agree (replay.h).
 //
 // Thread safety: none.
 #pragma once
@@ -26,26 +26,26 @@ class Replaying {
     if (replayed.has(body) && replay_->changes.places.meet(box)) replayed.make_live(body);
   }
   bool statics_differ() const { return replay_ && !replay_->changes.places.none(); }
-  /// Makes the supporters of newly live bodies live too, because a moving supporter must wake the
-  /// live body. Returns all newly live bodies.
+  /// If a body has gone live, makes its supporters live too, because a moving supporter must wake
+  /// it. Returns all bodies that have gone live.
   std::span<const BodyId> make_supporters_live();
 
   // These functions REQUIRE active().
   /// Before this tick, only the history's events happen.
   Tick quiet_until() const { return replay_->quiet_until; }
-  /// Replays all events up to and including tick `end` that are before quiet_until(). Returns the
-  /// last tick replayed. REQUIRES: no other events were processed.
+  /// Replays all events up to and at `end`, but only those before quiet_until(). Returns the last
+  /// tick replayed. REQUIRES: no other events were processed.
   Tick skip_quiet(Tick end);
   /// Processes the start of a body. Returns whether the body is replayed from now on.
   bool starts(BodyId body, const EventKey& event);
-  /// Returns the key of the history's next event in which a replayed or awaited body takes part. If
-  /// there is none, returns a key after the history's end.
+  /// Finds the history's next event in which a replayed or awaited body takes part, and returns the
+  /// event's key. If there is no such event, returns a key after the history's end.
   EventKey next();
-  /// Replays the next event if all its participants are replayed; otherwise makes its participants
-  /// live. Returns whether the event was replayed; if so, the world's changed() lists the bodies
-  /// that began a segment.
+  /// If all participants of the next event are replayed, replays it. Otherwise makes its
+  /// participants live. Returns whether the event was replayed. If so, the world's changed() lists
+  /// the bodies that began a segment.
   bool play();
-  /// Number of controls before the first one that differs between the scene and the history.
+  /// Counts the controls that scene and history share: those before the first difference.
   std::size_t same_controls() const { return replay_->changes.same_controls; }
   /// Ends the replay if no body is replayed or will be replayed.
   void end_if_over() {

@@ -17,8 +17,8 @@ using Kind = SceneError::Kind;
 /// Scenes beyond these limits are refused.
 constexpr double k_speed_mps_max = 1e6;
 constexpr double k_spin_radps_max = 1e6;
-/// At this gravity, a tick adds 1e-5 m/s of speed, so lasting contacts can still be distinguished
-/// from impacts.
+/// At this gravity, a falling body's speed grows by 1e-5 m/s per tick. Lasting contacts can still
+/// be distinguished from impacts.
 constexpr double k_gravity_mps2_max = 1e4;
 constexpr double k_mass_kg_min = 1e-12;
 constexpr double k_mass_kg_max = 1e12;
@@ -35,7 +35,7 @@ std::optional<SceneError> error(Kind kind, std::string message) {
   return SceneError{kind, std::move(message)};
 }
 
-/// Returns a sphere's radius, or the radius of a compound's bounding sphere about its centre.
+/// Returns the radius of a sphere, or of a compound's bounding sphere about the compound's centre.
 double radius_m_of(const Shape& shape) {
   const auto* sphere = std::get_if<Sphere>(&shape);
   return sphere != nullptr ? sphere->radius_m
@@ -98,12 +98,12 @@ std::optional<SceneError> error_of_mass(const Inertia& inertia, const std::strin
   return std::nullopt;
 }
 
-/// Checks that some mass distribution of the body's shape has these moments. REQUIRES: no
+/// Checks that the body's shape can have these moments with some mass distribution. REQUIRES: no
 /// error_of_shape and no error_of_mass.
 std::optional<SceneError> error_of_moments(const BodyDescription& body, const std::string& name) {
   const Inertia& inertia = body.inertia;
   const Vec3& moments = inertia.principal_kgm2;
-  // No mass distribution has a moment that exceeds the sum of the other two.
+  // For any mass distribution, no moment exceeds the sum of the other two.
   const double sum = (moments.x() + moments.y()) + moments.z();
   const double largest = std::max({moments.x(), moments.y(), moments.z()});
   if (largest > (sum - largest) * (1 + 1e-9)) {
@@ -119,7 +119,7 @@ std::optional<SceneError> error_of_moments(const BodyDescription& body, const st
             "{}: a sphere needs spherical inertia (three equal moments), found {}, {}, {} kg m^2",
             name, moments.x(), moments.y(), moments.z()));
   }
-  // No point of the body is further from its centre than the radius.
+  // All points of the body are within the radius of its centre.
   const double radius_m = radius_m_of(body.shape);
   const double most_kgm2 = inertia.mass_kg * radius_m * radius_m;
   const double least_kgm2 = std::min({moments.x(), moments.y(), moments.z()});
@@ -253,8 +253,8 @@ std::optional<SceneError> error_of_surfaces(const Scene& scene) {
     const std::string name = name_of_static("surface", surface.name, i);
     if (!surface.controls)
       return error(Kind::bad_shape, fmt::format("{}: the surface has no control points", name));
-    // Comparisons with NaN are false. At the minimum spacing, a table as wide as a scene can still
-    // number all its points.
+    // Comparisons with NaN are false. If a table is as wide as a scene, all its points can still be
+    // numbered at the minimum spacing.
     if (!(surface.spacing_m >= k_surface_spacing_m_min &&
           surface.spacing_m <= k_coordinate_m_max)) {
       return error(Kind::bad_number,

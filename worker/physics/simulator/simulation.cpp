@@ -36,7 +36,7 @@ class Simulation::Impl {
   std::optional<SceneError> run_until(Tick end) {
     if (engine) return engine->run_until(end);
     if (end < now) return {};
-    // While nothing differs there is nothing to simulate, except sampling events.
+    // While nothing differs from the history, only sampling events must be simulated.
     std::optional<Takeover> from;
     if (replaying.active() && options.sample_every == 0 && replaying.quiet_until() > now) {
       skipped = true;

@@ -17,15 +17,16 @@
 //   for (const auto& [segment, cause] : simulation.recording().segments({0})) ...
 //
 // Idea. Between two events, a body's motion is a closed function of time (segment.h). The simulator
-// predicts events, processes the earliest (event.h defines the order), and begins new segments for
-// the bodies involved. There are no time steps.
+// predicts events and processes the earliest one (event.h defines the order). The event's bodies
+// then begin new segments. There are no time steps.
 //
 // Invariants
-//   1. The recording depends only on the scene. Algorithm and engine affect the computing time, but
-//      no bit of the recording.
-//   2. A collision is the first tick at which a pair touches (gap <= k_touch_m) and approaches
+//   1. The recording depends only on the scene. Algorithm and engine affect only the computing
+//      time.
+//   2. A pair collides at the first tick at which it touches (gap <= k_touch_m) and approaches
 //      (rate < -k_approach_mps); see tolerances.h.
-//   3. If all ticks of a scene are shifted, the recording is shifted, but otherwise the same.
+//   3. If all ticks of a scene are shifted, the recording's ticks are shifted equally, and nothing
+//      else changes.
 // Thread safety: simulations are independent; each is used by one thread at a time.
 #pragma once
 
@@ -49,8 +50,8 @@ struct SimulationOptions {
   bool record = true;  ///< store the segments; the last one per body is always stored
   std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
   bool keep_history = false;  ///< store the data for history(), from which recording() is derived
-  /// Memory limit for the history. If the history exceeds the limit, history() returns null; a
-  /// recording is still made if `record` is set.
+  /// Memory limit for the history. If the history exceeds the limit, history() returns null. If
+  /// `record` is set, a recording is still made.
   std::size_t history_bytes_max = std::size_t{1} << 30U;
   TickCount sample_every = 0;  ///< sampling events from tick 0 on; 0: none
   std::function<void(Tick)> on_sample{};
@@ -61,16 +62,16 @@ class Simulation {
   /// Checks the scene, copies it, and places the bodies that start at tick 0. Shapes and meshes are
   /// shared with the scene, not copied.
   ///
-  /// `history` comes from an earlier simulation. With a history, only differences are simulated:
-  /// bodies with other shapes, masses, materials or starts; bodies that come near changed static
-  /// geometry; and bodies that such a body touches, or examines in a rest decision. All other
-  /// bodies are replayed. All results except counts() are the same, bit for bit, as without a
-  /// history.
+  /// `history` comes from an earlier simulation. With a history, a body is simulated only if it
+  /// differs in shape, mass, material or start, or comes near changed static geometry. If a
+  /// simulated body touches another body, or examines it in a rest decision, that body is simulated
+  /// too. All other bodies are replayed. All results except counts() are the same, bit for bit, as
+  /// without a history.
   ///
-  /// The history is ignored if it has other laws (gravity, surfaces, slow contacts, periods) or
-  /// another number of bodies. Compounds count as the same only if they are the same object. To
-  /// leave out a body, let it start at k_tick_max. REQUIRES: a body with the same start as in the
-  /// history has the same start_again; the history's meshes and polyhedra are unchanged.
+  /// The history is ignored if its scene has other laws (gravity, surfaces, slow contacts, periods)
+  /// or another number of bodies. Two compounds are equal only if they are one object. To remove a
+  /// body, let it start at k_tick_max. REQUIRES: if a body starts as in the history, its
+  /// start_again is the same too; the history's meshes and polyhedra are unchanged.
   static base::Result<Simulation, SceneError> start(
       const Scene& scene, const SimulationOptions& options,
       std::shared_ptr<const History> history = nullptr);
@@ -91,8 +92,7 @@ class Simulation {
   Tick now() const;
   /// Here and below, REQUIRES: the scene has the body.
   bool started(BodyId body) const;
-  /// REQUIRES: the body has started; its current segment began at or before the tick; the tick is
-  /// not beyond now().
+  /// REQUIRES: the body has started; the tick is in its current segment and not beyond now().
   Pose pose(BodyId body, Tick tick) const;
   Twist twist(BodyId body, Tick tick) const;
   /// Current mode. REQUIRES: the body has started.
@@ -100,14 +100,14 @@ class Simulation {
   /// Kinetic energy of all bodies that have started.
   double kinetic_energy_j() const;
   const Counts& counts() const;
-  /// Collisions with the scene's surfaces up to now(), in order, including replayed ones.
+  /// Collisions with the scene's surfaces up to now(), in order. Includes replayed collisions.
   std::span<const SurfaceTouch> surface_touches() const;
   /// Recording up to now(); empty if not recorded. If the simulation stores a history, this call
   /// creates or completes the recording.
   const Recording& recording() const;
   /// The history up to now(), for replays by other simulations. Null if `keep_history` is off, if
-  /// the history exceeded the memory limit, or after an error. Chunks up to the first difference
-  /// are shared with the replayed history.
+  /// the history exceeded the memory limit, or after an error. Shares chunks with the replayed
+  /// history, up to the first difference.
   std::shared_ptr<const History> history() const;
 
  private:
@@ -116,8 +116,8 @@ class Simulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Returns why the scene can't be simulated; nothing if it can. Simulation::start and run_until
-/// detect overlapping starts later.
+/// Returns why the scene can't be simulated, or nothing if it can. Doesn't detect overlapping
+/// starts: Simulation::start and run_until do.
 std::optional<SceneError> error_of(const Scene& scene);
 
 }  // namespace sleight::physics

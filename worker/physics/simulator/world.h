@@ -1,5 +1,5 @@
-// A running simulation's bodies and static geometry, and the effects of events on them: collisions,
-// lasting contact, rest. World doesn't use queues or bounding volumes.
+// A running simulation's bodies and static geometry. World computes the effects of events:
+// collisions, lasting contact, rest. World doesn't use queues or bounding volumes.
 //
 // `Bodies` stores how each body moves now. `MetStatics` finds the static geometry that a body may
 // meet. `Predictions` computes when bodies meet. `Recorder` stores what happened. `World` computes
@@ -9,8 +9,8 @@
 //   1. Whenever a body's motion changes, the recorder is notified, and contacts found by
 //      predictions become void. If all bodies are spheres, predictions find no contacts in advance
 //      (collide_plain).
-//   2. A replayed body (replay.h) is made live before anything outside its history changes it or
-//      reads its state.
+//   2. If anything outside its history is about to change a replayed body (replay.h) or to read its
+//      state, the body is made live first.
 // Thread safety: none.
 #pragma once
 
@@ -52,12 +52,12 @@ class World {
   const Resting& resting() const { return resting_; }
   ReplayedBodies& replayed() { return replayed_; }
   std::span<const SurfaceTouch> surface_touches() const { return surface_touches_; }
-  /// Returns what failed in a prediction or a collision; empty if nothing did.
+  /// Returns what failed in a prediction or a collision. Empty if nothing failed.
   const std::optional<SceneError>& failure();
   bool has_failed() const { return failure_ || predictions_.gave_up(); }
 
   // Bodies that start.
-  /// Puts a body somewhere without recording it, to test whether there is room.
+  /// Puts a body at a place, to test whether there is room. Doesn't record it.
   void place(BodyId body, const Segment& segment);
   void begin_segment(BodyId body, const Segment& segment, const EventKey& cause);
   // Bodies that start at rest (world_at_rest.cpp).
@@ -73,8 +73,8 @@ class World {
   void collide(BodyId a, BodyId b, const EventKey& event);
   void collide_static(BodyId body, StaticId met, const EventKey& event);
   void apply(const Control& control, const EventKey& event);
-  /// Processes the body's rest event: puts the body, and the bodies that it leans on, to rest if
-  /// the rules allow. Returns the number of bodies that went to rest.
+  /// Processes the body's rest event. If the rules allow, puts the body and the bodies that it
+  /// leans on to rest. Returns the number of bodies that went to rest.
   std::size_t rest(BodyId body, const EventKey& event);
   /// Processes the body's mode event: its contact with static geometry changes. REQUIRES: it stays
   /// on faces.
@@ -88,15 +88,15 @@ class World {
   std::span<const BodyId> changed() const { return changed_; }
   void nothing_changed() { changed_.clear(); }
 
-  /// Whether all bodies are spheres that only fly and collide: the scene has no rest speed, so they
-  /// never rest, and no separation speed, so they never stay on anything.
+  /// Whether all bodies are spheres that only fly and collide. The scene has no rest speed, so the
+  /// spheres never rest. It has no separation speed, so they never stay on anything.
   bool only_flies() const {
     return bodies_.only_spheres() && !resting_.enabled() && !predictions_.contacts_matter();
   }
 
   // Ticks of a body's own events; k_never if there are none.
-  /// Returns the tick at which the law of the body's contact changes, or the last tick for which
-  /// its free rotation can be computed.
+  /// If the body is in contact, returns when its contact's law changes. Otherwise returns the last
+  /// tick for which the body's free rotation can be computed.
   Tick mode_end(BodyId body) const {
     if (!has_modes_) return k_never;
     if (bodies_.is_sphere(body) || bodies_.stays_on_faces(body))
@@ -112,8 +112,8 @@ class World {
   void keep(const EventKey& event) {
     if (recorder_.keeps_history()) append_to_history(event);
   }
-  /// Returns everything up to now, or null if the history isn't stored, exceeded the memory limit,
-  /// or is incomplete after a failure.
+  /// Returns the history up to now. Null if the history isn't stored, exceeded the memory limit, or
+  /// is incomplete after a failure.
   std::shared_ptr<const History> history(Tick now);
 
   /// Prefetches data of a body's collision.
@@ -127,8 +127,8 @@ class World {
   class AtEvent;
 
   // Collisions (world_collisions.cpp).
-  /// Equals collide(), bit for bit, for two spheres in flight that don't turn, in a world of plain
-  /// spheres. Causes less memory traffic.
+  /// Equals collide(), bit for bit, but causes less memory traffic. REQUIRES: a world of plain
+  /// spheres; two spheres in flight that don't turn.
   void collide_plain(BodyId a, BodyId b, const EventKey& event);
   const CollisionCount& count_at(BodyId body, Tick tick) {
     collided_[body].add(tick);
@@ -139,14 +139,14 @@ class World {
   void note_too_much(BodyId body, Tick tick);
   void note_failure(SceneError::Kind kind, const std::string& what, BodyId body, Tick tick);
   std::string message_of(const std::string& what, BodyId body, Tick tick) const;
-  /// Records that a body touched a surface at centre_m + arm_m.
+  /// Records that a body touched a surface. `arm_m` leads from the body's centre to the touch.
   void note_surface(BodyId body, StaticId met, Tick tick, const Vec3& centre_m, const Vec3& arm_m);
 
   // Rest (world_rest.cpp).
-  /// For the rest decision, records corners that carry the body because they are near corners that
-  /// touched.
+  /// For the rest decision: if a corner touched, records the corners near it, which carry the body
+  /// too.
   void note_near_corners(BodyId body, Tick tick);
-  /// Calls found(touch) for all corners within near_m of the face that `touch` was on.
+  /// Calls found(touch) for each corner within near_m of the face on which `touch` was.
   void corners_like(BodyId body, const TouchRecord& touch, Tick tick, double near_m,
                     const std::function<void(const TouchRecord&)>& found);
 
@@ -159,23 +159,24 @@ class World {
   std::optional<SceneError> lay_down_structure(std::span<const BodyId> members,
                                                const std::vector<RestTouch>& touches);
 
-  // Bodies that stay on planes (world_planes.cpp).
+  // Functions for bodies that stay on planes (world_planes.cpp).
   struct PlaneSupports {
     std::array<PlaneSupport, k_plane_supports_max> all;
     std::size_t count = 0;
     double lowest_m = 0;  ///< lowest corner above the flat surface; at most 0
   };
   PlaneSupports supports_on(BodyId body, StaticId met, const Flat& flat, Tick tick);
-  /// How a body with this twist stays on the static geometry that it touches, if it does.
+  /// Returns how a body with this twist stays on the static geometry that it touches. Empty if it
+  /// doesn't.
   std::optional<PlaneStay> stay_of(BodyId body, StaticId met, std::uint32_t face,
                                    const Twist& twist, Tick tick);
-  /// Records what carries a body that stays on a plane, for the rest decision.
+  /// For the rest decision: if a body stays on a plane, records what carries it.
   void note_plane_supports(BodyId body, Tick tick);
 
   // Histories (world_history.cpp).
   void append_to_history(const EventKey& event);
-  /// Restores the contact state that an event's participants have after the event. REQUIRES: their
-  /// segments have begun.
+  /// Gives the participants the contact state that the history has for them after the event.
+  /// REQUIRES: their segments have begun.
   void restore(const HistoryEvent& event);
   void restore_surface(const HistoryEvent& event);
 
@@ -198,7 +199,7 @@ class World {
   std::vector<AtRest> at_rest_;  ///< by body, at its start; empty if no body starts at rest
   std::optional<SceneError> failure_;
   bool has_modes_ = false;  ///< some bodies may have mode events
-  /// Nonempty only if all bodies are spheres of one frictionless material, and only fly.
+  /// Empty unless all bodies are spheres of one frictionless material and only fly.
   std::vector<double> plain_inverse_masses_per_kg_;
 };
 

@@ -1,4 +1,4 @@
-// The world's bodies at an event, as contact_events.h uses them.
+// The world's bodies at an event, in the form that contact_events.h uses.
 //
 // Only the sources of World include this header. Thread safety: none.
 #pragma once

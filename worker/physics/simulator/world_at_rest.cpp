@@ -1,10 +1,10 @@
 // Bodies that start at rest: what they touch, and whether contact forces hold them.
 //
-// Idea. All bodies that start at rest are placed first. The contacts of these bodies are found with
-// the tolerance k_at_rest_gap_m, without a simulation. Contacts are corners near faces, crossings
-// of the edges of such faces, or else the closest points. Bodies connected by such contacts form a
-// structure, which one system of contact forces must hold (force_balance.h). The contact forces
-// determine which body supports which.
+// Idea. All bodies that start at rest are placed first. Then their contacts are found, with the
+// tolerance k_at_rest_gap_m and without a simulation. Contacts are corners near faces, and points
+// where edges of such faces cross. If there are no such contacts, the closest points are used.
+// Bodies connected by contacts form a structure. One system of contact forces must hold the whole
+// structure (force_balance.h). The contact forces determine which body supports which.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,10 +25,10 @@ namespace {
 using math::dot;
 using math::norm;
 
-/// Friction that holds all bodies except those that topple or fall. Error messages report whether
-/// it would help.
+/// At this friction, no body slides; bodies may still topple or fall. Error messages report whether
+/// such friction would help.
 constexpr double k_rough = 1e3;
-/// Maximum partners that an error message names.
+/// Maximum number of partners that an error message names.
 constexpr std::size_t k_named = 4;
 
 }  // namespace
@@ -60,15 +60,15 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
     }
     if (found.size() == before) found.push_back({body, touch, static_index});
   };
-  // Corners alone are too few contacts if two faces overlap at an angle, so add the crossings of
-  // their edges.
+  // If one face lies on another at an angle, corners alone are too few contacts. So add the points
+  // where the faces' edges cross.
   const auto add_crossings = [&](const MovingPiece& own, const MovingPiece& other,
                                  TouchRecord touch, StaticId static_index) {
     const Vec3 normal = touch.normal;
     for_each_crossing(own, other, normal, dot(normal, centre_m + touch.arm_m), 2 * k_at_rest_gap_m,
                       [&](const Vec3& at_m) {
                         touch.arm_m = at_m - centre_m;
-                        // Skip crossings found before, because triangles of a mesh share edges.
+                        // Skip a crossing that was found before: triangles of a mesh share edges.
                         const bool known = std::ranges::any_of(found, [&](const RestTouch& one) {
                           return one.body == body && one.record.partner == touch.partner &&
                                  norm(one.record.arm_m - touch.arm_m) <= 2 * k_at_rest_gap_m;
@@ -139,7 +139,7 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
   }
 }
 
-/// Returns the error for bodies that can't start at rest. `body` is the least balanced of them.
+/// Returns the error if bodies can't start at rest. `body` is the least balanced body.
 SceneError World::error_of_rest(BodyId body, double missing, bool holds_if_rough,
                                 const std::vector<RestTouch>& touches) const {
   std::vector<std::string> partners;
@@ -189,7 +189,7 @@ std::optional<SceneError> World::lay_down() {
     if (error) return error;
   }
 
-  // Find connected bodies; the body with the lowest id in each structure is its root.
+  // Find connected bodies. Each structure's root is its body with the lowest id.
   std::vector<BodyId> root(bodies_.size());
   for (BodyId body{}; body < bodies_.size(); ++body)
     root[body] = body;
@@ -261,7 +261,7 @@ std::optional<SceneError> World::lay_down_structure(std::span<const BodyId> memb
     return error_of_rest(members[worst], missing, balance.holds(held, contacts), touches);
   }
 
-  // Process the greatest forces first, because a body stores only some of its contacts.
+  // Process the greatest forces first: a body stores only a limited number of its contacts.
   std::vector<std::size_t> order(contacts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t c) { return -norm(balance.force_n(c)); });

@@ -28,7 +28,8 @@ std::shared_ptr<const History> World::history(Tick now) {
       .scene = scene(), .chunks = *std::move(chunks), .end = std::min(now, k_tick_max - 1)});
 }
 
-/// Restores where a body touched a surface, using the segment that began at that event.
+/// If a body touched a surface at an event, restores the place, using the segment that began at the
+/// event.
 void World::restore_surface(const HistoryEvent& event) {
   const EventKey& key = event.key;
   const StaticId met = key.met();

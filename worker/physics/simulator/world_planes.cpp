@@ -1,4 +1,4 @@
-// Bodies that aren't spheres and stay on planes and on faces of static polyhedra.
+// Lasting contact with planes and with faces of static polyhedra, for bodies that aren't spheres.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -42,7 +42,8 @@ std::optional<PlaneStay> World::stay_of(BodyId body, StaticId met, std::uint32_t
                                         const Twist& twist, Tick tick) {
   const Flat flat = flat_at(statics_.geometry(), met, face);
   const PlaneSupports supports = supports_on(body, met, flat, tick);
-  // A body that has sunk is released and caught again where it touches. Cones sink by rounding.
+  // If a body has sunk, release it; when it touches again, it is caught again. Cones sink by
+  // rounding.
   if (supports.count < 2 || supports.lowest_m < -k_sunk_m) return std::nullopt;
   const BodyConstants& constants = bodies_.constants(body);
   const Segment now = bodies_.segment_after(body, tick, bodies_.position_at(body, tick), twist);

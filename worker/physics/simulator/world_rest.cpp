@@ -1,5 +1,4 @@
-// Rest events and mode events. Also searches for corners that carry a body in addition to its
-// recorded touches.
+// Rest events and mode events. Also finds corners that carry a body but have no recorded touch.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -13,9 +12,9 @@
 namespace sleight::physics {
 namespace {
 
-/// Calls found(corner, normal) for the corners of a piece near a face of another piece, or near a
-/// round piece. The normal points out of the other piece. `direction` points from the piece to the
-/// other piece.
+/// Calls found(corner, normal) for each corner of piece `of` that is close to piece `near`: close
+/// to a face or, if `near` is round, to its surface. The normal points out of `near`. `direction`
+/// points from `of` to `near`.
 template <class Found>
 void corners_near(const MovingPiece& of, const MovingPiece& near, const Vec3& direction,
                   double near_m, const Found& found) {
@@ -30,7 +29,7 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, const Vec3& di
     const Vec3 local_m = transposed_product(near.pose.rotation, corner_m - near.pose.position_m);
     const Vec3 towards = transposed_product(near.pose.rotation, direction);
     double above_m = -std::numeric_limits<double>::infinity();
-    // Among the near faces, which may be side faces, choose the one most opposed to `direction`.
+    // Several faces may be near, even side faces. Choose the one most opposed to `direction`.
     std::size_t face = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < near.view->face_count && above_m <= near_m; ++k) {

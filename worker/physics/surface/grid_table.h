@@ -1,4 +1,5 @@
-// A table of values by grid index, which are computed at first access. Thread safety: none.
+// A table of values by grid index. A value is computed when it is first accessed. Thread safety:
+// none.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +30,7 @@ class GridTable {
     if (const Slot* slot = numbers_.find(key)) {
       last_ = slot->number;
     } else {
-      // make() may throw, so insert the value before a slot refers to it.
+      // make() may throw, so store the value first, then the slot that refers to it.
       Value made = make(index);
       values_.push_back(std::move(made));
       last_ = static_cast<std::uint32_t>(values_.size() - 1);

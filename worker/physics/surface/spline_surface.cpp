@@ -8,18 +8,19 @@
 namespace sleight::physics {
 namespace {
 
-/// Number of points and patches near a typical throw, for which memory is reserved.
+/// Memory is reserved for this many points and patches: about the number near a typical throw.
 constexpr std::size_t k_points = 256;
 constexpr std::size_t k_patches = 128;
-/// Relative widening of bounds for the rounding of differences and of evaluation.
+/// Bounds are widened by this share, because differences and evaluation are rounded.
 constexpr double k_bound_margin = 1e-9;
-/// Widening of bounds relative to the heights, because differences of heights may cancel.
+/// Bounds are also widened by this share of the heights, because differences of heights may cancel.
 constexpr double k_height_rounding = 64 * 0x1p-53;
 
 using Points = std::array<std::array<double, 4>, 4>;  ///< by i, then by j
 
-/// Index of the cell that contains a coordinate, given in cells: std::floor without a function
-/// call. Converting a number that doesn't fit would be undefined behaviour.
+/// Returns the index of the cell that contains a coordinate; the coordinate's unit is a cell.
+/// Equals std::floor without a function call. Converting a number that doesn't fit an integer would
+/// be undefined behaviour.
 std::int32_t index_of(double place) {
   constexpr double k_most = k_patch_index_max;
   CHECK(place >= -k_most && place < k_most + 1);
@@ -27,7 +28,7 @@ std::int32_t index_of(double place) {
   return index - (static_cast<double>(index) > place ? 1 : 0);
 }
 
-/// Coefficients of 1, u, u^2 and u^3 of the B-spline cubic over four points.
+/// Returns the coefficients of 1, u, u^2 and u^3 in the B-spline cubic over four points.
 std::array<double, 4> cubic_over(double p0, double p1, double p2, double p3) {
   constexpr double k_sixth = 1.0 / 6.0;
   return {((p0 + p2) + 4 * p1) * k_sixth, 0.5 * (p2 - p0), 0.5 * ((p0 + p2) - 2 * p1),
@@ -61,7 +62,7 @@ std::array<double, 4> bezier_points(double p0, double p1, double p2, double p3) 
           ((p1 + p3) + 4 * p2) * k_sixth};
 }
 
-/// Bezier points of a patch, which are nearer to it than the B-spline's points.
+/// Returns a patch's Bezier points, which are nearer to the patch than the B-spline's points.
 Points bezier_points(const Points& p) {
   Points in_v;
   for (std::size_t a = 0; a < 4; ++a)
@@ -76,7 +77,8 @@ Points bezier_points(const Points& p) {
   return q;
 }
 
-/// Upper bound for the third derivatives of a Bezier patch in any direction, in cells.
+/// Returns an upper bound for a Bezier patch's third derivative in any direction. The unit of
+/// length is a cell.
 double third_differences(const Points& p) {
   double xxx = 0;
   double xxy = 0;
@@ -100,15 +102,15 @@ double third_differences(const Points& p) {
       xyy = std::max(xyy, std::fabs(bend_y(b + 1, a) - bend_y(b, a)));
     }
   }
-  // In direction (c, s) the derivative is c^3 S_xxx + 3 c^2 s S_xxy + ..., and c^2 s is at most 2 /
+  // The derivative in direction (c, s) is c^3 S_xxx + 3 c^2 s S_xxy + ..., where c^2 s <= 2 /
   // sqrt(27).
   constexpr double k_mixed = 3 * 0.3849002;
   return 6 * (xxx + yyy) + k_mixed * 18 * (xxy + xyy);
 }
 
 /// Bounds of a Bezier patch. The patch and its derivatives stay between the minimum and maximum of
-/// their Bezier points. A derivative's Bezier points are 3 times the first differences of the
-/// patch's points, 6 times the second or 9 times the mixed differences.
+/// their Bezier points. A derivative's Bezier points are differences of the patch's points: 3 times
+/// the first differences, 6 times the second ones, or 9 times the mixed ones.
 SurfaceBounds bounds_over(const Points& p, double per_spacing) {
   Extent height;
   Extent x;
@@ -133,7 +135,7 @@ SurfaceBounds bounds_over(const Points& p, double per_spacing) {
   const double per_area = per_spacing * per_spacing;
   const double slope_x = 3 * (x.magnitude() + rounding_m) * per_spacing;
   const double slope_y = 3 * (y.magnitude() + rounding_m) * per_spacing;
-  // Eigenvalues of a symmetric matrix are inside its rows' discs (Gershgorin).
+  // Each eigenvalue of a symmetric matrix is inside the disc of one of its rows (Gershgorin).
   const double turn_m = 9 * (xy.magnitude() + rounding_m);
   const double most_m = 6 * (std::max(xx.most, yy.most) + rounding_m) + turn_m;
   const double least_m = 6 * (std::min(xx.least, yy.least) - rounding_m) - turn_m;

@@ -1,12 +1,12 @@
-// A spline surface for simulations: heights, slopes, bounds and laws at points, from patches that
-// are made at first access.
+// A spline surface for simulations: computes heights, slopes, bounds, and contact laws at points.
+// Patches are made when first accessed.
 //
 // Frame: the world's, z up. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise in y.
 // Patch (i, j) depends on the sixteen control points from (i - 1, j - 1) to (i + 2, j + 2).
 //
 // Formulas: the basis of the uniform cubic B-spline, as in Piegl and Tiller, "The NURBS Book" (2nd
-// edition, 1997), chapter 2. Bounds come from the patch's Bezier form, since a Bezier spline stays
-// between the minimum and maximum of its points (ibid., P3.3 and P4.22).
+// edition, 1997), chapter 2. Bounds come from the patch's Bezier points, because a Bezier spline
+// stays between their minimum and maximum (ibid., P3.3 and P4.22).
 //
 // Invariants
 //   1. Results depend only on the arguments and the control points, never on earlier calls.
@@ -47,8 +47,8 @@ struct PatchRange {
   friend bool operator==(const PatchRange&, const PatchRange&) = default;
 };
 
-/// Maximum patch index on either axis (2147 km at a spacing of 1 mm), so that the indices of
-/// surrounding control points don't overflow.
+/// Maximum patch index on either axis: 2147 km at a spacing of 1 mm. For greater indices, those of
+/// surrounding control points would overflow.
 inline constexpr std::int32_t k_patch_index_max = INT32_MAX - 2;
 
 /// REQUIRES: all points are finite and in patches up to k_patch_index_max.
@@ -63,8 +63,8 @@ class SplineSurface {
   SurfaceBounds bounds_in(double x_low_m, double x_high_m, double y_low_m, double y_high_m);
   /// Restitution and friction at a point; the height isn't set.
   SurfaceControl fields_at(double x_m, double y_m);
-  /// Returns the sixteen control points on which a patch depends, row by row. weights_at() returns
-  /// their weights.
+  /// A patch depends on sixteen control points. Returns their indices row by row; weights_at()
+  /// returns their weights.
   static std::array<GridIndex, 16> support(GridIndex patch);
   GridIndex patch_at(double x_m, double y_m) const;
   std::array<double, 16> weights_at(double x_m, double y_m) const;

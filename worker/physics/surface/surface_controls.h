@@ -1,8 +1,8 @@
-// The control points of a spline surface, on a grid, each with a height, restitution and friction.
+// A spline surface's control points form a grid. Each point has a height, restitution and friction.
 //
 // Point (i, j) is at x = i spacing, y = j spacing. The grid is infinite: its provider also defines
-// the points far from the relevant area, such as a flat apron. Control points are read only when a
-// body comes near. Thread safety: values; const functions may run concurrently.
+// points far away, for instance as a flat apron. Control points are read only when a body comes
+// near. Thread safety: values; const functions may run concurrently.
 #pragma once
 
 #include <compare>
@@ -20,9 +20,9 @@ struct GridIndex {
   friend auto operator<=>(const GridIndex&, const GridIndex&) = default;
 };
 
-/// A control point. Restitution and friction at a point of the surface are weighted averages of the
-/// sixteen surrounding control points, so they stay between the minimum and maximum of these
-/// points.
+/// A control point. At a point of the surface, restitution and friction are weighted averages over
+/// the sixteen surrounding control points. So restitution and friction stay between these points'
+/// minimum and maximum.
 struct SurfaceControl {
   double height_m = 0;
   double restitution = 0;  ///< 0 to 1, for every body
@@ -33,10 +33,10 @@ struct SurfaceControl {
 class SurfaceControls {
  public:
   virtual ~SurfaceControls() = default;
-  /// Returns a point as a pure function of the index. REQUIRES of implementations: finite values
-  /// within the ranges above.
+  /// Returns the control point at an index. The result depends only on the index. Implementations
+  /// must return finite values within the ranges above.
   virtual SurfaceControl at(GridIndex index) const = 0;
-  /// Returns the points that may differ from those of `before`; extra points do no harm but cost
+  /// Returns the points that may differ from those of `before`. Too many points do no harm but cost
   /// time. Returns nothing if any point may differ.
   virtual std::optional<std::vector<GridIndex>> changed_from(
       const SurfaceControls& before) const = 0;
@@ -48,9 +48,10 @@ struct StaticSurface {
   std::string name;
   std::shared_ptr<const SurfaceControls> controls;
   double spacing_m = 0;  ///< of the grid
-  /// Maximum distance between the points of a body that can touch the surface: its corners, and
-  /// points on its edges and faces. Between neighbouring points a bump may penetrate by curvature *
-  /// point_spacing_m^2 / 4: some micrometres at 4 mm and 2 per metre.
+  /// Only some points of a body can touch the surface: its corners, and points on its edges and
+  /// faces. `point_spacing_m` is the maximum distance between neighbouring points. Between them a
+  /// bump may penetrate by curvature * point_spacing_m^2 / 4: some micrometres at 4 mm and 2 per
+  /// metre.
   double point_spacing_m = 4e-3;
 };
 

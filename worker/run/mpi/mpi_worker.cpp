@@ -20,12 +20,12 @@ namespace sleight::run {
 namespace {
 
 constexpr int k_coordinator_rank = 0;
-/// Growth factor of the polling interval. If a message arrives after an idle time, it waits at most
-/// a tenth of that time.
+/// Growth factor of the polling interval. If a message arrives after a pause, it waits at most a
+/// tenth of the pause.
 constexpr double k_backoff_growth = 1.1;
 
-/// Messages in transit to rank 0. Waiting for a large message would spin on a core that could
-/// compute.
+/// Messages in transit to rank 0. Sending a large message doesn't wait, because waiting would
+/// occupy a core that could compute.
 class Outbox {
  public:
   Outbox() = default;
@@ -65,8 +65,8 @@ base::Result<schema::Message, std::string> receive(const MPI_Status& status) {
   return schema::wire::decode(bytes);
 }
 
-/// Returns a message that has arrived. If `waits` is set, waits for a message without occupying the
-/// core.
+/// Returns an arrived message. If no message has arrived, returns nothing or, if `waits` is set,
+/// waits without occupying the core.
 std::optional<base::Result<schema::Message, std::string>> next_message(bool waits) {
   double backoff_s = schema::wire::k_poll_interval_s_min;
   while (true) {

@@ -1,4 +1,5 @@
-// A batch job's rank other than 0: computes the blocks that rank 0 assigns until it sends a stop.
+// Runs a batch job's rank other than 0. The rank computes the blocks that rank 0 assigns, until
+// rank 0 sends a stop.
 #pragma once
 
 #include "common/plan/block.h"
@@ -7,8 +8,8 @@
 namespace sleight::run {
 
 /// Sends hello, then serves. While idle, polls for messages at intervals that grow from 20 us to 2
-/// ms, which uses under 2% of a core. Passes on the worker's exceptions; the caller reports them to
-/// rank 0. REQUIRES: initialised MPI; a rank other than 0.
+/// ms. Polling uses under 2% of a core. Doesn't catch the worker's exceptions; the caller reports
+/// them to rank 0. REQUIRES: initialised MPI; a rank other than 0.
 void serve(const plan::BlockWorker& worker, const schema::Hello& hello);
 
 /// Reports to rank 0 that this rank can't serve, with the reason.
