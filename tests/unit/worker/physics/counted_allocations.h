@@ -25,7 +25,7 @@ inline void* counted_or_throw(std::size_t bytes, std::size_t alignment) {
 
 }  // namespace sleight::physics::counting
 
-// Not inlined, because the compiler would see `new` without its `delete` and warn.
+// Not inlined; otherwise, the compiler would see `new` without its `delete` and warn.
 [[gnu::noinline]] void* operator new(std::size_t bytes) {
   return sleight::physics::counting::counted_or_throw(bytes, alignof(std::max_align_t));
 }

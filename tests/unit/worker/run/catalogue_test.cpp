@@ -53,8 +53,8 @@ TEST(Catalogue, ListsItsWorldsInOrder) {
 }
 
 TEST(Catalogue, WorkerFollowsTheRequest) {
-  // Goal: the keys of a request that affect a unit's results reach the worker. Method: run a unit
-  // with the catalogue's worker and with workers that the test constructs itself. Only a worker
+  // Goal: if a request's key affects a unit's results, the key reaches the worker. Method: run a
+  // unit by the catalogue's worker, and by workers that the test constructs itself. Only a worker
   // with the same three options gives the same results.
   const Catalogue catalogue;
   const request::DirectionRequest request = read(catalogue, k_request);
@@ -122,11 +122,11 @@ TEST(Catalogue, UnitsHaveTheRequestsSeed) {
 }
 
 TEST(Catalogue, WhatItChoosesReadsBack) {
-  // Goal: a request without a sampler is valid with every combination of stop rules that its world
+  // Goal: if a request has no sampler, it may combine stop rules in every way that its world
   // allows. Reading the normalised request again gives the same request. Method: try every
   // combination of the rules for a short word, a long word and the other worlds. A request is
-  // invalid only in two cases. Either it has `found` or `odds` for a world without stages, or it
-  // combines `odds` with `rounds` or `independent_solutions`.
+  // invalid only in two cases. In one case, the world has no stages, and the request has `found` or
+  // `odds`. In the other case, `odds` is combined with `rounds` or `independent_solutions`.
   const Catalogue catalogue;
   const std::vector<std::pair<std::string, bool>> worlds{
       {"name = \"spelling\"\nword = \"HI\"", true},

@@ -28,7 +28,7 @@ static_assert(World<Ball2d>);
 static_assert(sampling::Target<Unnamed> && !World<Unnamed>);
 static_assert(!World<int>);
 
-/// A world in which every other state is forbidden, to test how -inf reaches the records.
+/// A world that forbids all odd states, to test how -inf reaches the records.
 struct Counter {
   using State = std::uint64_t;
   using Outcome = std::uint64_t;
@@ -84,7 +84,7 @@ plan::UnitResult run_in_units(const Worker& worker, std::uint32_t chain,
 }
 
 /// Expects equal records and states. These worlds have no NaN, so == misses only the sign of zero.
-/// The comparison of the outcomes' bits detects a different sign.
+/// A comparison of the outcomes' bits detects a different sign.
 void expect_equal(const plan::UnitResult& a, const plan::UnitResult& b) {
   ASSERT_EQ(a.scans.size(), b.scans.size());
   for (std::size_t i = 0; i < a.scans.size(); ++i) {
@@ -103,8 +103,8 @@ BallWorker ball_worker(std::uint32_t iterations_per_scan = 1, std::uint64_t thin
 
 TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
   // Goal: a chain's stored results don't depend on how the chain is cut into units. Method: cut 300
-  // scans into units at random, 200 times, and compare the results with one unit of 300 scans. Use
-  // two worlds and several options.
+  // scans into random units, and compare the results with one unit of 300 scans. Repeat this 200
+  // times. Use two worlds and several options.
   constexpr std::uint64_t k_seed = 5;
   constexpr std::uint32_t k_scans = 300;
   const auto check = [&](const auto& worker) {
@@ -132,9 +132,9 @@ TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
 }
 
 TEST(ChainWorker, IsPure) {
-  // Goal: a worker's result depends only on the unit, not on other threads or on earlier units.
-  // Method: in four threads, run units of six chains in different orders, each chain twice. Compare
-  // the results with results of one thread.
+  // Goal: a worker's result depends only on the unit. Other threads and earlier units don't matter.
+  // Method: in four threads, run units of six chains in different orders. Run each chain twice.
+  // Compare with the results of a single thread.
   const BallWorker worker = ball_worker();
   std::vector<plan::UnitResult> reference;
   for (std::uint32_t chain = 0; chain < 6; ++chain)
@@ -154,7 +154,7 @@ TEST(ChainWorker, IsPure) {
 
 TEST(ChainWorker, WalksByIterationsFromOne) {
   // Goal: with k iterations per scan, scan s consists of iterations (s - 1) k + 1 to s k of
-  // Algorithm 2.1. Other numbers would change the random numbers that a chain draws. Method:
+  // Algorithm 2.1. Other iterations would change the random numbers that a chain draws. Method:
   // compare the worker's states with a loop over single steps.
   const Ball2d ball({});
   const sampling::ChainStreams streams{
@@ -171,9 +171,9 @@ TEST(ChainWorker, WalksByIterationsFromOne) {
 
 TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
   // Goal: a worker runs a unit at the unit's inverse temperature beta. At beta 0, each scan is a
-  // new prior draw with its own lineage, but its record still contains log p_c at beta 1. Method:
-  // use a world that forbids half of all states. Forbidden states must occur at beta 0, and never
-  // at a small positive beta.
+  // new prior draw with its own lineage. The scan's record still contains log p_c at beta 1.
+  // Method: use a world that forbids half of all states. Forbidden states must occur at beta 0, and
+  // never at a small positive beta.
   const ChainWorker<Counter> worker(Counter{}, {});
   const base::Bytes start = Counter{}.encode(100);
   std::uint64_t forbidden = 0;

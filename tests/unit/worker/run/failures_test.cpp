@@ -78,9 +78,9 @@ TEST(Failures, ComeBackWhole) {
 }
 
 TEST(Failures, DoNotKnowHowUnitsAreCut) {
-  // Goal: a chain's records, including failures, don't depend on how the chain is cut into units or
-  // whether the worker caches samples. Method: compare one unit of 700 scans with units of 7 scans,
-  // each of which starts from an encoded state. Use a worker with a cache and a worker without a
+  // Goal: a chain's records, including failures, don't depend on the cuts of the chain into units,
+  // or on the worker's cache. Method: compare one unit of 700 scans with units of 7 scans. Each
+  // short unit starts from an encoded state. Use a worker with a cache and a worker without a
   // cache.
   const ChainWorkerOptions options{.iterations_per_scan = 3};
   const ChainWorker<FailingBall> whole(FailingBall({}), options);
@@ -108,8 +108,8 @@ TEST(Failures, DoNotKnowHowUnitsAreCut) {
 }
 
 TEST(Failures, DrawsFromThePriorAreDrawnAgain) {
-  // Goal: at inverse temperature 0, each sample is the first draw of its random stream whose
-  // simulation succeeds.
+  // Goal: at inverse temperature 0, a worker draws from a scan's random stream until a simulation
+  // succeeds. The successful draw is the scan's sample.
   const ChainWorker<FailingBall> worker(FailingBall({}), {});
   const plan::UnitResult result = worker.run(unit_of(6, 1000, 0), {});
   const FailingBall ball({});
@@ -169,8 +169,8 @@ TEST(Failures, OfAStoredStateAreABug) {
 }
 
 TEST(Failures, StartsThatOverlapAreSamplesAtInverseTemperatureZero) {
-  // Goal: at inverse temperature 0, a draw with overlapping starts is a sample with log p_c =
-  // -infinity. The records count such draws.
+  // Goal: if starts overlap in a draw at inverse temperature 0, the draw is a sample, and its log
+  // p_c is -infinity. The records count such draws.
   const ChainWorker<FailingBall> worker(FailingBall({}), {});
   const plan::UnitResult result = worker.run(unit_of(7, 5000, 0), {});
   std::uint64_t counted = 0;

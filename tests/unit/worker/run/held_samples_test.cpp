@@ -67,8 +67,8 @@ struct Counted : W {
 static_assert(World<Counted<Ball2d>> && World<Counted<Spelling>>);
 static_assert(sampling::HasSurrogate<Counted<Spelling>>);
 
-/// A random unit: with one random inverse temperature for all scans, with one for each scan, or
-/// with an excursion.
+/// A random unit. The unit has one random inverse temperature for all scans, a random inverse
+/// temperature for each scan, or an excursion.
 plan::Unit random_unit(const plan::ReplicaKey& replica, std::uint64_t first,
                        random::Stream& stream) {
   const auto below = [&](std::uint64_t count) {
@@ -99,9 +99,9 @@ struct Replica {
   bool held = false;
 };
 
-/// Runs random units of six replicas with two workers, and expects equal results. One worker
-/// continues from held samples if it can. The other worker holds no samples and continues from
-/// encoded states.
+/// Runs random units of six replicas. Two workers run the same units and must have equal results.
+/// One worker continues from held samples if it can. The other worker holds no samples and
+/// continues from encoded states.
 template <class MakeWorld>
 void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions options) {
   const auto held_count = std::make_shared<std::atomic<std::uint64_t>>(0);
@@ -156,9 +156,9 @@ void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions op
 TEST(HeldSamples, GiveWhatBytesGive) {
   // Goal: run_from_held() returns the same bits as run() with the state's bytes, or nothing if the
   // worker doesn't hold the sample. The result's field `simulations` counts all of the target's
-  // simulations. Method: compare a worker with a cache with a worker without a cache, in worlds
-  // that count their simulations. Run units at several inverse temperatures, with excursions, with
-  // a surrogate and with several iterations per scan.
+  // simulations. Method: use worlds that count their simulations. Compare two workers, of which
+  // only one has a cache. Run units at several inverse temperatures. Some runs have excursions,
+  // some have a surrogate, and some have several iterations per scan.
   expect_held_equals_given(
       [](Count count) { return Counted<Ball2d>(worlds::ball_2d::Parameters{}, std::move(count)); },
       {.iterations_per_scan = 2});
@@ -172,9 +172,9 @@ TEST(HeldSamples, GiveWhatBytesGive) {
 }
 
 TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
-  // Goal: a worker whose cache is full evicts the sample that was run longest ago. Method: run five
-  // replicas with a cache for three samples, and one replica with a cache that is too small for one
-  // sample.
+  // Goal: if a worker's cache is full, the worker evicts the sample whose replica ran longest ago.
+  // Method: run five replicas with a cache that has room for three samples. Run one replica with a
+  // cache that is too small for any sample.
   const ChainWorker<Ball2d> roomy(Ball2d({}), {});
   (void)roomy.run(unit(key(0), 0, 3), {});
   const std::size_t one = roomy.cache_use().bytes;
@@ -194,8 +194,8 @@ TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
 }
 
 TEST(HeldSamplesDeathTest, MisuseIsABug) {
-  // Goal: run_from_held() and holds() stop the process if the unit begins at scan 0.
-  // run_from_held() also stops the process if the unit has no scans.
+  // Goal: if a unit begins at scan 0, run_from_held() and holds() stop the process. If a unit has
+  // no scans, run_from_held() stops the process.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const ChainWorker<Ball2d> worker(Ball2d({}), {});
   EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 0, 1)), "check failed");
@@ -205,10 +205,10 @@ TEST(HeldSamplesDeathTest, MisuseIsABug) {
 
 TEST(HeldSamples, OwnedBytesCoverAllArrays) {
   // Goal: the size that a world reports for a sample covers all of the sample's arrays, including
-  // the surrogate's outcome and the history. The size exceeds these arrays and the history's
-  // objects by at most 64 bytes. Method: compare the size with the sum of the arrays' capacities
-  // for 50 prior draws. Among them are impossible draws, whose outcome has no arrays, and draws
-  // with spare capacity.
+  // the surrogate's outcome and the history. The size is at most 64 bytes larger than these arrays
+  // and the history's objects together. Method: for 50 prior draws, compare the size with the sum
+  // of the arrays' capacities. Some draws have spare capacity. Some draws are impossible, so their
+  // outcome has no arrays.
   worlds::spelling::Parameters parameters = two_bins();
   parameters.world.drop_interval_s = 0.001;
   const Spelling world(parameters);

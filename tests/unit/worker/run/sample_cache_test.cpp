@@ -175,8 +175,8 @@ struct FondCache : RightCache {
 };
 
 TEST(SampleCache, PropertyFindsWrongCaches) {
-  // Goal: first_difference() detects faulty caches. Method: use three caches, each with one small
-  // mistake.
+  // Goal: first_difference() detects faulty caches. Method: use three caches. Each cache has one
+  // small mistake.
   plan::CacheUse use;
   EXPECT_LT(first_difference<LooseCache>(use), k_steps);
   EXPECT_LT(first_difference<LightCache>(use), k_steps);
@@ -208,9 +208,9 @@ TEST(SampleCache, IsSharedByThreads) {
 }
 
 TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
-  // Goal: a unit starts from a new draw exactly if its flag `starts` is set, whatever its first
-  // scan is. The draw and its lineage belong to the unit's first scan. Without the flag, the unit
-  // continues from the given state.
+  // Goal: a unit starts from a new draw exactly if its flag `starts` is set. The first scan's
+  // number doesn't matter. The draw and its lineage belong to the unit's first scan. Without the
+  // flag, the unit continues from the given state.
   const worlds::ball_2d::Ball2d ball({});
   const ChainWorker<worlds::ball_2d::Ball2d> worker(ball, {});
   const plan::Unit unit{.replica = key(2, 5),
@@ -239,9 +239,9 @@ TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
 }
 
 TEST(ChainWorker, KeepsStatesFromTheFirstDrawOn) {
-  // Goal: at inverse temperature 1, a worker stores all satisfying states, and from the first draw
-  // on also one state per `thin` scans. At other inverse temperatures, it stores one state per
-  // `hot_thin` scans. Method: run 60 scans with the first draw at scan 25.
+  // Goal: at inverse temperature 1, a worker stores all satisfying states. From the first draw on,
+  // it also stores one state per `thin` scans. At other inverse temperatures, the worker stores one
+  // state per `hot_thin` scans. Method: run 60 scans with the first draw at scan 25.
   const worlds::ball_2d::Ball2d ball({});
   const ChainWorker<worlds::ball_2d::Ball2d> worker(ball,
                                                     {.thin = 4, .first_draw = 25, .hot_thin = 6});

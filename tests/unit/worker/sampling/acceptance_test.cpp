@@ -8,8 +8,8 @@
 namespace sleight::sampling {
 namespace {
 
-/// always() returns whether a candidate with this ratio is accepted for every random number in (0,
-/// 1). never() returns whether it is rejected for every random number.
+/// always() returns whether every random number in (0, 1) accepts a candidate with this ratio.
+/// never() returns whether every random number rejects the candidate.
 bool always(double log_ratio) {
   return std::log(1 - 0x1p-53) < log_ratio;
 }
@@ -37,9 +37,10 @@ TEST(LogAcceptanceRatio, IsLine7) {
 }
 
 TEST(LogAcceptanceRatio, NeverEntersZeroDensity) {
-  // Goal: a chain always rejects a candidate of zero density or a proposal that cannot be reversed,
-  // even if infinities give NaN. Method: try candidates without constraint density, without prior
-  // density and without both. Start from states with and without density.
+  // Goal: a chain always rejects candidates of zero density and proposals that cannot be reversed,
+  // even if infinities give NaN. Method: try candidates whose constraint density is zero, whose
+  // prior density is zero, or whose densities are both zero. Start from states with and without
+  // density.
   for (const double q : {-5.0, 0.0, 5.0}) {
     EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -3, -k_infinity, 1, q)));
     EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -k_infinity, -2, 1, q)));
@@ -62,9 +63,8 @@ TEST(LogAcceptanceRatio, LeavesZeroDensityByThePrior) {
 }
 
 TEST(ChainStreams, DifferByEveryField) {
-  // Goal: streams of different seeds, chains, replicas, purposes or iterations have different
-  // random numbers. Method: change one field at a time, and compare each stream's first random
-  // number.
+  // Goal: if two streams differ in seed, chain, replica, purpose or iteration, their random numbers
+  // differ. Method: change one field at a time, and compare each stream's first random number.
   const ChainStreams base{.seed = 1, .chain = base::ChainId{2}, .replica = base::ReplicaId{3}};
   const auto word = [](const ChainStreams& streams, random::Purpose purpose, std::uint64_t at) {
     return streams.at(purpose, at).bits();

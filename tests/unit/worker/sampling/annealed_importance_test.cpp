@@ -34,8 +34,8 @@ const std::vector<double>& row(const std::vector<ChainPart::Row>& rows, std::str
 
 TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
   // Goal: each unit has the right inverse temperatures, proposal size, lane and start. A unit ends
-  // where the proposal size changes or where its ascent ends. Method: compare the longest possible
-  // units of two lanes with a table of expected values.
+  // where the proposal size changes or where its ascent ends. Method: use two lanes. Compare their
+  // longest possible units with a table of expected values.
   AnnealedImportance part(burn_in(), 2, 2);
   const std::vector<double> betas{0, 0.05, 0.1, 0.25, 0.4, 0.7, 1};
   ASSERT_EQ(part.schedule().size(), betas.size());
@@ -76,8 +76,8 @@ TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
 
 TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
   // Goal: the log weights, their order and the estimates that use them follow the formula. Method:
-  // report random densities, some of them zero. Compare the results with products and sums of plain
-  // doubles.
+  // report random densities. Some densities are zero. Compare the results with products and sums of
+  // plain doubles.
   for (const std::uint64_t index : property::cases(50)) {
     Dice dice(k_seed, index);
     const auto lanes = static_cast<std::uint32_t>(1 + dice.below(4));

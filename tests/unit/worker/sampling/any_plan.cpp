@@ -109,7 +109,7 @@ bool AnySession::hand_out(std::uint32_t scans_max) {
 
 namespace {
 
-/// Returns whether the swap after a member's last scan is with a level outside the block.
+/// Returns whether a member swaps with a level outside the block after its last scan.
 bool left(const plan::LadderPart& part, const plan::UnitResult& member) {
   const auto at =
       std::ranges::find(part.inverse_temperatures, member.scans.back().inverse_temperature);
@@ -173,7 +173,8 @@ bool AnySession::hand_out_block(Dice& dice, BlockShapes& shapes) {
     shapes.annealing += block->members.front().inverse_temperatures.size() > 1 ? 1 : 0;
   }
 
-  // Pass only some states. A state that is neither passed nor held by the worker prevents the run.
+  // Pass only some states. If a state is neither passed nor held by the worker, the block can't
+  // run.
   const RecordingWorker& worker = workers_[dice.below(workers_.size())];
   const BlockRunner runner(worker, clock_);
   std::vector<plan::GivenState> all;

@@ -1,4 +1,4 @@
-// Drives any plan in any order, with a worker of made-up numbers. Records units and results.
+// Drives any plan in any order. The worker returns made-up numbers. Records units and results.
 #pragma once
 
 #include <array>
@@ -32,8 +32,8 @@ class Dice {
   random::Stream stream_;
 };
 
-/// Runs HashedWorker scan by scan, so that results don't depend on how units are cut. Accepts a
-/// third of all excursions. Results also depend on the excursions' temperatures.
+/// Runs HashedWorker scan by scan, so the cuts of units don't affect results. Accepts a third of
+/// all excursions. Results also depend on the excursions' temperatures.
 class ScanByScan final : public plan::UnitWorker {
  public:
   explicit ScanByScan(const HashedWorker::Options& options) : hashed_(options) {}
@@ -60,7 +60,8 @@ using ScanRuns = std::map<Place, ScanRun>;
 /// Returns the nth scan of a unit as a unit of its own.
 plan::Unit alone(const plan::Unit& unit, std::uint32_t nth, std::uint64_t lineage);
 
-/// Runs units scan by scan and records the results, so that it holds the states that it computed.
+/// Runs units scan by scan and records the results. So the worker holds the states that it
+/// computed.
 class RecordingWorker final : public plan::UnitWorker {
  public:
   explicit RecordingWorker(const plan::UnitWorker& worker) : worker_(worker) {}
@@ -95,15 +96,15 @@ class AnySession {
   void run_serially();
   /// Runs units of random lengths that complete in random order, for at most `steps` steps.
   void run_randomly(Dice& dice, std::uint64_t steps = UINT64_MAX);
-  /// Runs blocks of random sizes on two workers. States are given to the workers or held by them.
-  /// Consumes the members' results separately, in random order.
+  /// Runs blocks of random sizes on two workers. Some states are given to the workers, and some are
+  /// held by the workers. Consumes the members' results separately, in random order.
   void run_in_blocks(Dice& dice, BlockShapes& shapes, std::uint64_t steps = UINT64_MAX);
   /// A function that runs blocks in place of BlockRunner::run, to test faulty runners.
   using RunBlock = std::function<std::vector<plan::UnitResult>(
       const BlockRunner&, const plan::Block&, std::span<const plan::GivenState>)>;
   void run_blocks_by(RunBlock run) { run_block_ = std::move(run); }
   void complete_all(Dice& dice);
-  /// Consumes whole replicas in random or stored order, in random batches.
+  /// Consumes whole replicas in random batches. Replicas are in random order or in stored order.
   void replay(const ScanRuns& stored, Dice& dice);
 
   const ScanRuns& runs() const { return runs_; }
@@ -116,7 +117,6 @@ class AnySession {
   void run(Dice& dice, std::uint64_t steps, const std::function<bool()>& hand_out);
   bool hand_out(std::uint32_t scans_max);
   bool hand_out_block(Dice& dice, BlockShapes& shapes);
-  /// Expects that the unit continues its replica.
   void expect_next(const plan::Unit& unit) const;
   base::Bytes state_before(const plan::Unit& unit) const;
   void takes(const RecordingWorker& worker, plan::UnitResult result);
@@ -131,13 +131,14 @@ class AnySession {
   RunBlock run_block_ = &BlockRunner::run;
 };
 
-/// Scan at which a run must stop, by the plain rules, from the results of a longer run. The first
-/// `before` scans of each chain belong to no round.
+/// Returns the scan at which a run must stop. Applies the plain rules to the results of a longer
+/// run. The first `before` scans of each chain belong to no round.
 std::uint64_t scans_at_stop(const StopRule& stop, std::uint64_t round_scans, std::uint64_t before,
                             const ScanRuns& runs);
 
-/// Expects that a plan, queried every `step` scans, reports exactly the counted solutions of its
-/// DrawParts, with log_p = log_p_of(chain, scan). A part's solutions appear at the part's end.
+/// Queries a plan every `step` scans. Expects that the plan reports exactly the counted solutions
+/// of its DrawParts, and that log_p is log_p_of(chain, scan). A part's solutions appear at the
+/// part's end.
 void expect_told_as_counted(
     const plan::Plan& plan, std::uint64_t step,
     const std::function<double(std::uint32_t chain, std::uint64_t scan)>& log_p_of);

@@ -1,5 +1,5 @@
-// Compares parallel tempering, in units and in blocks, bit for bit with a reference that runs all
-// replicas in lockstep.
+// Compares parallel tempering with a reference, bit for bit. The reference runs all replicas in
+// lockstep; the tested plans run units or blocks.
 #include "worker/sampling/block_runner.h"
 
 #include <fmt/format.h>
@@ -66,8 +66,8 @@ std::uint64_t end_of_round(const Case& given, std::uint32_t round) {
   return ladder.anneal_scans + scans_through_round(ladder.round_scans, round);
 }
 
-/// Returns the end of the first round in whose last scan no state descends from a search's find.
-/// Empty if no such round ends within `scans`.
+/// Returns the end of the first burnt-in round: in its last scan, no state descends from a search's
+/// find. Empty if no such round ends within `scans`.
 std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<SlowLadder>& all,
                                          std::uint64_t scans) {
   if (!given.options.ladder.starts_by_search) return given.options.ladder.anneal_scans;
@@ -88,7 +88,8 @@ std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<Sl
   return std::nullopt;
 }
 
-/// Number of lineages with a satisfying scan s at inverse temperature 1, first <= s < end.
+/// Counts the lineages that have a satisfying scan s at inverse temperature 1. Ignores scans
+/// outside first <= s < end.
 std::uint64_t solutions_between(const SlowLadder& ladder, std::uint64_t first, std::uint64_t end) {
   std::set<std::uint64_t> lineages;
   for (const auto& [place, result] : ladder.results) {
@@ -209,10 +210,11 @@ struct LadderShapes {
 };
 
 TEST(BlockRunner, EqualsTheLockstepReference) {
-  // Goal: units, records, states, rounds, solutions and the stop equal the reference's, whether
-  // replicas run in units or in blocks. They don't depend on workers, cuts of units or the order of
-  // results. Method: run each random case in three random sessions. Some cases start with a search.
-  // At the end, check that ladders grew and shrank, and that all shapes of blocks occurred often.
+  // Goal: whether replicas run in units or in blocks, the run equals the reference in units,
+  // records, states, rounds, solutions and stop. Workers, cuts of units and the order of results
+  // don't matter. Method: run each random case in three random sessions. Some cases start with a
+  // search. At the end, check that ladders grew and shrank, and that all shapes of blocks occurred
+  // often.
   BlockShapes shapes;
   LadderShapes ladders;
   for (const std::uint64_t index : property::cases(cases())) {
@@ -303,7 +305,8 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
   // Goal: in a block, each member runs at least one scan, and all members together run as many
   // scans as the limit allows. The runner shares the block's cost equally among the scans, and
   // counts the simulations. Method: run a ladder of six levels with every limit up to 70. Then run
-  // only three middle levels, whose block ends earlier because their swap partners are outside.
+  // only three middle levels. The middle levels' block ends earlier, because swap partners are
+  // outside the block.
   constexpr std::uint32_t k_levels = 6;
   const ScanByScan numbers({.seed = 5, .roughness = {5}});
   base::ManualClock clock;
@@ -370,10 +373,10 @@ double half_ratio(const SwapPair& pair) {
 }
 
 TEST(BlockRunner, WrongSwapsAreNoticed) {
-  // Goal: a plan rejects the results of a runner that decides swaps differently, because the
-  // reported temperatures differ from the plan's. Method: replace one of the swap's formulas at a
-  // time by a wrong formula: for the partner, the random number, the ratio or the seed. With the
-  // right formulas, the plan accepts all results.
+  // Goal: if a runner decides swaps differently, the plan rejects the results, because the reported
+  // temperatures differ from the plan's temperatures. Method: the swap has formulas for the
+  // partner, the random number, the ratio and the seed. Replace one formula at a time by a wrong
+  // formula. With the right formulas, the plan accepts all results.
   ParallelTemperingOptions options = small_ladder(6);
   options.ladder.seed = 11;
   const ScanByScan numbers({.seed = 11, .roughness = {3}});

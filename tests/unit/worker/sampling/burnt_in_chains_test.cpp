@@ -173,10 +173,10 @@ struct Decided {
 
 TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
   // Goal: units, results, the stop, draws and the report don't depend on how a run is cut into
-  // units and blocks. The order in which these complete has no effect, either. The run stops where
-  // its rules say. Method: compare random sessions, in units and in blocks, with a serial run.
-  // Recompute the stop and the draws from a longer run.
-  // By method: whether the run ended before its limit on scans.
+  // units and blocks. The order in which units and blocks complete has no effect, either. The run
+  // stops where its rules say. Method: compare random sessions with a serial run. Some sessions run
+  // units, and some run blocks. Recompute the stop and the draws from a longer run. Pairs of a
+  // method and whether its run ended before the limit on scans.
   std::set<std::pair<std::uint64_t, bool>> stops;
   std::vector<BlockShapes> shapes(k_methods);
   for (const std::uint64_t index : property::cases(cases())) {
@@ -226,10 +226,10 @@ TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
 }
 
 TEST(EveryMethod, GoesOnFromAnyStoredResults) {
-  // Goal: a fresh plan that consumes stored results equals the plan that was stopped, and reaches
-  // the same end. Method: stop a session at a random moment, and lose or store the results in
-  // flight. Let a fresh plan consume the stored results in stored or random order. Then continue in
-  // units or in blocks.
+  // Goal: if a fresh plan consumes a stopped plan's stored results, the fresh plan equals the
+  // stopped plan and reaches the same end. Method: stop a session at a random moment, and lose or
+  // store the results in flight. Let a fresh plan consume the stored results in stored or random
+  // order. Then continue in units or in blocks.
   BlockShapes shapes;
   for (const std::uint64_t index : property::cases(2 * cases())) {
     Dice dice(k_seed, k_cases + index);
@@ -261,10 +261,10 @@ TEST(EveryMethod, GoesOnFromAnyStoredResults) {
 }
 
 TEST(EveryMethod, DecidesTheSameInAnySteps) {
-  // Goal: reports of solutions and rounds at any moments add up to the single report of a run that
-  // reports only at its end. Each reported solution is a satisfying scan at inverse temperature 1,
-  // and all counted solutions are reported. Method: request reports at random moments of random
-  // sessions, some of which are stopped and resumed.
+  // Goal: a plan can report solutions and rounds at any moments. The reports add up to the single
+  // report of a run that reports only at its end. Each reported solution is a satisfying scan at
+  // inverse temperature 1, and all counted solutions are reported. Method: request reports at
+  // random moments of random sessions. Some sessions are stopped and resumed.
   std::set<Method> methods;
   for (const std::uint64_t index : property::cases(cases())) {
     Dice dice(k_seed, 5 * k_cases + index);
@@ -312,7 +312,7 @@ TEST(EveryMethod, DecidesTheSameInAnySteps) {
 }
 
 TEST(EveryMethod, CutAtAnyScanIsTheRunOfThatManyScans) {
-  // Goal: a plan that consumes the stored scans below N of a longer run equals a plan that runs N
+  // Goal: if a plan consumes a longer run's stored scans below N, it equals a plan that runs N
   // scans. Method: cut whole runs at a random scan N, sometimes in the burn-in.
   for (const std::uint64_t index : property::cases(cases())) {
     Dice dice(k_seed, 3 * k_cases + index);
@@ -340,9 +340,9 @@ TEST(EveryMethod, CutAtAnyScanIsTheRunOfThatManyScans) {
 }
 
 TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
-  // Goal: a plan with a fixed number of scans reports its total from the start, annealing included.
-  // The total never changes, and equals the number of consumed scans at the end. Method: read the
-  // total at every step, for independent chains and for ladders of four fixed levels.
+  // Goal: a plan with a fixed number of scans reports its total from the start. The total includes
+  // annealing and never changes. At the end, the total equals the number of consumed scans. Method:
+  // read the total at every step, for independent chains and for ladders of four fixed levels.
   for (const Method method : {Method::plain, Method::parallel}) {
     Dice dice(k_seed, 5 * k_cases);
     Case given = random_case(dice, 0);
@@ -394,8 +394,8 @@ TEST(BurntInChains, BurnInIsParallelTempering) {
 }
 
 TEST(Annealing, GoesFromThePriorInEqualSteps) {
-  // Goal: in scan s of n, annealing uses s / n of a replica's final inverse temperature, which is 1
-  // for plain chains.
+  // Goal: in scan s of n, annealing uses s / n of a replica's final inverse temperature. For plain
+  // chains, the final one is 1.
   for (const std::uint64_t index : property::cases(30)) {
     Dice dice(k_seed, 7 * k_cases + index);
     Case given = random_case(dice, index);

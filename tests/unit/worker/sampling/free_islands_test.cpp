@@ -17,7 +17,8 @@ namespace sleight::sampling::free_islands_test {
 
 constexpr std::uint64_t k_cases = 200;
 
-/// Results of a run's islands: lognormal with spread `log_sd`, or zero if the island is dead.
+/// Results of a run's islands. A dead island's result is zero. The other results are lognormal with
+/// the spread `log_sd`.
 struct World {
   std::uint64_t seed = 0;
   double log_sd = 1;
@@ -29,7 +30,7 @@ struct World {
   }
 };
 
-/// Reference: the rule for where the pilot and the batch end, applied to all islands at once.
+/// Reference: where the pilot and the batch end. The rule is applied to all islands at once.
 struct Reference {
   std::uint64_t pilot = 0;
   std::uint64_t end = 0;
@@ -129,10 +130,10 @@ void expect_end(const FreeIslands& plan, const World& world, const Reference& ex
 }
 
 TEST(FreeIslands, EndsWhereTheIslandsSay) {
-  // Goal: only the islands' results determine which islands run and which of them yield the odds.
-  // The order of units, their cuts and stored results beyond the end have no effect. Method: run
-  // random islands in random sessions, with two allowed errors. Compare the end with a second
-  // implementation of the rule.
+  // Goal: only the islands' results determine which islands run. Only the results determine which
+  // islands yield the odds. The order of units, their cuts and stored results beyond the end have
+  // no effect. Method: run random islands in random sessions, with two allowed errors. Compare the
+  // end with a second implementation of the rule.
   std::uint64_t extended = 0;
   std::uint64_t long_pilots = 0;
   for (const std::uint64_t index : property::cases(k_cases)) {
@@ -144,8 +145,8 @@ TEST(FreeIslands, EndsWhereTheIslandsSay) {
     long_pilots += expected.pilot > 32 ? 1 : 0;
     FreeIslands plan({.seed = index, .log_error = log_error});
     if (dice.once_in(3)) {
-      // For some lanes, consume results stored by a session that had a different limit. Some of
-      // these results are beyond this run's end.
+      // For some lanes, consume results that a session with a different limit stored. Some of these
+      // results are beyond this run's end.
       for (std::uint32_t lane = 0; lane < plan::k_island_lanes; ++lane) {
         const auto scans = static_cast<std::uint32_t>(dice.below(3));
         if (scans == 0) continue;
@@ -168,9 +169,10 @@ TEST(FreeIslands, EndsWhereTheIslandsSay) {
 }
 
 TEST(FreeIslands, ACutEndsThereAndTellsTheOddsOnlyWhole) {
-  // Goal: a limited run ends at its limit. It yields the odds only if its limit is the number of
-  // islands at which the unlimited run ends. So the request in an archive repeats its run. Method:
-  // limit runs to that final number, and to a random number up to it.
+  // Goal: a limited run ends at its limit. The run yields the odds only if its limit is the number
+  // of islands at which the unlimited run ends. So the request in an archive repeats the archive's
+  // run. Method: limit runs to that final number of islands. Also limit runs to a random number
+  // that is at most the final number.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(13, index);
     const World world = random_world(index, dice);
@@ -188,7 +190,7 @@ TEST(FreeIslands, ACutEndsThereAndTellsTheOddsOnlyWhole) {
 }
 
 TEST(FreeIslands, WhatNeverSatisfiesEnds) {
-  // Goal: a run in which all islands die ends after a pilot of 1024 islands, without a batch.
+  // Goal: if all islands die, the run ends after a pilot of 1024 islands, without a batch.
   FreeIslands plan({.seed = 1, .log_error = 0.1});
   const World world{.dead = 1};
   Dice dice(17, 0);

@@ -13,7 +13,7 @@ namespace sleight::sampling::furthest_behind_test {
 
 constexpr std::uint64_t k_seed = 20261121;
 
-/// Chains, each of which can give a limited number of units until it moves.
+/// Chains. Each chain can give a limited number of units until it moves.
 struct Chains {
   std::vector<std::uint64_t> scans;
   std::vector<std::uint64_t> gifts;  ///< remaining gifts
@@ -38,11 +38,11 @@ struct Chains {
 };
 
 TEST(FurthestBehind, IsWhoASearchFinds) {
-  // Goal: among the chains that can give a unit, first() finds the chain with the fewest scans, and
-  // the lowest number among equals. If no chain can give a unit, first() finds none. least(), sum()
-  // and going() return the right numbers. Method: compare with a linear search in 200 random
-  // histories of one to nine chains. While the horizon grows, chains advance, give units and run
-  // out of units.
+  // Goal: among the chains that can give a unit, first() finds the chain with the fewest scans. If
+  // several chains have the fewest scans, first() finds the chain with the lowest number. If no
+  // chain can give a unit, first() finds none. least(), sum() and going() return the right numbers.
+  // Method: in 200 random histories of one to nine chains, compare with a linear search. While the
+  // horizon grows, chains advance, give units and run out of units.
   int given = 0;
   int dry = 0;
   for (const std::uint64_t history : property::cases(200)) {

@@ -19,7 +19,7 @@ namespace sleight::sampling::independent_chains_property_test {
 
 constexpr std::uint64_t k_seed = 271828;
 constexpr std::uint64_t k_cases = 400;
-/// Every run ends before this scan, because each case has a rule that ensures it.
+/// Every run ends before this scan, because each case has a rule that ensures this.
 constexpr std::uint64_t k_scans_max = 400;
 
 struct Case {
@@ -204,9 +204,10 @@ void expect_end(Session& session, const Case& given, std::uint64_t end) {
 }
 
 TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
-  // Goal: only the results determine where a run stops, not the cuts of units or the order of
-  // completion. The run computes nothing beyond the stop. Method: draw random results and stop
-  // rules. Run four random sessions for each, and compare their stops with the reference.
+  // Goal: only the results determine where a run stops. The cuts of units and the order of
+  // completion don't. The run computes nothing beyond the stop. Method: draw random results and
+  // stop rules. For each draw, run four random sessions, and compare their stops with the
+  // reference.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(index);
     const Case given = random_case(dice);
@@ -224,8 +225,8 @@ TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
 
 TEST(IndependentChainsProperty, StopsThereWhateverMoreIsStored) {
   // Goal: stored results beyond the stop don't move the stop (invariant 3 of Plan). Method: let a
-  // plan consume a random number of each chain's scans, some of them beyond the stop. Then resume
-  // the run.
+  // plan consume a random number of each chain's scans. Some of these scans are beyond the stop.
+  // Then resume the run.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_cases + index);
     const Case given = random_case(dice);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t k_largest = std::numeric_limits<std::uint64_t>::max();
 
-/// A stop rule with the given limits on scans, rounds and independent solutions.
+/// Returns a stop rule with the given limits on scans, rounds and independent solutions.
 StopRule stop_at(std::optional<std::uint64_t> scans, std::optional<std::uint32_t> rounds = {},
                  std::optional<std::uint64_t> solutions = {}) {
   return {.scans = scans, .rounds = rounds, .independent_solutions = solutions};
@@ -30,8 +30,8 @@ plan::Unit unit(std::uint32_t chain, std::uint64_t first, std::uint32_t scans) {
 }
 
 TEST(ScansThroughRound, IsTheSumOfDoublingRounds) {
-  // Goal: scans_through_round() adds rounds of round_scans 2^(r-1) scans each. If the sum exceeds
-  // 64 bits, the function returns the largest 64-bit number.
+  // Goal: scans_through_round() adds the scans of rounds. Round r has round_scans 2^(r-1) scans. If
+  // the sum exceeds 64 bits, the function returns the largest 64-bit number.
   for (const std::uint64_t round_scans : {std::uint64_t{1}, std::uint64_t{3}, std::uint64_t{64},
                                           std::uint64_t{1'000'000}, k_largest / 3, k_largest}) {
     std::uint64_t sum = 0;
@@ -45,9 +45,9 @@ TEST(ScansThroughRound, IsTheSumOfDoublingRounds) {
 }
 
 TEST(IndependentChains, ManyChainsStayFast) {
-  // Goal: a plan of 65,536 chains needs little time per chain. Method: run two units of each chain,
-  // one after the other. A cost that is quadratic in the number of chains would exceed the test's
-  // time limit.
+  // Goal: a plan of 65,536 chains needs little time per chain. Method: run one unit of each chain,
+  // and then a second unit. A cost that is quadratic in the number of chains would exceed the
+  // test's time limit.
   constexpr std::uint32_t k_chains = 65'536;
   IndependentChains chains({.chains = k_chains, .round_scans = 1, .stop = stop_at({}, 2, 1)});
   for (int round = 0; round < 2; ++round) {
@@ -63,8 +63,8 @@ TEST(IndependentChains, ManyChainsStayFast) {
 }
 
 TEST(IndependentChainsDeathTest, MisuseIsABug) {
-  // Goal: a plan without a stop rule, without chains or with empty rounds stops the process. So do
-  // a request for a unit without scans, and results that don't continue a chain.
+  // Goal: a plan without a stop rule, without chains or with empty rounds stops the process. The
+  // process also stops if a requested unit has no scans, or if results don't continue a chain.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(IndependentChains({.chains = 2, .stop = stop_at({})}), "check failed");
   EXPECT_DEATH(IndependentChains({.chains = 0, .stop = stop_at(1)}), "check failed");

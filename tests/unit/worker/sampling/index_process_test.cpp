@@ -10,10 +10,10 @@ namespace sleight::sampling {
 namespace {
 
 TEST(IndexProcess, KeepsWhatTheNumberOfScansSays) {
-  // Goal: the process never stores more moments than its bound, and after enough scans at least
-  // half as many. Moments are evenly spaced and contain the right levels, for any first scan.
-  // Method: after each of 10,000 scans, compare the moments with the scans so far. In every third
-  // scan, the two replicas have each other's levels.
+  // Goal: the process never stores more moments than its bound. After enough scans, the process
+  // stores at least half of the bound. Moments are evenly spaced and contain the right levels, for
+  // any first scan. Method: after each of 10,000 scans, compare the moments with the scans so far.
+  // In every third scan, the two replicas have each other's levels.
   for (const std::uint64_t first : {0U, 1U, 777U}) {
     IndexProcess process;
     std::uint64_t stride = 1;

@@ -17,8 +17,9 @@
 
 namespace sleight::sampling::judged_chains_test {
 
-/// Chains whose two values start at 0 and forget their start. "helped" rises to a mean; "log_p" is
-/// normal about 0. Scans are pure functions of (seed, chain, first scan of the tour, scan).
+/// Chains with two values. Both values start at 0 and forget this start. "helped" rises to a mean;
+/// "log_p" is normal about 0. Scans are pure functions of (seed, chain, first scan of the tour,
+/// scan).
 struct World {
   std::uint64_t seed = 1;
   double forgets =
@@ -67,9 +68,9 @@ End end_of(const JudgedChains& plan) {
   return end;
 }
 
-/// Hands units to `workers` workers, whose results arrive in any order, until the plan is done or
-/// `results_max` results have arrived. Expects that a unit's flag `starts` is set exactly if its
-/// first scan begins a tour.
+/// Hands units to `workers` workers until the plan is done or `results_max` results have arrived.
+/// Results arrive in any order. Expects that a unit's flag `starts` is set exactly if its first
+/// scan begins a tour.
 void work(JudgedChains& plan, const World& world, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -95,10 +96,10 @@ void work(JudgedChains& plan, const World& world, std::size_t workers, random::S
 }
 
 TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
-  // Goal: tours, draws and solutions depend only on the results, not on workers, order or
-  // interruptions. A run that is cut short has the same tours, draws and solutions as the whole run
-  // up to the cut. Method: compare runs by several workers, cut runs and replayed runs with a run
-  // by one worker.
+  // Goal: tours, draws and solutions depend only on the results. Workers, order and interruptions
+  // don't matter. A run that is cut short has the same tours, draws and solutions as the whole run
+  // up to the cut. Method: compare all runs with a run by one worker. Some runs use several
+  // workers, some are cut, and some are replayed.
   for (const std::uint64_t i : property::cases(60)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const World world{.seed = i,
@@ -162,8 +163,8 @@ TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
 
 TEST(JudgedChains, CountASatisfyingScanOfEachChainOfEachTour) {
   // Goal: a solution is any satisfying scan among the draws, and each chain contributes at most one
-  // solution per tour. Method: run until 400 solutions are counted. Check that the counted scans
-  // are at many different places among their tours' draws.
+  // solution per tour. Method: run until 400 solutions are counted. Check that counted scans are at
+  // many different places in their tours' draws.
   const World world{.forgets = 0.5, .satisfied = 0.3};
   JudgedChains plan(options({}, 400));
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
@@ -207,8 +208,8 @@ TEST(JudgedChains, ChainsThatNeverLeaveTheirStartNeverBurnIn) {
 
 TEST(JudgeValue, SeesDriftsAndChainsThatDisagree) {
   // Goal: judge_value() rejects chains that haven't forgotten their start. Method: judge sets of 8
-  // chains of 200 draws. One set has a single distribution, one has a common drift, one has
-  // different means, and some are constant.
+  // chains of 200 draws. In one set, all chains have the same distribution. In one set, all chains
+  // drift. In one set, the chains' means differ. In some sets, chains are constant.
   random::Stream stream({.seed = 2, .purpose = random::Purpose::scene}, 0);
   std::vector<double> starts{0};
   const auto judged = [&](auto&& value, bool starts_at_one_end = true) {
@@ -228,7 +229,7 @@ TEST(JudgeValue, SeesDriftsAndChainsThatDisagree) {
   EXPECT_TRUE(judged([](std::size_t, double) { return 0.0; }, false).passes);
   EXPECT_FALSE(
       judged([](std::size_t chain, double) { return static_cast<double>(chain); }, false).passes);
-  // With starts at 0 and 1, chains with only the values 0 and 1 never leave their start.
+  // If the values are only 0 and 1 and chains start at both, no chain ever leaves the starts.
   const auto bit = [&](std::size_t, double) { return normal() > 0 ? 1.0 : 0.0; };
   EXPECT_TRUE(judged(bit).passes);
   starts = {0, 1};

@@ -23,8 +23,9 @@ LadderOptions options_of(bool levels_chosen) {
           .anneal_scans = 7};
 }
 
-/// A whole round in which all swaps are accepted, or none. Each of the first two kinds accepts 0,
-/// 100 and 30 of 100 proposals at the three levels. The third kind accepts none of 49 proposals.
+/// A whole round in which all swaps are accepted, or no swap is accepted. For each of the first two
+/// kinds, the three levels accept 0, 100 and 30 of 100 proposals. The third kind accepts none of 49
+/// proposals.
 RoundReport round_of(const LadderOptions& options, bool swaps) {
   RoundReport round = first_round(options);
   for (std::uint64_t scan = 0; scan < options.round_scans; ++scan) {
@@ -45,7 +46,7 @@ RoundReport round_of(const LadderOptions& options, bool swaps) {
 TEST(LadderRound, LearnsSizesLevelByLevel) {
   // Goal: a round multiplies each level's proposal size by exp(3 (acceptance - 0.3)). The hottest
   // level uses its neighbour's factor. Kinds without a size or with few proposals don't change. The
-  // next round begins at the previous round's end, without counts, and is twice as long.
+  // next round begins at the previous round's end and is twice as long. It has no counts yet.
   const RoundReport round = round_of(options_of(false), true);
   EXPECT_EQ(round.first_scan, 7U);
   const RoundReport next = next_round(options_of(false), round);
@@ -67,8 +68,8 @@ TEST(LadderRound, LearnsSizesLevelByLevel) {
 
 TEST(LadderRound, ReadsSizesOffWhereTheNewLevelsAre) {
   // Goal: the number of new levels is twice the barrier plus one, but at least 2. The logarithm of
-  // a proposal size is linear between old levels. Method: accept all swaps, which gives a barrier
-  // of 0, and reject all swaps, which gives a barrier of 2.
+  // a proposal size is linear between old levels. Method: accept all swaps, so the barrier is 0.
+  // Then reject all swaps, so the barrier is 2.
   for (const auto& [swaps, levels] : {std::pair{true, 2U}, {false, 5U}}) {
     const RoundReport next = next_round(options_of(true), round_of(options_of(true), swaps));
     ASSERT_EQ(next.ladder().size(), levels);

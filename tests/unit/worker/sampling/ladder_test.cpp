@@ -14,7 +14,7 @@ namespace sleight::sampling::ladder_test {
 
 constexpr std::uint64_t k_seed = 161803;
 
-/// Rejection rates between neighbouring levels for a known barrier, a smooth curve.
+/// Rejection rates between neighbouring levels. The barrier is a known smooth curve.
 std::vector<double> differences(const std::vector<double>& ladder, double (*barrier)(double)) {
   std::vector<double> rates;
   for (std::size_t i = 0; i + 1 < ladder.size(); ++i)
@@ -69,8 +69,8 @@ TEST(FirstLadder, IsAPowerOfEvenSteps) {
 }
 
 TEST(LevelsFor, AreTwiceTheBarrierAndOne) {
-  // Goal: levels_for() returns twice the barrier plus one, rounded up, but at least 2. For barriers
-  // that no ladder can serve, it returns the maximum.
+  // Goal: levels_for() returns twice the barrier plus one, rounded up, but at least 2. If no ladder
+  // can serve a barrier, levels_for() returns the maximum.
   EXPECT_EQ(levels_for(0), 2U);
   EXPECT_EQ(levels_for(0.5), 2U);
   EXPECT_EQ(levels_for(0.51), 3U);
@@ -81,17 +81,17 @@ TEST(LevelsFor, AreTwiceTheBarrierAndOne) {
 }
 
 TEST(Barrier, IsTheSumOfRejections) {
-  // Goal: the cumulative barrier is 0 at the hottest level, and grows by the rejection rate at each
-  // cooler level.
+  // Goal: the cumulative barrier is 0 at the hottest level. From each level to the next cooler
+  // level, it grows by the pair's rejection rate.
   EXPECT_EQ(cumulative_barrier(std::vector{0.5, 0.25, 0.125}),
             (std::vector{0.0, 0.5, 0.75, 0.875}));
 }
 
 TEST(LocalBarrier, IsTheSlope) {
-  // Goal: local_barrier() returns the slope of the cumulative barrier. It is exact for a straight
-  // line, close for a smooth curve, and never negative. Method: compare with the slopes of known
-  // curves on an uneven ladder of 41 levels. The error of a three-point slope is of second order in
-  // the spacing, which is at most 1/20.
+  // Goal: local_barrier() returns the slope of the cumulative barrier. The slope is exact for a
+  // straight line, close for a smooth curve, and never negative. Method: on an uneven ladder of 41
+  // levels, compare with the slopes of known curves. The error of a three-point slope is of second
+  // order in the spacing, which is at most 1/20.
   const std::vector<double> ladder = uneven(41);
   const std::vector<double> line =
       local_barrier(ladder, differences(ladder, [](double beta) { return 2.5 * beta; }));
@@ -105,9 +105,10 @@ TEST(LocalBarrier, IsTheSlope) {
 }
 
 TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
-  // Goal: the barrier grows equally between the levels that respaced() returns. Method: respace
-  // ladders of 200 levels with known barriers, to fewer and to more levels. One barrier has an
-  // infinite slope at 0. The tolerance covers the error of a monotone cubic through 200 points.
+  // Goal: the barrier grows equally between the levels that respaced() returns. Method: use ladders
+  // of 200 levels with known barriers. Respace them to fewer levels and to more levels. One barrier
+  // has an infinite slope at 0. The tolerance covers the error of a monotone cubic through 200
+  // points.
   const std::vector<double> ladder = uneven(200);
   for (const auto& barrier : {square_root, logarithm, bend}) {
     for (const std::uint32_t levels : {2U, 3U, 8U, 33U, 250U}) {
@@ -134,8 +135,8 @@ TEST(Respaced, IsAtRestWhenAllRejectionsAreEqual) {
 TEST(Respaced, IsALadderWhateverTheRates) {
   // Goal: the levels that respaced() returns ascend from 0 to 1 without ties, for any rejection
   // rates. Method: respace random ladders for 20 rounds, with random rates and random numbers of
-  // levels. In the worst case, a hard constraint puts the whole barrier at the hot end, which
-  // crowds levels near 0.
+  // levels. In the worst case, a hard constraint puts the whole barrier at the hot end, so levels
+  // crowd near 0.
   for (const std::uint64_t index : property::cases(200)) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
     const bool hard = index % 4 == 0;

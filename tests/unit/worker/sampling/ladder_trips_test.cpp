@@ -10,7 +10,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// A ladder whose every result is a given function of (inverse temperature, scan).
+/// A ladder. Each result is a given function of (inverse temperature, scan).
 class Played {
  public:
   using Score = std::function<plan::ScanRecord(double beta, std::uint64_t scan)>;
@@ -73,7 +73,7 @@ TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
   // levels. Method: use two levels that always swap, but only after even scans. So replica 0 is at
   // levels 0 1 1 0 0 1 1 0 0, and replica 1 is at levels 1 0 0 1 1 0 0 1 1.
   //   - Replica 0 restarts at scans 1 and 5, and replica 1 restarts at scans 3 and 7.
-  //   - Replica 0 ends a round trip at scans 3 and 7, and replica 1 ends one at scan 5.
+  //   - Replica 0 ends round trips at scans 3 and 7, and replica 1 ends a round trip at scan 5.
   //     Replica 1's start at the cool end doesn't count.
   //   - Solutions are at scans 0 (replica 1's start), 1, 3, 5 and 7.
   //     Each lineage counts once, though it stays at the cool end for two scans.
@@ -125,9 +125,9 @@ TEST(LadderTrips, GoOnOverTheEndsOfRounds) {
 TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
   // Goal: if levels are added, existing replicas stay the coolest, in the same order. New replicas
   // start from the prior in the round's first scan. If levels are removed, the hottest replicas
-  // leave and never return. Method: start with two levels that never swap. Their barrier of 1 gives
-  // three levels, whose barrier of 2 gives five levels. Then let all levels swap, so that the
-  // barrier of 0 gives two levels.
+  // leave and never return. Method: start with two levels that never swap. The barrier of two
+  // levels is 1, so the next round has three levels. The barrier of three levels is 2, so the next
+  // round has five levels. Then let all levels swap, so that a barrier of 0 gives two levels.
   LadderOptions options = fixed({0, 1}, 4);
   options.levels_chosen = true;
   Played played(options, 40, [](double beta, std::uint64_t scan) {

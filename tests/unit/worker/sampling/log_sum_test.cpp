@@ -30,8 +30,8 @@ TEST(LogSum, IsNothingAtFirst) {
 
 TEST(LogSum, EqualsASumInWiderArithmetic) {
   // Goal: LogSum adds numbers of all sizes correctly in any order, including zeros. Method: add
-  // random numbers within the range of a long double, and compare with a plain sum of long doubles.
-  // The tolerance allows for 1000 rounding errors of 1e-16.
+  // random numbers in the range of a long double. Compare with a plain sum of long doubles. The
+  // tolerance allows for 1000 rounding errors of 1e-16.
   for (const std::uint64_t index : property::cases(50)) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
     const double range = index % 2 == 0 ? 3 : 5000;
@@ -50,8 +50,8 @@ TEST(LogSum, EqualsASumInWiderArithmetic) {
 
 TEST(LogSum, HoldsWhatNoDoubleHolds) {
   // Goal: LogSum adds numbers that are far beyond exp's range, in rising and in falling order.
-  // Method: add numbers with the logs 1e6 and -1e6, twice each, in two orders. The two larger
-  // numbers determine the sum.
+  // Method: in two orders, add two numbers with the log 1e6 and two numbers with the log -1e6. The
+  // two larger numbers determine the sum.
   for (const double first : {-1e6, 1e6}) {
     LogSum sum;
     sum.add(first);
@@ -63,8 +63,8 @@ TEST(LogSum, HoldsWhatNoDoubleHolds) {
 }
 
 TEST(LogSum, AddsSums) {
-  // Goal: the sums of parts add up to the whole sum. Method: use four parts, of which one contains
-  // only zeros and one is empty.
+  // Goal: the sums of parts add up to the whole sum. Method: use four parts. One part contains only
+  // zeros, and one part is empty.
   random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 1000);
   LogSum whole;
   LogSum parts[4];

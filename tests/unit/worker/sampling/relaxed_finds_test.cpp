@@ -14,7 +14,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// Decides which starts succeed, and whether the last state of a relaxed find satisfies the
+/// Decides which starts succeed. Decides whether the last state of a relaxed find satisfies the
 /// constraint.
 struct Odds {
   std::uint64_t seed = 0;
@@ -77,8 +77,8 @@ std::uint64_t below(std::uint64_t count, random::Stream& stream) {
 
 using Log = std::map<plan::ReplicaKey, std::vector<plan::ScanRecord>>;
 
-/// Lets `workers` workers return results in any order, until nothing is left or `results_max`
-/// results are logged.
+/// Lets `workers` workers run units until nothing is left or `results_max` results are logged.
+/// Results arrive in any order.
 void work(plan::Plan& plan, Runs& runs, std::size_t workers, random::Stream& stream, Log& log,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -158,8 +158,8 @@ TEST(RelaxedFinds, TakesAreTheSameWhoeverRelaxes) {
 }
 
 TEST(RelaxedFinds, GivesUpWhereNothingLasts) {
-  // Goal: a run gives up and ends if no find satisfies the constraint after relaxation, or if the
-  // search finds nothing.
+  // Goal: if no find satisfies the constraint after relaxation, or if the search finds nothing, the
+  // run gives up and ends.
   for (const Odds& odds : {Odds{.of_start = 1.1}, Odds{.of_chain = 1.1}}) {
     random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
     const Takes asked{.wanted = 3, .scans = 4};

@@ -39,7 +39,6 @@ Replaced::~Replaced() {
   present() = before_;
 }
 
-// Replacements of the library's functions.
 std::optional<std::uint32_t> even_odd_partner(std::uint32_t level, std::uint64_t scan,
                                               std::uint32_t levels) {
   return present().partner(level, scan, levels);

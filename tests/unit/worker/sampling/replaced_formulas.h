@@ -1,5 +1,5 @@
 // Temporarily replaces formulas of tempering (worker/sampling/swap.h, temperature_steps.h) by wrong
-// formulas, which tests must detect.
+// formulas. Tests must detect the wrong formulas.
 //
 // A test program that compiles replaced_formulas.cpp defines these functions itself, so the linker
 // omits the library's objects with the same functions. Unless replaced, these functions call the

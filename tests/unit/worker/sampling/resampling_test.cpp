@@ -21,8 +21,8 @@ const std::vector<std::vector<double>> k_shares{
 
 TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
   // Goal: each new particle descends from particle m with probability W_m, the weight of m.
-  // Particle m has W_m * count descendants, rounded down or up. Method: compare the shares of
-  // descendants in 20,000 draws with the weights, within 5 standard errors.
+  // Particle m has W_m * count descendants, rounded down or up. Method: count descendants in 20,000
+  // draws. The descendants' shares must equal the weights, within 5 standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
     const std::size_t count = shares.size();
@@ -49,10 +49,10 @@ TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
 }
 
 TEST(Resampling, ConditionalDrawsAreThoseWithTheFirstFromTheFirst) {
-  // Goal: resampled_with_first() has the distribution of resampled() under the condition that place
-  // 0 descends from particle 0. Method: make 20,000 draws with each function, and reject draws of
-  // resampled() that don't meet the condition. Compare the counts of each outcome, within 5
-  // standard errors.
+  // Goal: resampled_with_first() has the distribution of those results of resampled() in which
+  // place 0 descends from particle 0. Method: make 20,000 draws with each function, and reject
+  // draws of resampled() that don't meet the condition. Compare the counts of each outcome, within
+  // 5 standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
     std::map<Ancestors, std::array<int, 2>> counts;

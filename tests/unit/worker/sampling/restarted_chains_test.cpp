@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::uint64_t k_tour = 6;
 
-/// Chains on two states by an independence sampler. The heavy state has half of the target's
-/// probability, but only one proposal in ten. A scan is a pure function of (chain, scan, previous
-/// state).
+/// Chains of an independence sampler on two states. The heavy state has half of the target's
+/// probability, but only one proposal in ten proposes it. A scan is a pure function of (chain,
+/// scan, previous state).
 struct World {
   static constexpr double k_heavy_proposed = 0.1;
   static constexpr double k_heavy_weight = 9;  ///< makes p_w p_c equal for both states
@@ -115,9 +115,9 @@ RestartedChainsOptions options(std::optional<std::uint64_t> scans,
 }
 
 TEST(RestartedChains, CountsTheLastScanOfATour) {
-  // Goal: a solution has the distribution of a chain's state at the end of a tour. This differs
-  // from the distribution of states that begin a lineage. Method: compare the share of heavy states
-  // in 20,000 solutions with the exact probability.
+  // Goal: a solution has the distribution of a chain's state at the end of a tour. States that
+  // begin a lineage have a different distribution. Method: compare the share of heavy states in
+  // 20,000 solutions with the exact probability.
   RestartedChains plan(options({}, 20000));
   Work work(1);
   work.carry_out(plan, 4);
@@ -156,8 +156,8 @@ TEST(RestartedChains, CountsTheLastScanOfATour) {
 
 TEST(RestartedChains, EndAlikeHoweverTheyAreRun) {
   // Goal: a run's end and its counts depend only on the results. A run with a limit at the same
-  // scan has the same counts. Method: compare a run by one worker, a run by five workers and a run
-  // with that limit.
+  // scan has the same counts. Method: compare three runs: a run by one worker, a run by five
+  // workers, and a run with that limit.
   RestartedChains alone(options({}, 7));
   Work(2).carry_out(alone, 1);
   RestartedChains many(options({}, 7));

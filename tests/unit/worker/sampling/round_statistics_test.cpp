@@ -36,7 +36,7 @@ RoundStatistics statistics_of(const Scans& scans, std::uint64_t wanted) {
   return statistics;
 }
 
-/// The header's formulas in plain arithmetic.
+/// Computes the header's formulas in plain arithmetic.
 double plain_log_z(const Scans& scans) {
   double log_z = 0;
   for (std::size_t i = 0; i + 1 < k_ladder.size(); ++i) {
@@ -56,8 +56,8 @@ double plain_log_satisfied(const Scans& scans) {
   return plain_log_z(scans) + std::log(sum / static_cast<double>(scans.size()));
 }
 
-/// The jackknife's error: leaves out each part in turn. Part p contains the scans s with floor(20 s
-/// / wanted) = p.
+/// Computes the jackknife's error. Leaves out each part in turn. Part p contains the scans s with
+/// floor(20 s / wanted) = p.
 double plain_jackknife(const Scans& scans, std::uint64_t wanted, double (*value)(const Scans&)) {
   std::vector<double> values;
   for (std::uint64_t part = 0; part < k_batches; ++part) {
@@ -113,8 +113,8 @@ TEST(RoundStatistics, EqualsDirectComputation) {
 }
 
 TEST(RoundStatistics, SaysWhereItCannotSay) {
-  // Goal: a round with a single part has no error estimate. A round without solutions has log
-  // P(satisfied) = -infinity and no error estimate for it. States without density at the coolest
+  // Goal: a round with a single part has no error estimate. If a round has no solutions, log
+  // P(satisfied) is -infinity and has no error estimate. States without density at the coolest
   // level are no solutions.
   const std::vector<LevelScan> scan(4, {.log_constraint = -1, .satisfied = false});
   std::vector<LevelScan> broken = scan;
@@ -131,12 +131,12 @@ TEST(RoundStatistics, SaysWhereItCannotSay) {
 
 TEST(RoundStatistics, ErrorsAreRightForIndependentDraws) {
   // Goal: the jackknife's error matches the spread of the estimates. Method: simulate 2000 rounds
-  // of 400 scans with exact independent draws at each level. The prior is N(0, 1), the constraint
-  // is exp(-x^2 / 2 (1 / 0.5^2)), and |x| < 0.4 satisfies it. Compute z-scores of log Z and log
-  // P(satisfied). With 20 parts, z has Student's distribution with 19 degrees of freedom, whose
-  // variance is 19/17 and whose kurtosis is 3.4. So over 2000 rounds the mean is within 5 x 1.06 /
-  // sqrt(2000) = 0.12 of 0. This limit also covers a bias of half a variance. The variance is
-  // within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
+  // of 400 scans. At each level, draws are exact and independent. The prior is N(0, 1), the
+  // constraint is exp(-x^2 / 2 (1 / 0.5^2)), and |x| < 0.4 satisfies it. Compute z-scores of log Z
+  // and log P(satisfied). With 20 parts, z has Student's distribution with 19 degrees of freedom,
+  // whose variance is 19/17 and whose kurtosis is 3.4. So over 2000 rounds the mean is within 5 x
+  // 1.06 / sqrt(2000) = 0.12 of 0. This limit also covers a bias of half a variance. The variance
+  // is within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
   constexpr double k_precision = 4;
   const double log_z = -0.5 * std::log(1 + k_precision);
   const double log_satisfied = std::log(std::erf(0.4 / std::sqrt(2.0)));

@@ -45,8 +45,8 @@ std::vector<plan::ScanRecord> results(const Starts& starts, const plan::Unit& un
   return records;
 }
 
-/// Hands units to `workers` workers, whose results arrive in any order, until no units are left or
-/// `results_max` results have arrived. Units that are still in flight then are lost.
+/// Hands units to `workers` workers until no units are left or `results_max` results have arrived.
+/// Results arrive in any order. Units that are in flight at that moment are lost.
 void work(SearchLanes& lanes, const Starts& starts, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -67,9 +67,10 @@ void work(SearchLanes& lanes, const Starts& starts, std::size_t workers, random:
 }
 
 TEST(SearchLanes, FindTheSameWhoeverSearches) {
-  // Goal: a search ends with exactly the requested number of finds, from the first starts that
-  // succeed. Workers, cuts of units, order and sessions have no effect on the result. A request for
-  // more finds extends the search. Method: compare random runs with a loop over the starts.
+  // Goal: a search ends with exactly the requested number of finds. The finds come from the first
+  // starts that succeed. Workers, cuts of units, order and sessions have no effect on the result. A
+  // request for more finds extends the search. Method: compare random runs with a loop over the
+  // starts.
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const Starts starts{.seed = i, .odds = 0.3 + 0.7 * stream.uniform()};
@@ -80,7 +81,8 @@ TEST(SearchLanes, FindTheSameWhoeverSearches) {
     work(lanes, starts, workers, stream,
          in_sessions ? random::UniformInteger{.count = 400}.draw(stream) : UINT64_MAX);
     if (in_sessions) {
-      // A fresh plan resumes from the stored results of each lane up to its first gap.
+      // A fresh plan resumes from stored results: for each lane, from all results before the lane's
+      // first gap.
       SearchLanes again(i, wanted + 5);
       const std::uint64_t per_lane = (lanes.starts() + 32) / plan::k_search_lanes;
       for (std::uint32_t lane = 0; lane < plan::k_search_lanes && per_lane > 0; ++lane) {
@@ -129,8 +131,8 @@ TEST(SearchLanes, HardlySearchesTooMuch) {
 
 TEST(SearchLanes, GivesUpWhenNothingIsFound) {
   // Goal: a search gives up after k_starts_in_vain_max failed starts in a row, and not before.
-  // Method: test a search in which no start succeeds, and a search in which only the last lane's
-  // start succeeds.
+  // Method: test two searches. In one search, no start succeeds; in the other search, only the last
+  // lane's start succeeds.
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
   SearchLanes lanes(1, 5);
   work(lanes, {.odds = 0}, 3, stream);
@@ -153,8 +155,8 @@ TEST(SearchLanes, GivesUpWhenNothingIsFound) {
 
 TEST(SearchLanes, SaysWhatTheyAreStuckAt) {
   // Goal: a search that gives up names the stage at which the best start since the last find
-  // failed. It names no stage if that start completed all stages. Method: let start 20 succeed, and
-  // let the best starts before and after it fail at different stages.
+  // failed. If that start completed all stages, the search names no stage. Method: let start 20
+  // succeed, and let the best starts before and after it fail at different stages.
   const auto stuck_at = [](std::uint32_t furthest_before_find, std::uint32_t furthest_after) {
     SearchLanes lanes(1, 5, {"ball 1", "ball 2", "ball 3"});
     for (std::uint64_t scan = 0; !lanes.finished(); ++scan) {
@@ -204,7 +206,7 @@ class ThreeScans final : public plan::Plan {
 
 TEST(SearchFirst, SearchesAndThenGoesOn) {
   // Goal: the search runs first, and then the plan runs unchanged. The search and the plan each
-  // receive their own results. Method: run a chain of three scans after a search for two finds.
+  // receive their own results. Method: run a search for two finds, and then a chain of three scans.
   SearchFirst plan(SearchLanes(1, 2), std::make_unique<ThreeScans>());
   std::vector<bool> searched;
   while (const auto unit = plan.next_unit(1)) {

@@ -45,7 +45,8 @@ const std::vector<double>& row(const std::vector<ChainPart::Row>& rows, std::str
 
 TEST(SimulatedTempering, MovesByTheFormula) {
   // Goal: levels, counts, draws and round trips follow the header's formula. Method: report random
-  // densities, some of them zero, for 20,000 scans. Compare with the same walk in plain arithmetic.
+  // densities for 20,000 scans. Some densities are zero. Compare with the same walk in plain
+  // arithmetic.
   const std::vector<double> steps{-0.3, -1.5, -0.8};
   const BurnIn burn_in = burn_in_of(steps);
   SimulatedTempering part(burn_in);
@@ -126,9 +127,9 @@ TEST(SimulatedTempering, MovesByTheFormula) {
 }
 
 TEST(SimulatedTempering, WalksOnWhereAStepOfLogZIsNotKnown) {
-  // Goal: if the burn-in saw no density at a level, log Z is -infinity there. The walk then skips
-  // this level but visits the levels above it. Method: set the step of log Z at the prior's level
-  // to -infinity.
+  // Goal: if the burn-in saw no density at a level, the level's log Z is -infinity. The walk then
+  // skips this level but visits the levels above it. Method: set the step of log Z at the prior's
+  // level to -infinity.
   SimulatedTempering part(burn_in_of({-k_infinity, -1.5, -0.8}));
   for (std::uint64_t scan = 70; scan < 2070; ++scan) {
     const plan::Unit unit = part.next_unit(5000, 1).value();

@@ -18,7 +18,7 @@ plan::ScanRecord record_of(std::uint64_t lineage, double beta, bool satisfied) {
 
 TEST(Solutions, CountEachLineageOnce) {
   // Goal: each lineage counts once, at its first satisfying scan at inverse temperature 1. The list
-  // of counted scans is in ascending order, whichever lineage is reported first.
+  // of counted scans is in ascending order, even if a later lineage is reported first.
   Solutions solutions;
   solutions.add(3, record_of(7, 1, false));
   solutions.add(4, record_of(7, 0.9, true));
@@ -36,8 +36,8 @@ TEST(Solutions, CountEachLineageOnce) {
 }
 
 TEST(Solutions, OfChainsAreInOneOrder) {
-  // Goal: solutions_between() orders the solutions of several chains by scan, chain and lineage,
-  // whatever the order of arrival. Method: use three chains, one of which has nothing to report
+  // Goal: solutions_between() orders the solutions of several chains by scan, chain and lineage.
+  // The order of arrival doesn't matter. Method: use three chains. One chain has nothing to report
   // yet.
   Solutions early;
   Solutions late;

@@ -13,13 +13,12 @@ constexpr std::size_t k_places = 8;
 constexpr std::uint64_t k_steps = 4000;
 constexpr std::uint64_t k_seed = 20'260'512;
 
-/// Places 2 and 5 break the constraint. Place 7 has no prior density.
 constexpr std::array<double, k_places> k_log_prior{-1.5,  -2.5,  -1.25, -3.5,
                                                    -2.25, -1.75, -4,    -k_infinity};
 constexpr std::array<double, k_places> k_log_constraint{0,    2,           -k_infinity, 4,
                                                         -1.5, -k_infinity, 7,           7};
-/// Upper bounds on k_log_constraint. Some bounds equal the value, some are above it, and one is
-/// +infinity.
+/// Upper bounds on k_log_constraint. Some bounds equal the bounded value, some are greater, and one
+/// is +infinity.
 constexpr std::array<double, k_places> k_at_most{0, 2.5, -0.5, 4, k_infinity, -k_infinity, 7.5, 7};
 
 struct Plain {
@@ -31,7 +30,7 @@ struct Comparable {
 };
 
 /// A walk over places. Kind 0 is asymmetric and reaches any place. Kind 1 proposes the current
-/// state, with a ratio that not every draw accepts.
+/// state. The proposal's ratio is so low that some draws reject it.
 template <class S>
 struct Walk {
   using State = S;
@@ -178,9 +177,10 @@ TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
 
 TEST(SparedSimulations, ACandidateThatTheBoundRejectsIsNotSimulated) {
   // Goal: a bound on the constraint doesn't change the chain. The chain simulates a candidate
-  // exactly if the candidate would be accepted with the bound as its constraint density. At beta 0,
-  // and from zero density, the chain simulates exactly the accepted candidates. Method: compare
-  // chains with the reference. Compute the expected decision from probabilities instead of logs.
+  // exactly if it would accept a candidate whose constraint density equals the bound. At beta 0,
+  // and from states of zero density, the chain simulates exactly the accepted candidates. Method:
+  // compare chains with the reference. Compute the expected decision from probabilities instead of
+  // logs.
   for (const double beta : k_betas) {
     std::uint64_t simulated = 0;
     std::uint64_t accepted = 0;

@@ -43,8 +43,9 @@ random::Stream stream_of(std::uint64_t number) {
 }
 
 TEST(StageSearch, FindsSolutionsBeyondDeadEnds) {
-  // Goal: search() finds solutions, and takes back a stage without promising successors. Method:
-  // search a lock with dead ends 500 times. Every stage of a find must be promising.
+  // Goal: search() finds solutions. If a stage has no promising successors, search() takes the
+  // stage back. Method: search a lock with dead ends 500 times. Every stage of a find must be
+  // promising.
   const Lock lock;
   SearchEffort effort;
   int found = 0;

@@ -1,4 +1,5 @@
-// Compares transitions by a bad surrogate on six states with the exact distribution.
+// Tests transitions by a bad surrogate on six states. Compares the states after transitions with
+// the exact distribution.
 #include "worker/sampling/surrogate_transition.h"
 
 #include <fmt/format.h>
@@ -20,7 +21,6 @@ constexpr std::size_t k_states = 6;
 using Row = std::array<double, k_states>;
 
 constexpr Row k_prior{0.1, 0.25, 0.2, 0.15, 0.2, 0.1};
-/// State 3 breaks the constraint.
 constexpr Row k_log_constraint{-0.2, -1.5, 0, -k_infinity, -0.7, -1};
 constexpr Row k_guess{-1.2, 0, -0.9, -0.5, -0.1, -2};
 /// Parts of each state, one bit each. The simulation determines which parts a state has; the
@@ -196,8 +196,8 @@ TEST(SurrogateTransition, WeighsWhatTheGuessesLeave) {
 }
 
 TEST(Iteration, KeepsTheDistribution) {
-  // Goal: iterate() leaves the target distribution invariant with surrogate walks, with single
-  // steps, with both and with neither. Method: move exact draws once, and test their distribution.
+  // Goal: iterate() leaves the target distribution invariant. iterate() may use surrogate walks,
+  // single steps, both or neither. Method: move exact draws once, and test their distribution.
   for (const auto& [walk, single] : {std::pair{0U, 0U}, {3U, 0U}, {0U, 3U}, {4U, 2U}}) {
     Ring ring;
     ring.steps = {.walk = walk, .single = single, .walk_kind = 1, .single_kind = 2};
@@ -210,9 +210,9 @@ TEST(Iteration, KeepsTheDistribution) {
 }
 
 TEST(SurrogateTransition, LeavesAStartWithoutDensity) {
-  // Goal: a chain whose start breaks a hard constraint still moves, for any anchor. Method: make
-  // 100 transitions from state 3, which breaks the constraint. Most transitions must leave the
-  // state, and every simulated candidate must be accepted.
+  // Goal: even if a chain's start breaks a hard constraint, the chain moves, for any anchor.
+  // Method: make 100 transitions from state 3, which breaks the constraint. Most transitions must
+  // leave the state, and every simulated candidate must be accepted.
   for (const double keep : {0.0, 0.5, 1.0}) {
     int left = 0;
     for (std::uint64_t i = 1; i <= 100; ++i) {
@@ -252,8 +252,9 @@ static_assert(BoundsConstraint<BoundedRing> && !BoundsConstraint<UnboundedRing>)
 
 TEST(SurrogateTransition, SparesSimulationsExactly) {
   // Goal: a bound changes only which simulations run. Guesses of zero density leave the target
-  // distribution invariant. Method: compare a chain with a bound that equals the constraint with a
-  // chain without a bound. Also move exact draws, and test their distribution.
+  // distribution invariant. Method: compare two chains. One chain has a bound that equals the
+  // constraint, and the other chain has no bound. Also move exact draws, and test their
+  // distribution.
   std::uint64_t spared = 0;
   std::uint64_t rejected = 0;
   for (const double keep : {0.0, 0.5, 1.0}) {
@@ -286,7 +287,7 @@ TEST(SurrogateTransition, SparesSimulationsExactly) {
 
 TEST(Iteration, ReportsEachStepAndTransition) {
   // Goal: iterate() reports each of the surrogate's proposals. If the state changes, iterate() also
-  // reports the transition, as a kind of its own.
+  // reports the transition. The transition has a kind of its own.
   Ring ring;
   ring.steps = {.walk = 4, .single = 3, .walk_kind = 1, .single_kind = 2};
   const ChainStreams streams{.seed = random::k_test_seed, .chain = {}, .replica = {}};

@@ -30,7 +30,7 @@ FlowLevels ladder_of(std::uint32_t levels) {
   return ladder;
 }
 
-/// log p_c of a replica's state after a scan, which is sometimes -infinity.
+/// log p_c of a replica's state after a scan. Sometimes -infinity.
 double density(std::uint32_t replica, std::uint64_t scan) {
   random::Stream stream({.seed = k_seed,
                          .chain = {},
@@ -76,10 +76,10 @@ std::vector<std::uint32_t> ready(const SwapFlow& flow) {
 }
 
 TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
-  // Goal: replicas move as if all levels ran each scan together, whatever the order in which the
-  // levels run. Method: in 200 ladders of 2 to 9 levels, run a random level at each step. Compare
-  // each replica's level with a run of all levels in step. In some orders, one level runs four
-  // scans ahead of another.
+  // Goal: levels may run in any order. Replicas move as if all levels ran each scan together.
+  // Method: in 200 ladders of 2 to 9 levels, run a random level at each step. Compare each
+  // replica's level with a run of all levels in step. In some orders, one level runs four scans
+  // ahead of another level.
   std::uint64_t ahead_most = 0;
   for (std::uint64_t index = 0; index < 200; ++index) {
     SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
@@ -91,7 +91,7 @@ TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
       flow.sit(level, level, 0);
     std::uint64_t goings = 0;
     for (std::vector<std::uint32_t> may = ready(flow); !may.empty(); may = ready(flow)) {
-      // Half of the time, choose the level furthest ahead.
+      // Half of the time, choose the level that is furthest ahead.
       std::uint32_t level = may[below(stream, may.size())];
       if (below(stream, 2) == 0)
         level = *std::ranges::max_element(may, {}, [&](auto l) { return flow.seat(l).scan; });
@@ -114,9 +114,9 @@ TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
 }
 
 TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
-  // Goal: in a part of a ladder, replicas move as in the whole ladder. They leave the part exactly
-  // when their partner is outside. Method: test all parts of a ladder of eight levels, from several
-  // first scans. Every part except the whole ladder loses all its replicas.
+  // Goal: in a part of a ladder, replicas move as in the whole ladder. A replica leaves the part
+  // exactly when its swap partner is outside. Method: test all parts of a ladder of eight levels.
+  // Parts begin at several first scans. Every part except the whole ladder loses all its replicas.
   const FlowLevels ladder = ladder_of(8);
   const Seating expected = lockstep(ladder);
   for (std::uint32_t first = 0; first < 8; ++first) {
@@ -158,8 +158,8 @@ TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
 }
 
 TEST(SwapFlowDeathTest, MisuseIsABug) {
-  // Goal: a scan of an empty seat, a scan that is reported twice, and a part beyond the end of its
-  // ladder stop the process.
+  // Goal: the process stops if an empty seat reports a scan, a scan is reported twice, or a part
+  // extends beyond the end of its ladder.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   SwapFlow flow(ladder_of(3));
   EXPECT_DEATH(flow.made(0, 0), "check failed");

@@ -19,8 +19,8 @@ double ratio(double beta, double cooler_beta, double l, double cooler_l) {
 
 TEST(LogSwapRatio, IsTheRatioOfTheSwappedDensities) {
   // Goal: for a hotter level b and a cooler level c, the ratio is p_b(x_c) p_c(x_b) / (p_b(x_b)
-  // p_c(x_c)). Method: compare its log with a sum of the four log densities, for swaps that improve
-  // or worsen the cooler level's state.
+  // p_c(x_c)). Method: compare the ratio's log with a sum of the four log densities. Some swaps
+  // improve the cooler level's state, and some worsen it.
   for (const auto& [l, cooler_l] : {std::pair{-1.5, -4.0}, {-4.0, -1.5}, {0.0, 7.0}, {2.0, 2.0}}) {
     const double by_hand = 0.2 * cooler_l + 0.7 * l - (0.2 * l + 0.7 * cooler_l);
     EXPECT_NEAR(ratio(0.2, 0.7, l, cooler_l), by_hand, 1e-15);
@@ -59,7 +59,7 @@ TEST(EvenOddPartner, PairsTheLevelsOfTheScansParity) {
 }
 
 TEST(SwapNumber, IsAnotherAtEachPlace) {
-  // Goal: swaps of different seeds, chains, levels or scans have different random numbers. Method:
+  // Goal: if two swaps differ in seed, chain, level or scan, their random numbers differ. Method:
   // change one field of a SwapPlace at a time.
   const SwapPlace place{.seed = 3, .chain = base::ChainId{1}, .level = 2, .scan = 7};
   SwapPlace seed = place;
@@ -78,9 +78,9 @@ TEST(SwapNumber, IsAnotherAtEachPlace) {
 }
 
 TEST(Swaps, AreAsFrequentAsTheRatio) {
-  // Goal: a pair of replicas swaps with probability min(1, ratio). Method: count the swaps in
-  // 10,000 scans of each of three pairs. The ratios are 0.3, above 1, and zero because the hotter
-  // state has no density. The counts must agree within five standard errors.
+  // Goal: a pair of replicas swaps with probability min(1, ratio). Method: for three pairs, count
+  // the swaps in 10,000 scans. One ratio is 0.3, and one is above 1. The third is zero, because the
+  // hotter state has no density. The counts must agree within five standard errors.
   const auto count = [](const SwapPair& pair) {
     int swapped = 0;
     for (std::uint64_t scan = 0; scan < 10'000; ++scan)

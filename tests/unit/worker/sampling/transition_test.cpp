@@ -61,8 +61,8 @@ double density(std::size_t state, double beta) {
   return k_prior[state] * (beta == 0 ? 1 : std::pow(constraint, beta));
 }
 
-/// Algorithm 2.1's acceptance as a probability. If the state has zero density, only the prior
-/// counts.
+/// Algorithm 2.1's acceptance as a probability. If the current state has zero density, the
+/// acceptance depends only on the prior and the proposal's ratio.
 double acceptance(std::size_t from, std::size_t to, double q_ratio, double beta) {
   const double now = density(from, beta);
   if (now == 0) return std::min(1.0, k_prior[to] / k_prior[from] * q_ratio);
@@ -87,9 +87,9 @@ Matrix exact_transitions(double beta) {
 }
 
 TEST(Transitions, OracleIsInDetailedBalance) {
-  // Goal: the exact transition matrix, with which the next test compares steps, leaves p_w p_c^beta
-  // invariant. Method: check the detailed balance of every pair of states, and that each row adds
-  // up to 1. If beta is above 0, no state leads to state 3, which breaks the constraint.
+  // Goal: the exact transition matrix leaves p_w p_c^beta invariant. The next test compares steps
+  // with this matrix. Method: check that every pair of states is in detailed balance, and that each
+  // row adds up to 1. If beta is above 0, no state leads to state 3, which breaks the constraint.
   for (const double beta : {0.0, 0.5, 1.0}) {
     const Matrix matrix = exact_transitions(beta);
     for (std::size_t i = 0; i < k_states; ++i) {
@@ -107,9 +107,9 @@ TEST(Transitions, OracleIsInDetailedBalance) {
 
 TEST(Transitions, AreTheExactOnes) {
   // Goal: a step has exactly the transition probabilities of Algorithm 2.1. From a state with zero
-  // density, it has those of Algorithm 2.1 for the prior. Method: make 200,000 steps from each
-  // state at three inverse temperatures, and compare with the exact matrix by chi-square.
-  // Impossible steps never happen.
+  // density, a step has the transition probabilities of Algorithm 2.1 for the prior. Method: at
+  // three inverse temperatures, make 200,000 steps from each state. Compare with the exact matrix
+  // by chi-square. Impossible steps never happen.
   constexpr std::uint64_t k_steps = 200'000;
   const Ring ring;
   for (const double beta : {0.0, 0.5, 1.0}) {
@@ -145,7 +145,7 @@ TEST(Transitions, AreTheExactOnes) {
 }
 
 TEST(Transitions, StartIsADrawFromThePrior) {
-  // Goal: initialize() draws a chain's start from the prior p_w with the chain's own streams.
+  // Goal: initialize() uses a chain's own streams to draw the chain's start from the prior p_w.
   // Method: compare the starts of 100,000 chains with the prior by chi-square.
   const Ring ring;
   std::vector<int> counts(k_states, 0);

@@ -13,7 +13,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Runs a random script on one structure and compares its overlaps with the definition.
+/// Runs a random script on one structure and compares the structure's overlaps with the definition.
 template <class Structure>
 class Session {
  public:
@@ -78,8 +78,8 @@ class Session {
     return "move all";
   }
 
-  /// The reference is box.h's overlap() without periods, and periodic.h's overlap() (tested
-  /// separately) with periods.
+  /// Without periods, the reference is overlap() of box.h. With periods, the reference is overlap()
+  /// of periodic.h, which has its own test.
   bool overlap_by_definition(const Box& a, const Box& b) const {
     if (scene_.period_m == std::array<double, 3>{}) return overlap(a, b);
     return overlap(a, b, periods_);
@@ -133,10 +133,10 @@ using Structures = ::testing::Types<AllPairs, SweepAndPrune, HierarchicalGrid>;
 TYPED_TEST_SUITE(BroadPhaseSuite, Structures);
 
 TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInFewBodies) {
-  // Goal: a broad phase reports exactly the pairs of bodies whose boxes overlap, each pair once
-  // (broad_phase.h, invariants 1 and 2). Method: for each kind of scene, do 8000 random operations:
-  // insert, move or remove a body, or move all bodies. After each operation, compare all overlaps
-  // with the definition.
+  // Goal: a broad phase reports exactly the pairs of bodies whose boxes overlap. Each pair is
+  // reported once (broad_phase.h, invariants 1 and 2). Method: for each kind of scene, do 8000
+  // random operations: insert, move or remove a body, or move all bodies. After each operation,
+  // compare all overlaps with the definition.
   for (std::size_t i = 0; i < scenes().size(); ++i) {
     const Scene& scene = scenes()[i];
     Session<TypeParam> session(scene, 20, i);
@@ -146,8 +146,8 @@ TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInFewBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInManyBodies) {
-  // Goal: a broad phase reports the right overlaps even for so many bodies that the grid searches
-  // its cells.
+  // Goal: a broad phase also reports the right overlaps if there are so many bodies that the grid
+  // searches its cells.
   for (std::size_t i = 0; i < scenes().size(); ++i) {
     Session<TypeParam> session(scenes()[i], 200, 100 + i);
     EXPECT_EQ(session.run(static_cast<int>(property::of_tier(200, 800))), std::nullopt)
@@ -165,8 +165,8 @@ TYPED_TEST(BroadPhaseSuite, HoldsNoBodies) {
 
 TYPED_TEST(BroadPhaseSuite, RefusesWhatIsNotABox) {
   // Goal: an inverted box or a NaN coordinate stops the process, because such a box would silently
-  // miss overlaps. Moving an absent body, inserting a present body or inserting an unknown body
-  // also stops the process.
+  // miss overlaps. The process also stops if a caller moves an absent body, or inserts a present or
+  // unknown body.
   TypeParam structure({.bodies = 2});
   NoOverlapSink sink;
   const Box box{{0, 0, 0}, {1, 1, 1}};
@@ -278,7 +278,7 @@ int scenes_failed() {
 
 TEST(BroadPhaseSuiteItself, CatchesFaultyStructures) {
   // Goal: the suite rejects faulty broad phases. Method: run the random operations on a correct
-  // broad phase and on four broad phases with one fault each.
+  // broad phase and on four faulty broad phases.
   EXPECT_EQ(scenes_failed<Faulty<NoFault>>(), 0);
   EXPECT_GE(scenes_failed<Faulty<OpenBoxes>>(), 1);
   EXPECT_GE(scenes_failed<Faulty<NoPeriods>>(), 6);

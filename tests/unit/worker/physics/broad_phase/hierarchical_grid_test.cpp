@@ -9,7 +9,7 @@
 
 namespace sleight::physics::hierarchical_grid_test {
 
-/// The grid and the reference, which receive the same operations.
+/// The grid and the reference. Both receive the same operations.
 class Twins {
  public:
   explicit Twins(const BroadPhaseOptions& options)
@@ -56,15 +56,15 @@ Box somewhere(Dice& dice, double room_m, double edge) {
 }
 
 TEST(HierarchicalGrid, HoldsTenThousandInOneCell) {
-  // Goal: the grid finds the right overlaps in a cell that holds far more bodies than a block.
-  // Method: put 10,000 boxes of one level into one cell. Their low corners are within a hundredth
-  // of the cell, and few of them overlap. Move random boxes within the cell, out of it and back,
-  // and compare the grid with the reference.
+  // Goal: the grid finds the right overlaps even if a cell has far more bodies than one block can
+  // hold. Method: put 10,000 boxes of one level into one cell. Few of the boxes overlap, although
+  // all low corners are within a hundredth of the cell. Move random boxes within the cell, out of
+  // it and back, and compare the grid with the reference.
   constexpr std::uint32_t k_bodies = 10000;
   Twins twins({.bodies = k_bodies, .size_m = 100});
   Dice dice(11);
-  // The plates are 80 m long, enough for the typical level (edges from 63 m), and 3 mm thin, so
-  // that few of them overlap.
+  // The plates are 80 m long, because the typical level begins at edges of 63 m. The plates are 3
+  // mm thin, so few of them overlap.
   const auto plate = [&](double x) {
     const auto y = static_cast<float>(dice.between(0, 1));
     const auto z = static_cast<float>(dice.between(0, 1));
@@ -82,9 +82,10 @@ TEST(HierarchicalGrid, HoldsTenThousandInOneCell) {
 }
 
 TEST(HierarchicalGrid, FindsEachBodyOnceWhereCellsShareNumbers) {
-  // Goal: a query reports each body once, even if the query visits more cells than the cell table
-  // has. Method: put 2000 small boxes into a clump of 1024 cells. Move a large box, twelve small
-  // cells long, over the clump and far away again, each time to another place.
+  // Goal: a query reports each body once, even if the query visits more cells than there are
+  // entries in the cell table. Method: put 2000 small boxes into a clump of 1024 cells. Move a box
+  // that is twelve small cells long onto the clump and far away again. Repeat this at different
+  // places of the clump.
   constexpr std::uint32_t k_bodies = 2001;
   Twins twins({.bodies = k_bodies, .size_m = 1});
   Dice dice(12);
@@ -100,10 +101,10 @@ TEST(HierarchicalGrid, FindsEachBodyOnceWhereCellsShareNumbers) {
 }
 
 TEST(HierarchicalGrid, ReachGrowsAndShrinks) {
-  // Goal: after a box grows, within its level or to a higher level, the grid reports its overlaps
-  // with distant boxes at once. After boxes shrink, the grid misses no overlap. Method: compare the
-  // overlaps of 300 boxes with the reference. The largest box size changes from round to round. One
-  // run has periods, and the other run has none.
+  // Goal: if a box grows, the grid reports the box's overlaps with distant boxes at once. The box
+  // may stay at its level or move to a higher level. After boxes shrink, the grid misses no
+  // overlap. Method: compare the overlaps of 300 boxes with the reference. The largest box size
+  // differs from round to round. One run has periods, and the other run has none.
   for (const double period_m : {0.0, 24.0}) {
     Twins twins({.bodies = 300, .period_m = {period_m, period_m, 0}, .size_m = 1});
     Dice dice(13);

@@ -1,4 +1,4 @@
-// Neighbour lists like the simulator's, which also check every reported overlap.
+// Neighbour lists like the simulator's lists. The lists also check every reported overlap.
 #pragma once
 
 #include <fmt/format.h>

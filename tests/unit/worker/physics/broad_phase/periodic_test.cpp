@@ -11,9 +11,10 @@
 namespace sleight::physics {
 namespace {
 
-// Oracle: the least distance between any images of two intervals on an axis of period L. A negative
-// value is minus the depth of the overlap. The result is exact if L has few bits: then all numbers
-// are multiples of 2^-40 below 2^20 and fit the 64 bits of a long double.
+// Oracle: the least distance from an image of one interval to an image of the other. The axis has
+// the period L. A negative value is minus the depth of the overlap. If L has few bits, the result
+// is exact: all numbers are multiples of 2^-40 below 2^20, so they fit the 64 bits of a long
+// double.
 long double gap_of_images(const Box& a, const Box& b, std::size_t axis, long double period) {
   const long double here = (static_cast<long double>(a.low_m[axis]) - b.low_m[axis]) / period;
   long double least = std::numeric_limits<long double>::infinity();
@@ -35,10 +36,10 @@ float coordinate(Dice& dice, double most) {
 }
 
 TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
-  // Goal: on periodic axes, overlap() misses no overlap, and accepts no boxes that are further
-  // apart than 2^-29 of a period. Method: compare overlap() with the exact gap between the images
-  // of random intervals, up to a thousand periods from the origin. The ends of some intervals are
-  // equal, or differ only in their last bits.
+  // Goal: on periodic axes, overlap() misses no overlap. If overlap() accepts two boxes, their gap
+  // is at most 2^-29 of a period. Method: compare overlap() with the exact gap between images of
+  // random intervals. The intervals are up to a thousand periods from the origin. The ends of some
+  // intervals are equal, or differ only in their last bits.
   Dice dice(1);
   int overlaps = 0;
   int near_misses = 0;
@@ -52,7 +53,8 @@ TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
       a.high_m[0] = a.low_m[0] + static_cast<float>(dice.between(0, length / 2));
       b.high_m[0] = b.low_m[0] + (dice.once_in(3) ? 0 : static_cast<float>(length / 4));
       if (dice.once_in(2)) {
-        // Put b's low corner at an image of a's high corner, sometimes off by a few last bits.
+        // Put b's low corner at an image of a's high corner. Sometimes shift b's low corner by a
+        // few last bits.
         const double image = length * (static_cast<double>(dice.below(9)) - 4);
         b.low_m[0] = static_cast<float>(double{a.high_m[0]} + image);
         for (std::uint32_t nudges = dice.below(3); nudges > 0; --nudges)
@@ -80,8 +82,8 @@ TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
 
 TEST(Periodic, EqualsFloatsOnOtherAxes) {
   // Goal: without periods, the codes of two boxes overlap exactly if the boxes overlap. Method:
-  // compare overlap() of codes with overlap() of boxes for random pairs. The boxes' corners are
-  // special floats (such as 0, the largest float and infinity) or their neighbours.
+  // compare overlap() of codes with overlap() of boxes for random pairs. Corners are special floats
+  // (such as 0, the largest float and infinity) or neighbours of these floats.
   constexpr float k_infinite = std::numeric_limits<float>::infinity();
   std::vector<float> specials;
   for (const float x : {0.0F, 1e-45F, 1e-38F, 0.5F, 1.0F, 1e6F, 3.4028235e38F, k_infinite}) {

@@ -82,7 +82,8 @@ Box six_decades(Dice& dice) {
   return around(in_cube(dice, spread), {edge / 2, edge / 2 * dice.between(0.01, 1), edge / 2});
 }
 
-/// Points, plates and boxes with integer coordinates, so that many touch exactly. Both zeros occur.
+/// Points, plates and boxes. Coordinates are integers, so many boxes touch exactly. Both zeros
+/// occur.
 Box touching(Dice& dice) {
   Box box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -106,7 +107,7 @@ Box with_infinite(Dice& dice) {
   return box;
 }
 
-/// Small boxes up to a thousand kilometres from the origin, many of them in the same few places.
+/// Small boxes up to a thousand kilometres from the origin. Many boxes share a few places.
 Box far(Dice& dice) {
   Point centre{};
   for (double& x : centre)
@@ -114,7 +115,7 @@ Box far(Dice& dice) {
   return cube(centre, dice.once_in(3) ? 1 : 1e-3);
 }
 
-/// A random point in one of five periods on each axis. The periods are 5, 4 and 3 m long.
+/// A random point: on each axis, in one of five periods. The periods are 5, 4 and 3 m long.
 Point in_periods(Dice& dice, double half) {
   Point centre = in_cube(dice, half);
   const Point period = {5, 4, 3};
@@ -127,7 +128,8 @@ Box periodic_gas(Dice& dice) {
   return cube(in_periods(dice, 2), dice.between(0.6, 1.2));
 }
 
-/// Points and boxes, some larger than the whole period, some thousands of images away.
+/// Points and boxes. Some boxes are larger than the whole period, and some are thousands of images
+/// away.
 Box periodic_any(Dice& dice) {
   Point centre = in_periods(dice, 2);
   if (dice.once_in(5)) centre[dice.below(3)] += 60 * (static_cast<double>(dice.below(2001)) - 1e3);

@@ -24,7 +24,7 @@ class Dice {
   random::Stream stream_;
 };
 
-/// A sort of boxes. `fresh` draws a box anywhere; `moved` draws the next box of a body.
+/// A sort of boxes. `fresh` draws a box anywhere; `moved` draws a body's next box.
 struct Scene {
   std::string name;
   std::array<double, 3> period_m{};

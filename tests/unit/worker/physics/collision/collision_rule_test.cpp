@@ -32,8 +32,8 @@ TEST(CollisionRule, TouchIncludesItsLimitAndApproachDoesNot) {
 
 TEST(CollisionRule, BordersBelongToOneFeature) {
   // Goal: a place on the border between a face and an edge belongs only to the face's region.
-  // Method: test places against a closed half-space for the face and against the opposite, open
-  // half-space for the edge.
+  // Method: the face's region is a closed half-space, and the edge's region is the opposite open
+  // half-space. Test in which region each place is.
   const RegionSide of_face{.space = {.normal = {1, 0, 0}, .offset_m = 0.5}, .strict = false};
   const RegionSide of_edge{.space = {.normal = {-1, 0, 0}, .offset_m = -0.5}, .strict = true};
   for (const double x_m : {0.25, 0.5, 0.75}) {
@@ -45,7 +45,7 @@ TEST(CollisionRule, BordersBelongToOneFeature) {
   EXPECT_TRUE(is_inside(std::span<const RegionSide>{}, {0, 0, 0}));
 }
 
-/// Distance between a place and a feature. Uses different formulas from the rule's.
+/// Distance between a place and a feature. Doesn't use the rule's formulas.
 double distance_m(const SphereFeature& feature, const Vec3& place_m) {
   const Vec3 from_m = place_m - feature.point_m;
   if (feature.kind == FeatureKind::face) return math::dot(from_m, feature.direction);
@@ -59,8 +59,8 @@ Vec3 feature_direction(std::uint64_t n) {
 
 TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
   // Goal: the gap between a sphere and a feature, and the gap's rate of change, are right for each
-  // kind of feature. Method: compare the gap with a distance from a different formula. Compare the
-  // rate with a central difference of that distance.
+  // kind of feature. Method: compute a distance with a different formula, and compare the gap with
+  // it. Compare the rate with a central difference of that distance.
   for (const std::uint64_t n : property::cases(3000)) {
     random::Stream stream({.seed = 23, .purpose = random::Purpose::scene}, n);
     const SphereFeature feature{
@@ -80,7 +80,7 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
       return distance_m(feature, centre.position_m + s * centre.velocity_mps);
     };
     EXPECT_NEAR(gap.rate_mps, (after(k_step_s) - after(-k_step_s)) / (2 * k_step_s), 1e-7);
-    // gap_state(), from which a search starts, returns the same gap and rate, bit for bit.
+    // A search starts from gap_state(), which must return the same gap and rate, bit for bit.
     const GapState state = gap_state(feature, centre, radius_m);
     EXPECT_EQ(state.now.gap_m, gap.gap_m);
     EXPECT_EQ(state.now.rate_mps, gap.rate_mps);
@@ -88,11 +88,11 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
 }
 
 TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
-  // Goal: a search finds a collision exactly if the collision rule does, for a sphere near a
-  // feature and for two spheres. A search computes for how long each condition of the rule will
-  // fail, and finds a collision if all these times are 0. Method: compare the search's verdict with
-  // the rule's for random spheres near features. Each sphere is exactly at a limit of the rule, or
-  // slightly to one side of it.
+  // Goal: for a sphere near a feature and for two spheres, a search finds a collision exactly if
+  // the collision rule finds one. For each condition of the rule, a search computes how long the
+  // condition will stay unmet. If all these times are 0, the search finds a collision. Method: for
+  // random spheres near features, compare the search's verdict with the rule's verdict. Each sphere
+  // is exactly at a limit of the rule, or slightly to one side of it.
   std::array<std::uint64_t, 2> verdicts{};
   for (const std::uint64_t n : property::cases(100'000)) {
     random::Stream stream({.seed = 31, .purpose = random::Purpose::scene}, n);
@@ -124,7 +124,7 @@ TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
   EXPECT_GT(verdicts[1], 5'000U);
 }
 
-/// Finds the first tick at which two spheres collide by the rule, without gravity.
+/// Returns the first tick at which the rule finds a collision of two spheres. There is no gravity.
 Tick first_by_rule(const Vec3& between_m, const Vec3& relative_mps, double radii_m) {
   for (Tick tick{}; tick != k_never;) {
     const MovingPoint relative{.position_m = between_m + seconds(tick - Tick{}) * relative_mps,
@@ -142,8 +142,8 @@ TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
   // Goal: the closed form for two free spheres finds the rule's first collision tick, or none.
   // Method: compare the closed form with the search on random flights. On some flights, the spheres
   // only graze each other, hardly approach, or touch at the start. Rounding may shift the collision
-  // by one tick. If a grazing flight touches for at most two ticks, or is within rounding of the
-  // limit, rounding may change the verdict.
+  // by one tick. Rounding may also change the verdict on a grazing flight, if the touch lasts at
+  // most two ticks or the distance from the limit is a rounding error.
   std::uint64_t hits = 0;
   std::uint64_t same = 0;
   std::uint64_t misses = 0;

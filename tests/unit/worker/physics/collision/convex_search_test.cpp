@@ -166,8 +166,8 @@ class Approach {
   HalfSpace plane_;
 };
 
-/// A body that is nearly flat on another body and within touch distance. The upper body rocks
-/// slowly and may slide; the lower body may be at rest.
+/// A body that lies nearly flat on another body, within touch distance. The upper body rocks slowly
+/// and may slide; the lower body may be at rest.
 class Rocking {
  public:
   static constexpr TickCount k_span = TickCount{1} << 22U;  // 4 ms
@@ -219,8 +219,8 @@ class Rocking {
     return stays_ ? testing::standing(below_.at(begin, below_view_)) : below_.at(tick, below_view_);
   }
   MovingPiece above_at(Tick tick) const { return above_.at(tick, above_view_); }
-  /// The features with which the normal turns: a face of one body, or an edge of each body.
-  /// Invariant 3 of convex_search.h covers no other normals.
+  /// The features that the normal follows: a face of one body, or an edge of each body. Invariant 3
+  /// of convex_search.h covers no other normals.
   struct Normal {
     std::optional<Feature> below;
     std::optional<Feature> above;
@@ -258,11 +258,11 @@ class Rocking {
 };
 
 TEST(ConvexSearch, SkipsNoCollision) {
-  // Goal: a search skips no tick at which the pieces collide, even by rounding (convex_search.h,
-  // invariant 3). Method: let random pairs approach slowly or fast, hover, or touch and then
-  // separate. Vary the pairs' distance from the origin, rotation, gravity and flight time. Compute
-  // the contact from scratch at the last skipped ticks and at random skipped ticks; it must not be
-  // a collision.
+  // Goal: a search skips no tick at which the pieces collide, even if they collide only because of
+  // rounding (convex_search.h, invariant 3). Method: let random pairs approach slowly or fast,
+  // hover, or touch and then separate. Vary the pairs' distance from the origin, rotation, gravity
+  // and flight time. Compute the contact from scratch at the last skipped ticks and at random
+  // skipped ticks; it must not be a collision.
   std::uint64_t looks = 0;
   std::uint64_t compared = 0;
   std::uint64_t collisions = 0;
@@ -313,8 +313,8 @@ TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
   // Goal: a search skips no collision of touching pieces (invariant 3), even if rounding and small
   // accelerations decide which vertex is lowest. Method: let random bodies rock and slide while
   // they lie nearly flat on each other. Compute contacts from scratch at the last skipped ticks and
-  // at random skipped ticks. The invariant no longer holds once the normal turns with another face,
-  // but even then the search misses hardly any collision.
+  // at random skipped ticks. If the normal begins to follow another face, the invariant no longer
+  // holds. Even then, the search misses hardly any collision.
   std::uint64_t looks = 0;
   std::uint64_t collisions = 0;
   std::uint64_t missed = 0;
@@ -369,8 +369,8 @@ TEST(ConvexSearch, VerticesThatFallAlmostAlikeAreLookedAt) {
   // Goal: if several vertices are equally low and fall at almost the same speed, the search still
   // finds the collision of the fastest vertex. The first vertex, which the bounds use, is too slow
   // to collide. Method: hold a cube flat above a cube at rest and above a plane, within touch
-  // distance. The cube falls slightly too slowly to collide, but its rotation, in either direction,
-  // makes one vertex just fast enough.
+  // distance. The cube falls slightly too slowly to collide. The cube's rotation, in either
+  // direction, makes one vertex just fast enough.
   Flyer below{testing::die_of(0.02), {}};
   Flyer above = below;
   const ConvexView below_view = below.part().view();

@@ -25,7 +25,8 @@ NearPlaces::Motion motion_of(const FreeFlight& flight, const Inertia& inertia) {
           .acceleration_mps2 = math::norm(flight.acceleration_mps2)};
 }
 
-/// Greatest distance moved by six points of the body at k_reach_m from its centre.
+/// Greatest distance that any of six points has moved. The points are k_reach_m from the body's
+/// centre.
 double moved_m(const Pose& then, const Pose& now) {
   double most_m = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -42,9 +43,9 @@ double moved_m(const Pose& then, const Pose& now) {
 
 TEST(NearPlaces, HoldWhatTheySay) {
   // Goal: while a body keeps its place, no point of the body moves further than the place's room
-  // (near_places.h, invariant 1). Method: let bodies of every inertia symmetry change from one slow
-  // motion to another at random ticks. At random ticks of each motion, compute how far six points
-  // of the body have moved.
+  // (near_places.h, invariant 1). Method: use bodies of every inertia symmetry. At random ticks,
+  // change a body's slow motion to another slow motion. At random ticks of each motion, compute how
+  // far six points of the body have moved.
   double nearest_to_bound = 0;
   std::uint64_t kept = 0;
   for (const std::uint64_t seed : property::cases(300)) {

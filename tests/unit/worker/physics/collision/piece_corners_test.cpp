@@ -1,4 +1,4 @@
-// Tests where edges of two pieces cross if one piece lies on the other.
+// Tests where the edges of two pieces cross while one piece lies on the other.
 #include "worker/physics/collision/piece_corners.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,8 @@ namespace {
 
 constexpr double k_near_m = 1e-6;
 
-/// Edge crossings of a cube of side 1 at height 1 and a turned and shifted cube on top.
+/// Returns where the edges of two cubes of side 1 cross. The upper cube lies turned and shifted on
+/// the lower cube, at height 1.
 std::vector<Vec3> crossings(double yaw_rad, const Vec3& aside_m) {
   const ConvexPolyhedron solid = cube(1).value();
   const ConvexView view = solid.view();
@@ -33,15 +34,15 @@ std::vector<Vec3> crossings(double yaw_rad, const Vec3& aside_m) {
 }
 
 TEST(PieceCorners, EdgesCrossWhereFacesLieAskew) {
-  // Goal: the edge crossings of two pieces are the corners of their common area, except for those
-  // that are corners of one of the pieces. Method: put a cube on another so that their edges cross
-  // eight times, twice, or only at their ends. Also hold the upper cube slightly too high.
+  // Goal: the edge crossings of two pieces are the corners of their common area. Corners that
+  // belong to one of the pieces don't count. Method: put a cube on another cube. The cubes' edges
+  // cross eight times, twice, or only at their ends. Also hold the upper cube slightly too high.
   const double r = 0.5;
   const std::vector<Vec3> eight = crossings(std::numbers::pi / 4, Vec3::Zero());
   EXPECT_EQ(eight.size(), 8U);
   for (const Vec3& at_m : eight) {
-    // The crossings are on the lower cube's rim, where the upper cube's edges |x| + |y| = sqrt(2) r
-    // cross it.
+    // The crossings are where the upper cube's edges, |x| + |y| = sqrt(2) r, cross the lower cube's
+    // rim.
     EXPECT_NEAR(at_m.cwiseAbs().head<2>().maxCoeff(), r, 1e-12);
     EXPECT_NEAR(at_m.cwiseAbs().head<2>().sum(), std::numbers::sqrt2 * r, 1e-12);
     EXPECT_NEAR(at_m.z(), 1, 1e-12);

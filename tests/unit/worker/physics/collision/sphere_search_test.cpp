@@ -17,7 +17,6 @@ namespace sleight::physics::sphere_search_test {
 
 using testing::vector_between;
 
-/// Number of random meshes, larger if SLEIGHT_SOAK=1.
 std::uint64_t mesh_count() {
   return property::long_run() ? 50'000 : 500;
 }
@@ -27,7 +26,7 @@ double between(random::Stream& stream, double low, double high) {
   return low + (high - low) * stream.uniform();
 }
 
-/// Returns a number of random sign whose size is between two powers of ten.
+/// Returns a number with a random sign. The number's size is between two powers of ten.
 double tiny(random::Stream& stream, double low_power, double high_power) {
   const double size = std::pow(10, between(stream, low_power, high_power));
   return stream.bits() % 2 == 0 ? size : -size;
@@ -138,8 +137,8 @@ struct Verdicts {
 
 TEST(KeepsClear, IsNeverSaidOfWhatCollides) {
   // Goal: if keeps_clear() returns true, the sphere collides at no tick of the span. For most
-  // flights without a collision, keeps_clear() returns true. Method: try random flights near random
-  // features of random meshes; some flights come very close to a limit of the collision rule. Test
+  // flights without a collision, keeps_clear() returns true. Method: try random flights near
+  // features of random meshes. Some flights come very close to a limit of the collision rule. Test
   // the ticks that a search visits, random ticks and ticks near the closest approach.
   std::array<Verdicts, 4> verdicts;
   for (const std::uint64_t n : property::cases(mesh_count())) {

@@ -1,4 +1,4 @@
-// A box above a surface, with a reference that examines every lattice point.
+// A box above a surface, and a reference that examines every lattice point of the box.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Compares the search for boxes above spline surfaces with a test of every lattice point of the
-// box.
+// Compares the search for boxes above spline surfaces with a reference, which tests every lattice
+// point of a box.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -40,8 +40,8 @@ BodyShape random_body(Dice& dice) {
       InertiaSymmetry::general);
 }
 
-/// Places the box near the surface: nearly flat, on an edge, on a corner, or in any orientation; in
-/// touch, slightly inside, or up to a centimetre above.
+/// Places the box near the surface: nearly flat, on an edge, on a corner, or in any orientation.
+/// The box touches the surface, is slightly inside it, or is up to a centimetre above it.
 void place(Meeting& meeting, Dice& dice) {
   FreeFlight& flight = meeting.flyer().flight;
   flight.position_m = {dice.within(0.3), dice.within(0.3), 0.02};
@@ -69,7 +69,7 @@ void place(Meeting& meeting, Dice& dice) {
   meeting.lower_to(gaps_m[dice.below(gaps_m.size())]);
 }
 
-/// Lets the box fly, fall, slide, or turn about its lowest point, which hardly moves.
+/// Lets the box fly, fall, slide, or turn about its lowest point.
 void move(Meeting& meeting, Dice& dice) {
   FreeFlight& flight = meeting.flyer().flight;
   flight.acceleration_mps2 = {0, 0, dice.one_in(8) ? 0 : -9.81};
@@ -170,7 +170,7 @@ TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   // Goal: a look finds the right verdict and contact, and the search skips no collision
   // (surface_search.h, invariants 1 and 2). Method: let random boxes fly, fall, slide, turn and
   // bounce close to random surfaces. At each look, compare the verdict and the contact with a test
-  // of all points. Also compare some verdicts with a new search, and all contacts with
+  // of all points. Compare some verdicts with a new search's verdicts. Compare all contacts with
   // contact_of(). At some skipped ticks, test all points.
   Tally tally;
   const std::uint64_t count = property::long_run() ? 10'000 : property::of_tier(140, 700);
@@ -206,7 +206,8 @@ TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   }
 }
 
-/// Heights along x with the given second derivative at the control points, constant along y.
+/// Heights are constant along y. Along x, they have the given second derivative at the control
+/// points.
 std::shared_ptr<const testing::TableControls> profile(std::function<double(int)> bend_per_m,
                                                       double spacing_m) {
   return testing::table_of([bend_per_m = std::move(bend_per_m), spacing_m](GridIndex index) {
@@ -222,10 +223,10 @@ std::shared_ptr<const testing::TableControls> profile(std::function<double(int)>
 }
 
 TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
-  // Goal: the search's bounds hold for a box whose lowest corner is in a hollow but which first
-  // touches a gentle hill beside the hollow. Method: drop boxes with one corner above a hollow that
-  // is several times as sharply curved as the hill. Tilt each box by about half of its side times
-  // the hill's curvature.
+  // Goal: the search's bounds hold even if a box's lowest corner is in a hollow, but the box first
+  // touches a gentle hill beside the hollow. Method: drop boxes that have one corner above a
+  // hollow. The hollow's curvature is several times the hill's curvature. Tilt each box by the
+  // angle that is about half of the box's side times the hill's curvature.
   Tally tally;
   for (const std::uint64_t n : property::cases(1500)) {
     if (HasFailure()) break;
@@ -259,9 +260,9 @@ TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
 }
 
 TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
-  // Goal: the search's bounds hold for the part of the surface that a box will reach. That part can
-  // be steeper and more curved than the part now below the box. Method: let boxes slide and roll
-  // fast, just above a flat table, towards steps and ridges.
+  // Goal: the search's bounds hold for the part of the surface that a box will reach. The part that
+  // a box will reach can be steeper and more curved than the part now below the box. Method: let
+  // boxes slide and roll fast, just above a flat table, towards steps and ridges.
   Tally tally;
   for (const std::uint64_t n : property::cases(160)) {
     if (HasFailure()) break;
@@ -302,9 +303,9 @@ TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
 }
 
 TEST(SurfaceSearch, StillBoxesAreNotWalkedBy) {
-  // Goal: for a box without rotation and sideways motion, the bounds hold forever, and no product
-  // of zero and infinity becomes NaN. Method: let boxes rise, hover or fall above a flat table and
-  // a rough table, with gravity and without it. Fewer than 300 looks must suffice for each box.
+  // Goal: if a box neither rotates nor moves sideways, the bounds hold forever, and no product of
+  // zero and infinity becomes NaN. Method: let boxes rise, hover or fall above a flat table and a
+  // rough table, with gravity and without it. Fewer than 300 looks must suffice for each box.
   for (const Relief relief : {Relief::flat, Relief::rough}) {
     for (const double up_mps : {0.0, 1e-3, 0.5, -0.5}) {
       for (const double pull_mps2 : {0.0, -9.81}) {
@@ -329,10 +330,11 @@ TEST(SurfaceSearch, StillBoxesAreNotWalkedBy) {
 }
 
 TEST(SurfaceSearch, OfEqualGapsTheFirstOneCounts) {
-  // Goal: if several points have the same least gap, the contact is the first of them in lattice
-  // order (surface_search.h, invariant 1). The order in which the search stores near points doesn't
-  // matter. Method: rotate a die that is flat above a flat table, so that its sides approach at
-  // different speeds. Then let the die touch the table and move straight down without rotation.
+  // Goal: if several points have the same least gap, the contact is the first of these points in
+  // lattice order (surface_search.h, invariant 1). The order in which the search stores near points
+  // doesn't matter. Method: rotate a die that is flat above a flat table, so that its sides
+  // approach at different speeds. Then let the die touch the table and move straight down without
+  // rotation.
   for (const Vec3& turning : {Vec3(5, 0, 0), Vec3(-5, 0, 0), Vec3(0, 5, 0), Vec3(0, -5, 0)}) {
     Flyer flyer{testing::die_of(0.016), {}};
     flyer.flight.begin = Tick{1'000'000};
@@ -418,10 +420,10 @@ TEST(SurfaceSearch, BoxesHaveLattices) {
 }
 
 TEST(SurfaceSearch, PointsNearAreTheOutermostOnes) {
-  // Goal: points_near() finds the outermost points of a box that are near the surface. Method: put
-  // boxes close to random surfaces. Each point found must be within reach of the surface and have
-  // the surface's normal. In each of eight directions, no point of the box within reach may be
-  // further out than the points found.
+  // Goal: among a box's points that are near the surface, points_near() finds the outermost.
+  // Method: put boxes close to random surfaces. Each point found must be within reach of the
+  // surface and have the surface's normal. In each of eight directions, one of the points found
+  // must be the outermost of all points within reach.
   std::size_t found_in_all = 0;
   for (const std::uint64_t n : property::cases(300)) {
     Dice dice(k_seed + 3, n);

@@ -1,5 +1,5 @@
-// Random tables for tests of boxes on surfaces: control points that can be changed one by one, and
-// dice above them.
+// Random tables for tests of boxes on surfaces, and dice above the tables. Control points can be
+// changed one by one.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -22,7 +22,7 @@
 
 namespace sleight::physics::testing {
 
-/// Control points given by a function, except for changed points.
+/// Control points. A function gives every point that hasn't been changed.
 class TableControls final : public SurfaceControls {
  public:
   using Function = std::function<SurfaceControl(GridIndex)>;
@@ -68,7 +68,7 @@ inline std::shared_ptr<const TableControls> table_of(TableControls::Function fun
 enum class Relief : std::uint8_t { rough, pits, hills, waves, flat };
 inline constexpr int k_reliefs = 5;
 
-/// An infinite table with heights within +-height_m, and restitution and friction from 0 to 1.
+/// An infinite table. Heights are within +-height_m; restitution and friction are from 0 to 1.
 inline std::shared_ptr<const TableControls> random_table(std::uint64_t seed, Relief relief,
                                                          double height_m) {
   return table_of([seed, relief, height_m](GridIndex index) {
@@ -108,7 +108,7 @@ inline StaticSurface table_surface(std::shared_ptr<const SurfaceControls> contro
           .point_spacing_m = point_spacing_m};
 }
 
-/// A body's shape and inertia, with the density of resin.
+/// A body's shape, and its inertia at the density of resin.
 inline BodyShape solid_of(ConvexPolyhedron polyhedron, InertiaSymmetry symmetry) {
   return in_body_frame(std::vector{std::move(polyhedron)}, 1200, symmetry).value();
 }
@@ -120,7 +120,7 @@ inline Quat random_turn(Dice& dice) {
   return math::quaternion_of_rotation_vector(dice.vector_within(3));
 }
 
-/// Dice that are thrown onto a table so close together that they meet.
+/// Dice thrown onto a table. The dice start so close together that they meet.
 inline Scene thrown_dice(std::uint64_t seed, std::uint32_t count, StaticSurface surface,
                          double side_m = 0.016) {
   Dice dice(seed, 1);

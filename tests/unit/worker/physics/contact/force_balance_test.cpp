@@ -53,9 +53,9 @@ struct Structure {
 };
 
 TEST(ForceBalance, ABlockOnASlopeHoldsUpToTheAngleOfFriction) {
-  // Goal: a block stays on a slope exactly if tan(angle) <= mu, up to 0.3 degrees. The direction of
-  // the slope doesn't matter, because friction cones are round. Method: test angles 0.3 degrees
-  // below and above the limit in twelve directions.
+  // Goal: a block stays on a slope exactly if tan(angle) <= mu. The limit's error is below 0.3
+  // degrees. The direction of the slope doesn't matter, because friction cones are round. Method:
+  // test angles 0.3 degrees below and above the limit in twelve directions.
   for (const double friction : {0.2, 0.7}) {
     for (int i = 0; i < 12; ++i) {
       for (const double off : {-0.3, 0.3}) {
@@ -71,7 +71,7 @@ TEST(ForceBalance, ABlockOnASlopeHoldsUpToTheAngleOfFriction) {
   }
 }
 
-/// Blocks of width 1, each shifted by `step` from the block below.
+/// Blocks of width 1. Each block is shifted by `step` from the block below.
 Structure overhanging(int count, double step) {
   Structure stack;
   for (int i = 0; i < count; ++i) {
@@ -86,10 +86,10 @@ Structure overhanging(int count, double step) {
 
 TEST(ForceBalance, FourBlocksStandAtAFifthAndFallAtThreeTenths) {
   // Goal: a stack of shifted blocks can fall although each block alone would stand on the block
-  // below. The common centre of the upper n blocks is (n + 1) / 2 steps beyond the centre of the
-  // block below. So four blocks stand if the step is at most a quarter of a block's width. Method:
-  // test steps slightly and clearly below this limit, and slightly and clearly above it. Also test
-  // steps on both sides of the limit for twenty blocks.
+  // below. The upper n blocks have a common centre, which is (n + 1) / 2 steps beyond the centre of
+  // the block below. So four blocks stand if the step is at most a quarter of a block's width.
+  // Method: test steps slightly and clearly below this limit, and slightly and clearly above it.
+  // For twenty blocks, also test steps on both sides of the limit.
   EXPECT_TRUE(overhanging(4, 0.2).holds());
   EXPECT_FALSE(overhanging(4, 0.3).holds());
   EXPECT_TRUE(overhanging(4, 0.245).holds());
@@ -117,7 +117,7 @@ TEST(ForceBalance, ABallOnTwoNeedsTheirFriction) {
   }
 }
 
-/// A semicircle of stones with mean radius 1.
+/// Stones in a semicircle of mean radius 1.
 Structure arch(int count, double thickness, double friction) {
   Structure stones;
   const double inner = 1 - 0.5 * thickness;
@@ -145,11 +145,11 @@ Structure arch(int count, double thickness, double friction) {
 }
 
 TEST(ForceBalance, AnArchStandsDownToItsLeastThickness) {
-  // Goal: a semicircular arch of 15 stones with friction 0.7 stands if its thickness is 0.13 radii,
-  // and falls if its thickness is 0.09 radii. If joints may be anywhere, the limit is 0.1075 radii
-  // (Heyman, International Journal of Solids and Structures 5, 1969, as corrected by Milankovitch).
-  // Method: test both thicknesses. Then find with a bisection the thickness at which the verdict
-  // changes.
+  // Goal: a semicircular arch of 15 stones stands if its thickness is 0.13 radii, and falls if its
+  // thickness is 0.09 radii. The friction is 0.7. If joints may be anywhere, the limit is 0.1075
+  // radii (Heyman, International Journal of Solids and Structures 5, 1969, as corrected by
+  // Milankovitch). Method: test both thicknesses. Then use a bisection to find the thickness at
+  // which the verdict changes.
   EXPECT_TRUE(arch(15, 0.13, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.09, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.13, 0.1).holds());
@@ -163,7 +163,8 @@ TEST(ForceBalance, AnArchStandsDownToItsLeastThickness) {
   EXPECT_NEAR(stands, 0.1075, 0.006);
 }
 
-/// Least remaining imbalance, by plain projected gradient steps: slow but reliable.
+/// Returns the least imbalance that remains. Uses plain projected gradient steps, which are slow
+/// but reliable.
 double left_by_descent(const Structure& structure) {
   const std::size_t n = structure.bodies.size();
   std::vector<Vec3> forces(structure.contacts.size(), Vec3::Zero());
@@ -214,9 +215,9 @@ double left_by_descent(const Structure& structure) {
 }
 
 TEST(ForceBalance, AgreesWithASlowSearch) {
-  // Goal: the verdict is right for any contacts of up to three bodies. Method: compare verdicts on
-  // random contacts with a plain gradient descent. Skip a case unless the imbalance that remains
-  // after the descent is almost zero or large.
+  // Goal: the verdict is right for any contacts of up to three bodies. Method: for random contacts,
+  // compare the verdict with the result of a plain gradient descent. Use only cases in which the
+  // descent leaves an imbalance that is almost zero or large.
   int held = 0;
   int fell = 0;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 2'000 : 40)) {

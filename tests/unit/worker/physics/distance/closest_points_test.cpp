@@ -1,8 +1,8 @@
 // Goal: closest_cold() finds the right gap, normal, points and features of separated convex pieces,
-// up to rounding. Method: test random and degenerate placements of many kinds of pieces, with gaps
-// down to 1e-9 of the size. In each result, the points must be in the pieces, and the pieces must
-// be separated by the gap along the normal. The gap must equal a brute-force gap in long double.
-// Also test placements with known features. The checks must reject a faulty distance function.
+// up to rounding. Method: test random and degenerate placements of many kinds of pieces. Gaps are
+// as small as 1e-9 of the size. In each result, each point must be in its piece, and the pieces
+// must be the gap apart along the normal. The gap must equal a brute-force gap in long double. Also
+// test placements with known features. The checks must reject a faulty distance function.
 #include "worker/physics/distance/closest_points.h"
 
 #include <gtest/gtest.h>
@@ -20,8 +20,8 @@ namespace {
 
 using math::norm;
 
-// Error relative to the coordinates: the header's bound of 2^-50, plus room for some more rounding
-// errors.
+// Error relative to the coordinates. The error is the header's bound of 2^-50 plus room for more
+// rounding errors.
 constexpr double k_accuracy = 1e-14;
 
 // The normal between two points has an error of rounding / gap. The separation along this normal
@@ -87,7 +87,8 @@ TEST(ClosestCold, equals_brute_force_in_long_double) {
   std::printf("worst error: %.3g of the coordinates\n", worst);
 }
 
-// Known features: a unit cube above another, with a corner, an edge or a face down.
+// Known features: a unit cube is above another cube. A corner, an edge or a face of the upper cube
+// points down.
 TEST(ClosestCold, names_the_features) {
   const ConvexPolyhedron solid = cube(1).value();
   const ConvexView c = solid.view();
@@ -161,7 +162,7 @@ TEST(ClosestToPlane, is_the_lowest_vertex) {
   }
 }
 
-// Both checks above must reject a distance that considers only vertices.
+// Both checks above must reject a distance function that considers only vertices.
 TEST(Checks, catch_a_broken_distance) {
   int caught_by_certificate = 0;
   int caught_by_reference = 0;

@@ -1,7 +1,7 @@
 // Goal: closest_cold() agrees with an independent implementation on 100,000 pairs. Method: compare
-// the gap with FCL 0.7's distance between convex meshes (GJK with libccd's supports, in double,
-// with a stopping threshold of 1e-9). FCL's gap is an upper bound. Its error is up to the
-// threshold, relative to sizes of about 1. This test therefore uses pieces of size 1 and a
+// the gap with the distance that FCL 0.7 computes between convex meshes. FCL uses GJK in double,
+// with libccd's supports, and stops at a threshold of 1e-9. FCL's gap is an upper bound. For sizes
+// of about 1, FCL's error is at most the threshold. This test therefore uses pieces of size 1 and a
 // tolerance of ten thresholds. FCL may report a touch for gaps below 1e-6, so this test skips them;
 // the long double reference covers them. FCL is wrong for a few pairs in 10,000, because its GJK
 // stops early on nearly degenerate simplices. If the two gaps differ, the long double reference

@@ -1,8 +1,8 @@
-// Goal: closest_cold() finds the right depth of overlapping pieces. If the overlap is no deeper
-// than rounding or one time step can make it, the normal usually stays the same as before the
-// overlap. Method: push pieces 1e-9 to 1e-6 of their size into each other from a known contact, and
-// test deep overlaps. A shift by the depth along the normal must separate the pieces, and no
-// sampled direction may need a shorter shift.
+// Goal: closest_cold() finds the right depth of overlapping pieces. If rounding or a single time
+// step can cause an overlap of this depth, the normal is usually the same as before the overlap.
+// Method: from a known contact, push pieces into each other by 1e-9 to 1e-6 of their size. Also
+// test deep overlaps. A shift by the depth along the normal must separate the pieces. No shorter
+// shift in a sampled direction may separate the pieces.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,8 +33,8 @@ TEST(Overlap, shallow_ones_keep_the_normal_of_the_contact) {
     at.b.position_m -= (before.gap_m + depth) * before.normal;
     const Closest inside = closest_cold(a, at.a, b, at.b);
     const double rounding = 1e-14 * (coordinates_m(a, at.a, b, at.b) + 2 * size);
-    // A shift by `depth` along the old normal separates the pieces, so the least depth is no
-    // greater.
+    // A shift by `depth` along the old normal separates the pieces, so the least depth is at most
+    // `depth`.
     ASSERT_GE(inside.gap_m, -depth - rounding) << i;
     ASSERT_NEAR(norm(inside.normal), 1, 1e-14);
     if (inside.overlapping()) {
@@ -87,8 +87,8 @@ TEST(Overlap, no_direction_needs_a_shorter_way_out) {
   }
 }
 
-// A cube touches another cube exactly, with all kinds of features. The gap is 0 up to rounding, and
-// the normal separates the cubes.
+// Two cubes touch exactly, at all kinds of features. The gap is 0 up to rounding, and the normal
+// separates the cubes.
 TEST(Overlap, touching_pieces_have_a_usable_normal) {
   const ConvexPolyhedron solid = cube(1).value();
   for (const std::uint64_t i : property::cases(2000)) {

@@ -50,7 +50,7 @@ Compound round_of(int kind) {
     case 4:
       return parts_of(rounded_box({0.1, 0.06, 0.04}, 0.005, 1));
     case 5: {
-      // A round piece with both kinds of feature, about an axis other than z.
+      // A round piece with rings and balls. Its axis isn't z.
       RoundDescription description{
           .origin_m = {0.01, 0, 0},
           .axis = math::normalized(Vec3(1, 2, 3)),
@@ -92,10 +92,11 @@ Placed random_places(Dice& dice, const ConvexView& a, const ConvexView& b, doubl
 }
 
 TEST(RoundDistance, IsTheGreatestSeparation) {
-  // Goal: closest_round() finds the right normal, the right points and, to k_round_gap_error, the
-  // right gap. Method: compare the gaps of random pairs with a slow search over all axes, which
-  // must not find a wider separation. One piece of each pair is round, and the other is round or a
-  // polyhedron. Gaps range from a nanometre to 0.1 m, and overlaps are up to 3 micrometres deep.
+  // Goal: closest_round() finds the right normal and points. The gap's error is at most
+  // k_round_gap_error. Method: for random pairs, search slowly over all axes. The search must not
+  // find a separation wider than the gap. One piece of each pair is round, and the other is round
+  // or a polyhedron. Gaps range from a nanometre to 0.1 m, and overlaps are up to 3 micrometres
+  // deep.
   const std::uint64_t count = property::long_run() ? 1'000'000 : property::of_tier(40, 500);
   double worst_m = 0;
   for (const std::uint64_t n : property::cases(count)) {
@@ -137,9 +138,9 @@ TEST(RoundDistance, IsTheGreatestSeparation) {
 }
 
 TEST(RoundDistance, OfAPointAndAPlaneAreClosedForms) {
-  // Goal: the gap between a piece of revolution and a point or a half-space is right. Method:
-  // compare the gap to a point with the separation along the normal, and with a slow search over
-  // all axes. Compare the gap to a half-space with the piece's reach along the half-space's normal.
+  // Goal: the gap between a piece of revolution and a point or a half-space is right. Method: for a
+  // point, compare the gap with the separation along the normal, and with a slow search over all
+  // axes. For a half-space, compare the gap with the piece's reach along the half-space's normal.
   const PointPiece origin(Vec3::Zero());
   const ConvexView point = origin.view();
   for (std::uint64_t n = 0; n < 1000; ++n) {

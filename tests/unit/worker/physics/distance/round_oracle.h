@@ -1,5 +1,5 @@
-// The gap of two convex bodies, found only from their reach in each direction: a slow search over
-// all axes.
+// Finds the gap of two convex bodies by a slow search over all axes. Uses only the bodies' reach in
+// each direction.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -17,7 +17,7 @@
 
 namespace sleight::physics::testing {
 
-/// Reach of a piece along a unit direction of the world. Shares no code with the library.
+/// Reach of a piece along a unit direction in the world's frame. Shares no code with the library.
 inline double plain_reach_m(const ConvexView& piece, const PlacedPose& pose, const Vec3& u) {
   double most_m = -1e300;
   const auto offer = [&](const Vec3& point_m, double more_m) {

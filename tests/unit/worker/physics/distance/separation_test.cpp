@@ -1,5 +1,6 @@
-// Goal: the furthest vertex in a direction and the lower bound of the gap along an axis are right.
-// Method: compare both with plain loops over all vertices, in long double where rounding matters.
+// Goal: two results are right: the furthest vertex in a direction, and the lower bound of the gap
+// along an axis. Method: compare both with plain loops over all vertices, in long double where
+// rounding matters.
 #include "worker/physics/distance/separation.h"
 
 #include <gtest/gtest.h>

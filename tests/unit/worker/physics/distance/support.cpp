@@ -236,7 +236,7 @@ Placement random_placement(random::Stream& stream, const ConvexView& a, const Co
   }
   const double reach_m = a.r_outer_m + b.r_outer_m;
   Vec3 offset = between(stream, 1.001, 3) * reach_m * random_unit(stream);
-  // Steps of an eighth along the axes, so that vertices are exactly above edges.
+  // Take steps of an eighth of the size along the axes, so that vertices are exactly above edges.
   if (style >= 2 && stream.bits() % 2 == 0) {
     offset = Vec3::Zero();
     const auto axis = static_cast<int>(stream.bits() % 3);

@@ -17,7 +17,7 @@ namespace sleight::physics {
 /// Random numbers of a test case, the same on every machine.
 random::Stream numbers(std::uint64_t test, std::uint64_t index);
 double between(random::Stream& stream, double low, double high);
-/// 10^u with uniform u, for sizes and gaps over decades.
+/// Returns 10^u with uniform u, for sizes and gaps of many magnitudes.
 double log_between(random::Stream& stream, double low, double high);
 Vec3 random_vector(random::Stream& stream);  ///< uniform in the cube [-1, 1]^3
 Vec3 random_unit(random::Stream& stream);
@@ -25,7 +25,7 @@ Mat3 random_rotation(random::Stream& stream);
 /// One of the 24 exact rotations of a cube.
 Mat3 quarter_turns(random::Stream& stream);
 
-/// A polyhedron or a triangle. The views of a Piece are valid as long as the Piece exists.
+/// A polyhedron or a triangle. A Piece's views are valid while the Piece exists.
 struct Piece {
   ConvexPolyhedron polyhedron;
   TrianglePiece triangle;
@@ -44,7 +44,7 @@ struct Placement {
 };
 
 /// Places B around A. Orientations are random, parallel, or tilted by 1e-15 to 1e-3 rad. B is up to
-/// several sizes away, or shifted along the normal to a gap of 1e-9 to 1e-3 of the size.
+/// several sizes away, or is shifted along the normal until the gap is 1e-9 to 1e-3 of the size.
 Placement random_placement(random::Stream& stream, const ConvexView& a, const ConvexView& b,
                            double size_m);
 
@@ -57,8 +57,8 @@ PlacedPose at_gap(const ConvexView& a, const PlacedPose& pose_a, const ConvexVie
 double coordinates_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 
-/// Brute-force gap in long double: least distance over all pairs of a vertex and a triangle of a
-/// face, and all pairs of edges. Shares no code with the library. REQUIRES: A and B are separated.
+/// Brute-force gap in long double: the least distance from a vertex to a triangle of a face, or
+/// from an edge to an edge. Shares no code with the library. REQUIRES: A and B are separated.
 long double reference_gap(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b);
 

@@ -123,7 +123,7 @@ Feature any_feature(random::Stream& stream, const ConvexView& piece) {
   return {kind, static_cast<std::uint16_t>(stream.bits() % count)};
 }
 
-// A random piece, or a box of any size, which may be a plate or a rod.
+// A random piece, or a box of any size. A box may be a plate or a rod.
 std::unique_ptr<Piece> near_piece(random::Stream& stream) {
   const double size_m = log_between(stream, 3e-3, 3);
   if (stream.bits() % 4 != 0) return random_piece(stream, size_m);
@@ -153,7 +153,7 @@ Vec3 towards_feature(random::Stream& stream, const ConvexView& piece) {
   return face_normal(stream.bits() % piece.face_count);
 }
 
-// The rotation that maps x to y, orthonormal up to rounding.
+// The rotation that maps x to y. It is orthonormal up to rounding.
 Mat3 turn_onto(const Vec3& x, const Vec3& y) {
   const Vec3 axis = math::cross(x, y);
   const double sine = norm(axis);
@@ -169,8 +169,8 @@ Mat3 product_of(const Mat3& first, const Mat3& second) {
   return result;
 }
 
-// Places B over a face of A, or anywhere. Over a face, a feature of B points at the face, up to a
-// tilt of 1e-12 to 1 rad.
+// Places B over a face of A, or anywhere. If B is over a face, a feature of B points at the face,
+// up to a tilt of 1e-12 to 1 rad.
 Placement near_placement(random::Stream& stream, const ConvexView& a, const ConvexView& b) {
   Placement at;
   at.a.rotation = random_rotation(stream);
@@ -192,9 +192,10 @@ Placement near_placement(random::Stream& stream, const ConvexView& a, const Conv
 }
 
 // Goal: closest_cold returns the same bits with any hint, even if the hint makes the search
-// unnecessary (only_one()). Method: place pieces 3e-10 to 1e-5 m apart, some with nearly parallel
-// faces and edges. Use three hints: the features that closest_warm found, those that closest_cold
-// found, and random features. With SLEIGHT_SOAK, the test runs 15 times as many cases.
+// unnecessary (only_one()). Method: place pieces 3e-10 to 1e-5 m apart. Some pairs have nearly
+// parallel faces and edges. Use three hints: the features that closest_warm found, the features
+// that closest_cold found, and random features. With SLEIGHT_SOAK, the test runs 15 times as many
+// cases.
 TEST(ClosestCold, gives_the_same_bits_with_any_hint) {
   const auto cases =
       static_cast<int>(property::long_run() ? 3'000'000 : property::of_tier(40'000, 200'000));

@@ -1,7 +1,7 @@
 // Goal: every event queue returns the same answers as the slow reference. Method: run random
-// operations with few different ticks, with widely spread ticks and with extreme ticks. Also run
-// operations like those of a simulation, and some edge cases. The suite must reject queues with one
-// deliberate mistake each.
+// operations on three sets of ticks: few different ticks, widely spread ticks and extreme ticks.
+// Also run operations like a simulation's operations, and some edge cases. The suite must reject
+// queues with one deliberate mistake each.
 #include "worker/physics/event/event_queue.h"
 
 #include <gtest/gtest.h>
@@ -29,8 +29,8 @@ constexpr EventKey at(TickCount tick, std::uint32_t lower = 0) {
 }
 
 TYPED_TEST(EventQueues, agree_with_the_reference_on_random_operations) {
-  // The test runs 70 * 3 * 8000 + 3 * 5000 = 1.7 million operations, and a quarter of these in
-  // deploy/test.
+  // The test runs 70 * 3 * 8000 + 3 * 5000 = 1.7 million operations. In deploy/test, it runs a
+  // quarter of these.
   const auto operations = static_cast<std::uint32_t>(property::of_tier(2'000, 8'000));
   for (std::uint32_t slots = 1; slots <= 70; ++slots) {
     for (const Ticks ticks : {Ticks::few, Ticks::spread, Ticks::extreme}) {
@@ -116,8 +116,8 @@ TYPED_TEST(EventQueues, what_never_happens_is_still_in_order) {
 }
 
 TEST(Tournament, TheSecondIsTheLeastOfTheOthers) {
-  // Goal: second() returns the slot of the least event of all slots but the first event's. Method:
-  // compare the slot with a scan of all slots.
+  // Goal: second() ignores the first event's slot and returns the slot of the least event in the
+  // others. Method: compare the slot with the result of a scan of all slots.
   Dice dice(5);
   for (const std::uint32_t slots : {2U, 8U, 9U, 100U, 1001U}) {
     TournamentQueue queue;

@@ -1,6 +1,6 @@
 // Goal: events are ordered by tick, then by kind, lower id, higher id and feature (event.h), and
-// k_no_event comes last. Method: compare pairs of keys that first differ in one field and have the
-// opposite order in all later fields.
+// k_no_event comes last. Method: compare pairs of keys. A pair is equal up to one field, differs in
+// that field, and has the opposite order in all later fields.
 #include "worker/physics/event/event.h"
 
 #include <gtest/gtest.h>

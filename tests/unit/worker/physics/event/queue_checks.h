@@ -1,7 +1,7 @@
-// Checks for every queue: each compares a queue's answers with SlowQueue's.
+// Checks for every queue. Each check compares a queue's answers with SlowQueue's answers.
 //
-// A check returns the first difference as text, or nothing, so that a test can also expect a
-// difference from a faulty queue.
+// A check returns the first difference as text, or nothing. So a test can also expect a faulty
+// queue to differ.
 #pragma once
 
 #include <fmt/format.h>
@@ -159,8 +159,9 @@ std::string check_random_operations(std::uint32_t slots, Ticks ticks, std::uint3
   return pair.difference();
 }
 
-/// Sets keys as a simulation does: never before the least event. Waits average `mean_wait_ticks`
-/// but are thousands of times longer for some bodies. Now and then, bodies fall asleep or wake.
+/// Sets keys as a simulation does: never before the least event. The mean wait is
+/// `mean_wait_ticks`, but some bodies wait thousands of times longer. Now and then, bodies fall
+/// asleep or wake.
 template <EventQueue Queue>
 std::string check_simulation(std::uint32_t slots, std::uint32_t mean_wait_ticks,
                              std::uint32_t steps, Dice& dice) {

@@ -1,4 +1,4 @@
-// The slowest and plainest queue looks at every slot. SlowQueue is the reference for all queues.
+// SlowQueue, the reference for all queues, is slow and plain: it looks at every slot.
 #pragma once
 
 #include <cstdint>

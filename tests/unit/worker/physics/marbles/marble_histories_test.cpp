@@ -1,5 +1,5 @@
-// Tests that replay changes no result. Each scene differs from the previous scene in some balls. It
-// is simulated twice: with the previous scene's histories, and from scratch.
+// Tests that replay changes no result. Each scene differs from the previous scene in some balls.
+// Each scene is simulated twice: with the previous scene's histories, and from scratch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -103,7 +103,8 @@ class MovingMesh {
   std::vector<Place> places_;
 };
 
-/// Changes a ball from the initial scene: the ball doesn't start, is faster, or starts elsewhere.
+/// Makes a ball differ from the initial scene: the ball doesn't start, is faster, or starts
+/// elsewhere.
 void change_ball(Scene& scene, const Scene& at_first, std::uint32_t ball, Dice& dice) {
   const double radius_m = std::get<Sphere>(scene.bodies[0].shape).radius_m;
   BodyDescription& body = scene.bodies[ball];
@@ -201,17 +202,17 @@ void run_all_scenes(Moves moves, std::uint64_t count) {
 }
 
 TEST(MarbleHistories, ReplayingMakesNoDifference) {
-  // Goal: replay changes no bit of the result (marbles.h, invariant 4), for heaps of balls that
-  // rest and wake and for single falling balls. Method: change some balls' starts in random scenes
-  // a dozen times. Simulate each scene from scratch. Simulate it again with the previous scene's
-  // histories, in up to three portions.
+  // Goal: replay changes no bit of the result (marbles.h, invariant 4). Scenes are heaps of balls
+  // that rest and wake, and single falling balls. Method: change some balls' starts in random
+  // scenes a dozen times. Simulate each scene from scratch. Simulate each changed scene with the
+  // previous scene's histories, in up to three portions.
   run_all_scenes(Moves::balls, scene_count());
 }
 
 TEST(MarbleHistories, MovedGeometryMakesNoDifference) {
   // Goal: replay changes no bit of the result even if the static geometry changes. Method: change
-  // some balls' starts, and move vertices of the mesh up to 0.1 or 2 mm away from their initial
-  // positions.
+  // some balls' starts, and move vertices of the mesh. Some changes move a vertex up to 0.1 mm away
+  // from its initial position; the others move it up to 2 mm away.
   run_all_scenes(Moves::balls_and_vertices, scene_count() / 2);
 }
 
@@ -229,8 +230,8 @@ Scene two_balls(double apart_m) {
 
 TEST(MarbleHistories, AWrongHistoryMakesADifference) {
   // Goal: a replayed ball is not simulated, so a wrong history gives a wrong result, and the tests
-  // above can fail. Method: replay the old history of a ball that now starts elsewhere, in another
-  // ball's path. The other ball then flies on without a hit.
+  // above can fail. Method: let a ball start elsewhere, in another ball's path, but replay the
+  // first ball's old history. The other ball then flies on without a hit.
   const double radius_m = std::get<Sphere>(two_balls(1).bodies[0].shape).radius_m;
   const Scene before = two_balls(10 * radius_m);
   Scene after = before;
@@ -266,8 +267,8 @@ TEST(MarbleHistories, AWrongHistoryMakesADifference) {
 TEST(MarbleHistories, ABallIsLeftAloneNowIfItWouldBeNow) {
   // Goal: if the confinement changes, a ball's history is valid only until the tick at which the
   // ball was suspended. If the confinement is the same, the whole history is valid. Method: suspend
-  // a ball in a box once the ball is slow. Replay the ball with the same box, with a wider box, and
-  // without a box.
+  // a ball in a box once the ball is slow. Replay the ball three times: in the same box, in a wider
+  // box, and without a box.
   Scene scene = two_balls(1);
   scene.bodies.resize(1);
   const StaticGeometry statics(scene);
@@ -376,9 +377,9 @@ TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
 }
 
 TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
-  // Goal: a ball drops its predicted meeting with a replayed partner if another ball makes that
-  // partner live. Method: record a run with three balls. In a second run, let two balls start
-  // elsewhere, so that they almost touch the third, replayed ball.
+  // Goal: if a ball has a predicted meeting with a replayed partner and another ball makes that
+  // partner live, the ball drops the prediction. Method: record a run with three balls. In a second
+  // run, let two balls start elsewhere, so that they almost touch the third, replayed ball.
   Scene before = weightless(3);
   before.bodies[2].start_tick = Tick{} + ticks_after(0.1);
   Scene after = before;

@@ -36,7 +36,7 @@ SimulationOptions places_only() {
 
 TEST(Marbles, EqualASimulation) {
   // Goal: Marbles and Simulation compute the same results (marbles.h, invariant 1). Method: compare
-  // both engines in random scenes of up to 40 balls, at twenty times in each scene.
+  // both engines in random scenes of up to 40 balls. Compare twenty moments of each scene.
   for (const std::uint64_t seed : property::cases(scene_count())) {
     const scenes::Setting setting =
         equal_marbles(seed % 10 == 9 ? 40 : 1 + static_cast<std::uint32_t>(seed % 15), seed);
@@ -60,8 +60,8 @@ TEST(Marbles, EqualASimulation) {
 }
 
 TEST(Marbles, ComparerFindsADifference) {
-  // Goal: alike_at() notices a difference. Method: start one ball a nanometre higher in one of the
-  // two engines.
+  // Goal: alike_at() notices a difference. Method: in one of the two engines, start one ball a
+  // nanometre higher.
   scenes::Setting setting = equal_marbles(5, 3);
   auto simulation = Simulation::start(setting.scene, places_only()).value();
   setting.scene.bodies[2].start.pose.position_m.z() += 1e-9;
@@ -96,9 +96,10 @@ TEST(Marbles, OverlapsAreErrors) {
 }
 
 TEST(Marbles, StartsInTouchAreErrors) {
-  // Goal: Marbles refuses a ball that starts in touch with a face, an edge or a vertex, as the
-  // simulator does. Marbles accepts a ball that is slightly further away. Method: place a ball at
-  // random features of random scenes, with gaps below and above the touch distance.
+  // Goal: like the simulator, Marbles refuses a ball that touches a face, an edge or a vertex at
+  // the start. Marbles accepts a ball that is slightly further away. Method: place a ball near
+  // random features of random scenes. Some gaps are below the touch distance, and some are above
+  // it.
   std::uint64_t refused = 0;
   std::uint64_t started_well = 0;
   for (const std::uint64_t seed : property::cases(20)) {

@@ -47,10 +47,9 @@ Tick first_collision(const StaticGeometry& statics, const SphereFeature& feature
 }
 
 TEST(PathBounds, ComeBeforeEveryCollision) {
-  // Goal: the lower bound of a collision's time is never later than the collision, and the
-  // surroundings contain every feature that a ball hits. Method: start flights close to a feature
-  // of a random mesh. The ball falls back onto the feature or passes it. Compare the bounds with a
-  // search that tests single ticks.
+  // Goal: no collision is earlier than its lower bound, and the surroundings contain every feature
+  // that a ball hits. Method: start flights close to a feature of a random mesh. The ball falls
+  // back onto the feature or passes it. Compare the bounds with a search that tests single ticks.
   random::Stream stream({.seed = 11, .purpose = random::Purpose::scene}, 0);
   int met = 0;
   for (std::uint64_t n = 0; n < 40; ++n) {
@@ -102,8 +101,8 @@ TEST(PathBounds, ComeBeforeEveryCollision) {
 }
 
 TEST(PathBounds, ATimeThatAPlaceStaysIsSafe) {
-  // Goal: a moving point stays between the walls of a box for the time stays_s(), and is outside
-  // slightly later. Method: test points on random parabolas.
+  // Goal: a moving point stays between a box's walls for the time stays_s(). Slightly later, the
+  // point is outside. Method: test points on random parabolas.
   random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
   for (int i = 0; i < 20'000; ++i) {
     const Four low = Four::of(std::array<double, 4>{-1, -1, -1, -1});

@@ -30,7 +30,8 @@ float across(float part) {
   return std::sqrt(std::max(0.0F, 1 - part * part));
 }
 
-/// Least and greatest offset along axis i, from feature to sphere centre, relative to the reach.
+/// Least and greatest offset along axis i from the feature to a sphere's centre, in units of the
+/// reach.
 std::pair<float, float> plain_spread(const SphereFeature& feature,
                                      std::span<const RegionSide> sides, std::size_t i) {
   const Axes along = axes_of(feature.direction);
@@ -83,10 +84,10 @@ bool same(const TouchBox& a, const TouchBox& b) {
 }
 
 TEST(TouchBox, HasTheBitsOfThePlainComputation) {
-  // Goal: touch_box_of(), which computes all axes at once, has the bits of a computation of one
-  // axis at a time. Method: compare the boxes of all features of stars, hollows and sheets, with
-  // edges of every kind. Some edges have two equal sides, which leave the edge's wedge
-  // undetermined. Count how often a slightly larger reach changes the box.
+  // Goal: touch_box_of() computes all axes at once, but returns the same bits as a computation of
+  // one axis at a time. Method: compare the boxes of all features of stars, hollows and sheets.
+  // These shapes have edges of every kind. Some edges have two equal sides, which leave the edge's
+  // wedge undetermined. Count how often a slightly larger reach changes the box.
   std::array<int, 3> kinds{};
   int told_apart = 0;
   for (const std::uint64_t n : property::cases(60)) {
@@ -104,7 +105,8 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
     for (FeatureId f{geometry.plane_count()}; f < geometry.feature_count(); ++f) {
       const SphereFeature& feature = geometry.feature(f);
       std::vector<RegionSide> sides(geometry.sides(feature).begin(), geometry.sides(feature).end());
-      // Only an edge with four sides has sides towards both faces. Sometimes make these equal.
+      // Only an edge with four sides has sides towards both faces. Sometimes make these two sides
+      // equal.
       if (feature.kind == FeatureKind::edge && sides.size() == 4 && stream.bits() % 8 == 0)
         sides.back().space.normal = sides[sides.size() - 2].space.normal;
       const Box& own = geometry.feature_box(f);
@@ -121,8 +123,8 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
 }
 
 TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
-  // Goal: after a vertex moves, refreshed features have the touch boxes of the current geometry,
-  // and the lists of nearby features still contain these features. Method: move one vertex of a
+  // Goal: after a vertex moves, refreshed features have the touch boxes of the current geometry.
+  // The lists of nearby features still contain the refreshed features. Method: move one vertex of a
   // star slightly, or far beyond its slack, and compare the touch boxes with the plain computation.
   // Look up each feature at the middle of its touch box.
   int beyond = 0;

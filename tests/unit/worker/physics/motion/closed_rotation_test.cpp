@@ -1,7 +1,6 @@
-// Goal: spherical and axially symmetric bodies rotate as the known solutions say, and as the
-// general integration of the same body does. Method: compare steady spin and precession with long
-// double formulas. Compare the results for bodies that have the same moments but a different
-// declared symmetry.
+// Goal: the rotation of spherical and axially symmetric bodies equals the known solutions and the
+// general integration. Method: compare steady spin and precession with long double formulas. Also
+// compare bodies that have the same moments, but for which different symmetries are declared.
 #include "worker/physics/motion/closed_rotation.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +15,7 @@ namespace {
 
 using Vec3l = Eigen::Matrix<long double, 3, 1>;
 
-// Vector `v`, turned about the axis `rate` by the angle |rate| s (Rodrigues' formula).
+// Turns the vector `v` about the axis `rate` by the angle |rate| s (Rodrigues' formula).
 Vec3 turned_about(const Vec3& rate, double s, const Vec3& v) {
   const Vec3l w = rate.cast<long double>();
   const Vec3l x = v.cast<long double>();
@@ -74,7 +73,7 @@ TEST(ClosedRotation, agrees_with_the_general_steps_where_moments_coincide) {
     general.symmetry = InertiaSymmetry::general;
     const FreeFlight flight = random_flight(stream, 30);
     const Tick t = flight.begin + ticks_before(between(stream, 0, 10));
-    // The angles sum to 600 rad. Each has a relative error of about 2^-52.
+    // The sum of the angles is 600 rad. Each angle has a relative error of about 2^-52.
     EXPECT_LT(distance(orientation_at(flight, inertia, t), orientation_at(flight, general, t)),
               2e-12);
     EXPECT_LT(math::norm(angular_velocity_at(flight, inertia, t) -

@@ -1,6 +1,7 @@
 // Goal: the centre of mass follows its parabola up to the documented rounding, and its place
 // depends only on the ticks since the flight's first tick. Method: compare flights of all sizes
-// with long double formulas. Compare bits at the first tick and after a shift in time.
+// with long double formulas. Compare bits at the first tick, and for the same flight shifted in
+// time.
 #include "worker/physics/motion/free_flight.h"
 
 #include <gtest/gtest.h>

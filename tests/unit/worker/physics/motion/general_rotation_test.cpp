@@ -1,7 +1,7 @@
 // Goal: the Taylor steps solve Euler's equations and the quaternion's equation to the last bits,
-// and keep the energy and momentum of a free body. Method: compare rotations with a Runge-Kutta
-// integration in tiny long double steps and with Jacobi's elliptic functions (Boost.Math). Measure
-// the drift of energy and momentum. Broken equations must fail.
+// and keep the energy and momentum of a free body. Method: compare rotations with two references: a
+// Runge-Kutta integration in tiny long double steps, and Jacobi's elliptic functions (Boost.Math).
+// Measure the drift of energy and momentum. Broken equations must fail.
 #include "worker/physics/motion/general_rotation.h"
 
 #include <gtest/gtest.h>
@@ -85,7 +85,7 @@ TEST(GeneralRotation, a_single_step_is_exact_to_rounding) {
 
 TEST(GeneralRotation, is_told_from_equations_with_a_missing_or_wrong_term) {
   // Equations with a missing or wrong term differ from the steps by far more than the tolerances
-  // above. Energy or momentum reveals such a fault without any reference.
+  // above. Even without a reference, energy or momentum reveals a missing or wrong term.
   const auto [inertia, flight] = random_case(23, 1);
   const Tick t = flight.begin + ticks_before(0.75);
   const Quat q = orientation_at(flight, inertia, t);
@@ -147,7 +147,8 @@ TEST(GeneralRotation, follows_jacobis_elliptic_functions) {
     Inertia inertia = random_inertia(stream, InertiaSymmetry::general);
     Vec3& m = inertia.principal_kgm2;
     std::sort(m.data(), m.data() + 3);
-    // Cases range from steady spin about the third axis to within 1/1000 of the separatrix.
+    // Cases range from steady spin about the third axis to rotations within 1/1000 of the
+    // separatrix.
     const double separatrix = std::sqrt(m.x() * (m.y() - m.x()) / (m.z() * (m.z() - m.y())));
     FreeFlight flight = random_flight(stream, 1);
     const Vec3 start(1, 0, separatrix * (1 + std::fabs(of_any_size(stream, -3, 1))));

@@ -1,7 +1,7 @@
 // Goal: path boxes contain every evaluated position, at every tick and to the last bit, and are
 // hardly larger than necessary. A sphere stays in a box up to exit_tick(), and hardly longer.
-// Method: test random flights of all sizes at many ticks, some around the apex. Compare exit ticks
-// with roots in long double. Broken boxes must fail.
+// Method: test random flights of all sizes at many ticks. Some ticks are around the apex. Compare
+// exit ticks with roots in long double. Broken boxes must fail.
 #include "worker/physics/motion/motion_bounds.h"
 
 #include <gtest/gtest.h>
@@ -119,8 +119,8 @@ TEST(PathBox, holds_every_evaluated_position) {
   EXPECT_GT(apex_needed, 3'000);
 }
 
-// A flight up from far below with its apex near height 0, where floats are far finer than the
-// rounding errors of evaluated heights.
+// A flight up from far below. The apex is near height 0, where the distance between floats is far
+// less than the rounding errors of evaluated heights.
 FreeFlight flight_to_zero(random::Stream& stream) {
   FreeFlight flight;
   const double a = between(stream, 1, 20);
@@ -137,9 +137,9 @@ Tick apex_of(const FreeFlight& flight) {
 }
 
 TEST(PathBox, holds_the_rounding_of_heights_that_cancel) {
-  // Evaluated heights near the apex have rounding errors in proportion to the start's height. Some
-  // heights are therefore outside the narrow box of two floats that path_box() returns for a flight
-  // that starts at the apex.
+  // Evaluated heights near the apex have rounding errors in proportion to the start's height. If a
+  // flight starts at the apex, path_box() returns a narrow box of two floats. Some heights are
+  // outside this box.
   int noise_needed = 0;
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream = stream_of(57, i);
@@ -219,7 +219,7 @@ TEST(PathBox, is_at_most_two_floats_and_the_rounding_too_large) {
 
 // Reference: the least positive time, in long double, at which a coordinate reaches a wall.
 long double first_meeting(long double distance, long double v, long double a) {
-  // Solves distance = v s + a s^2/2 from either side.
+  // Solves distance = v s + a s^2/2 for s.
   constexpr long double k_none = std::numeric_limits<long double>::infinity();
   const auto positive = [](long double s) { return s > 0 ? s : k_none; };
   if (a == 0) return v == 0 ? k_none : positive(distance / v);
@@ -229,7 +229,8 @@ long double first_meeting(long double distance, long double v, long double a) {
   return std::min(q != 0 ? positive(2 * distance / q) : k_none, positive(-q / a));
 }
 
-// Time for which the sphere stays between walls that are twice as far inside as the header states.
+// Time for which the sphere stays between inner walls. The inner walls' distance from the box is
+// twice the header's margin.
 long double reference_stay_s(const Box& box, const FreeFlight& flight, double radius_m, Tick from) {
   const long double s = seconds(from - flight.begin);
   long double stay = std::numeric_limits<long double>::infinity();

@@ -79,7 +79,8 @@ TEST(RotationBounds, evaluated_points_move_no_faster_than_bounded_from_one_tick_
       const Vec3 point = radius_m * (1 - 1e-12) * math::normalized(vector_between(stream, -1, 1));
       const RotationBounds bounds = rotation_bounds(flight, inertia);
       RotationTrack track(flight, inertia);
-      // For a general body, each query of an earlier tick restarts the track, so use early ticks.
+      // If a general body's track is queried at an earlier tick, the track restarts. So use early
+      // ticks.
       const double longest_s = symmetry == InertiaSymmetry::general
                                    ? std::min(50.0, 30 / bounds.angular_speed_radps)
                                    : 50;
@@ -101,7 +102,8 @@ TEST(RotationBounds, evaluated_points_move_no_faster_than_bounded_from_one_tick_
 }
 
 TEST(RotationBounds, evaluated_points_curve_no_more_than_bounded) {
-  // Second differences over spans much shorter than a turn: |x(t+h) - 2 x(t) + x(t-h)| <= A h^2.
+  // Test second differences over spans that are much shorter than a turn: |x(t+h) - 2 x(t) +
+  // x(t-h)| <= A h^2.
   for (const InertiaSymmetry symmetry : k_symmetries) {
     double closest = 0;
     for (const std::uint64_t i : property::cases(300)) {

@@ -1,6 +1,6 @@
 // Goal: a track's answers never depend on earlier queries. Method: query the same ticks in
-// ascending, descending and random order, and without a track, and compare the bits. Also test the
-// horizon, up to which a rotation can be computed.
+// ascending, descending and random order. Also query them without a track. Compare the bits. Also
+// test the horizon, up to which a rotation can be computed.
 #include "worker/physics/motion/rotation_track.h"
 
 #include <gtest/gtest.h>

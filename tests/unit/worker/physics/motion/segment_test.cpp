@@ -1,6 +1,6 @@
-// Goal: a segment's orientation and motion are right in every mode. Method: compare bodies in
-// contact with many small exact rotations in long double, and with the closed form for a fixed
-// axis. Compare free and resting bodies with the functions for these modes.
+// Goal: a segment's orientation and motion are right in every mode. Method: for bodies in contact,
+// compare with many small exact rotations in long double, and with the closed form for a fixed
+// axis. For free and resting bodies, compare with the functions for these modes.
 #include "worker/physics/motion/segment.h"
 
 #include <gtest/gtest.h>
@@ -85,7 +85,8 @@ Long4 long_of(const Quat& q) {
   return unit({q.w(), q.x(), q.y(), q.z()});
 }
 
-/// Turns the orientation in small steps, each about the rotation axis at the middle of the step.
+/// Turns the orientation in small steps. Each step turns about the rotation axis at the middle of
+/// the step.
 Long4 in_steps(const Segment& segment, long double s, int steps) {
   const long double h = s / steps;
   Long4 q = long_of(segment.flight.orientation);
@@ -115,8 +116,9 @@ long double apart_rad(const Long4& p, const Long4& q) {
 
 TEST(Segment, TurnsAboutAMovingAxis) {
   // Goal: orientations have the documented accuracy, 1e-6 of the angle. Method: compare balls with
-  // the reference, for spins up to 100 rad/s, accelerations up to 1000 rad/s^2 and times up to a
-  // second. In some cases, estimate the reference's own error with four times as many steps.
+  // the reference. Spins are up to 100 rad/s, accelerations up to 1000 rad/s^2, and times up to a
+  // second. In some cases, repeat the reference with four times as many steps to estimate its
+  // error.
   long double worst = 0;
   long double worst_reference = 0;
   int bent = 0;

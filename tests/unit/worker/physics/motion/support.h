@@ -22,7 +22,8 @@ inline double between(random::Stream& stream, double low, double high) {
   return low + (high - low) * stream.uniform();
 }
 
-/// Returns a number of random sign whose size is uniform over the decades 10^low to 10^high.
+/// Returns a number with a random sign. The size is from 10^low to 10^high, and its logarithm is
+/// uniform.
 inline double of_any_size(random::Stream& stream, double low, double high) {
   const double size = math::exp(between(stream, low, high) * 2.302585092994046);
   return stream.uniform() < 0.5 ? -size : size;
@@ -81,7 +82,8 @@ inline double distance(const Quat& a, const Quat& b) {
   return (a.coeffs() - b.coeffs()).cwiseAbs().maxCoeff();
 }
 
-/// Slow reference: Euler's and the quaternion's equations by Runge-Kutta 4 in long double.
+/// State of a slow reference, which solves Euler's and the quaternion's equations by Runge-Kutta 4
+/// in long double.
 struct ReferenceState {
   std::array<long double, 3> w{};  ///< about the body's axes
   std::array<long double, 4> q{};
@@ -130,7 +132,7 @@ inline ReferenceState moved(const ReferenceState& s, const ReferenceState& slope
   return result;
 }
 
-/// REQUIRES: steps of at most 1/4000 rad for an error below 1e-16 per radian.
+/// REQUIRES: each step turns by at most 1/4000 rad. Then the error is below 1e-16 per radian.
 inline ReferenceState integrated(const ReferenceEquations& equations, ReferenceState s,
                                  double seconds, int steps) {
   const long double h = static_cast<long double>(seconds) / steps;

@@ -20,8 +20,8 @@ using math::dot;
 using math::norm;
 using namespace response_reference;
 
-/// Gravity presses a ball onto one, two or three faces of any direction. Friction is random, and
-/// speeds are 1e-7 to 10 m/s. Some balls rest, and some roll on one face.
+/// Gravity presses a ball onto one, two or three faces, which may have any direction. Friction is
+/// random, and speeds are 1e-7 to 10 m/s. Some balls rest, and some roll on one face.
 Trial random_trial(Dice& dice) {
   for (;;) {
     Trial trial;
@@ -55,13 +55,12 @@ double kinetic(const RoundBody& body, const Twist& twist) {
          (dot(twist.velocity_mps, twist.velocity_mps) + body.gyration * dot(turning, turning));
 }
 
-/// Speed of the centre plus speed of the surface.
 double speed_of(const RoundBody& body, const Twist& twist) {
   return norm(twist.velocity_mps) + body.radius_m * norm(twist.angular_velocity_radps);
 }
 
-/// Returns by how much the friction that rolling needs exceeds the contacts' limit, divided by
-/// gravity. Uses Newton's and Euler's equations for one face or two.
+/// Returns the friction that rolling needs minus the friction that the contacts allow, divided by
+/// gravity. Uses Newton's and Euler's equations for one face or two faces.
 double friction_missing(const Trial& trial, const ContactMotion& motion) {
   const RoundBody& body = trial.body;
   const Vec3 force = motion.acceleration_mps2 - trial.gravity_mps2;
@@ -71,8 +70,8 @@ double friction_missing(const Trial& trial, const ContactMotion& motion) {
     const double load = dot(force, contact.normal);
     worst = norm(force - load * contact.normal) - contact.friction * load;
   } else {
-    // The force consists of the loads, and of friction along the line of both faces. Each contact
-    // exerts half of this friction.
+    // The force is the sum of the loads and of the friction along the line in which both faces
+    // meet. Each contact exerts half of this friction.
     const Vec3 &a = trial.contacts[0].normal, &b = trial.contacts[1].normal;
     const Vec3 line = math::normalized(cross(a, b));
     const double along = dot(force, line);
@@ -160,7 +159,7 @@ void judge(const Trial& trial, const ContactMotion& motion, const Twist& before,
   }
 }
 
-/// Results of random trials that were followed to their end or for an hour.
+/// Results of random trials. Each trial was followed to its end or for an hour.
 const Findings& findings() {
   static const Findings result = [] {
     Findings found;
@@ -233,7 +232,8 @@ TEST(ContactMotionAtRandom, BecomesSteady) {
 TEST(ContactMotion, HopsKeepEnergy) {
   // Goal: a hop keeps the kinetic energy and takes at most half of the energy of sliding and spin.
   // If that energy suffices, the hop reaches the requested speed. A rolling ball still rolls after
-  // a hop. Method: test random balls that don't approach the face, with speeds of all magnitudes.
+  // a hop. Method: test random balls that don't approach the face. Their speeds have all
+  // magnitudes.
   const std::uint64_t seed = 52;
   Dice dice(seed);
   double worst = 0;

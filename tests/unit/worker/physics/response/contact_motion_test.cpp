@@ -1,5 +1,5 @@
-// Compares the motion of spheres that stay on faces with known answers and with an integration in
-// small time steps.
+// Tests the motion of spheres that stay on faces. The references are known answers and an
+// integration in small time steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,7 +47,7 @@ TEST(ContactMotion, BallThrownWithoutSpin) {
 }
 
 TEST(ContactMotion, RollsAndSlidesOnSlopes) {
-  // Goal: a ball that starts from rest on a slope with tan <= mu (1 + k)/k rolls with the
+  // Goal: if a ball starts from rest on a slope with tan <= mu (1 + k)/k, it rolls with the
   // acceleration 5/7 g sin. On a steeper slope, the ball slides with the acceleration g (sin - mu
   // cos) and the angular acceleration 5/2 mu g cos / r. Method: test slopes on both sides of the
   // limit.
@@ -164,8 +164,9 @@ TEST(ContactMotion, SpinAboutTheNormalIsBraked) {
 }
 
 TEST(ContactMotion, RollsDownAGroove) {
-  // Goal: a ball in a groove rolls on circles of radius r cos b. Its acceleration is therefore g
-  // sin / (1 + k / cos^2 b). Here, 2 b is the angle between the normals of the groove's two planes.
+  // Goal: a ball in a groove rolls on circles of radius r cos b. The ball's acceleration is
+  // therefore g sin / (1 + k / cos^2 b). Here, 2 b is the angle between the normals of the groove's
+  // two planes.
   for (const double k : {0.4, 2.0 / 3}) {
     for (const auto& [angle_a, angle_b] :
          {std::array{0.8, 0.8}, std::array{0.2, 0.2}, std::array{0.4, 0.9}}) {
@@ -186,8 +187,8 @@ TEST(ContactMotion, RollsDownAGroove) {
 
 TEST(ContactMotion, CornerBrakesSpin) {
   // Goal: in a corner, friction decreases a ball's spin about the vertical to 0 at the rate mu g
-  // tan b / (k r). The corner has three planes whose normals are at the angle b to the vertical, so
-  // each load is g / (3 cos b).
+  // tan b / (k r). The corner has three planes. The planes' normals are at the angle b to the
+  // vertical, so each load is g / (3 cos b).
   const double mu = 0.2, r = 0.015, w = 90;
   for (const double b : {0.5, 1.1}) {
     Trial trial{.body = {.radius_m = r}, .twist = {Vec3::Zero(), Vec3(0, 0, w)}};
@@ -213,8 +214,9 @@ TEST(ContactMotion, CornerBrakesSpin) {
 // ---- against small steps of time ----------------------------------------------------------------
 
 /// Allowed error as a fraction of the impulse of all friction. While a slip turns by 1/32 rad, the
-/// code keeps its direction constant, at the value half way through the turn. The error is about
-/// the square of that angle for a slip of constant size, and up to 1.8 times as large otherwise.
+/// code keeps the slip's direction constant. The code uses the direction half way through the turn.
+/// If the slip's size is constant, the error is about the square of that angle. Otherwise, the
+/// error is up to 1.8 times as large.
 constexpr double k_held = 4.0 / 1024;
 
 struct State {
@@ -284,11 +286,11 @@ struct Agreement {
   }
 };
 
-/// Compares the code with the reference, which uses a time step and then a quarter of that step.
-/// The tolerance covers the reference's error: the effect of quartering, and gravity during one
-/// step where slip reverses. The tolerance also covers the error of keeping slip directions
-/// constant: `held` times the impulse of all friction. The spin's tolerance is 1/k of the
-/// velocity's.
+/// Compares the code with the reference. The reference runs with a time step, and again with a
+/// quarter of that step. The tolerance covers the reference's error: the effect of quartering the
+/// step, and gravity during one step when slip reverses. The tolerance also covers the error of
+/// constant slip directions, which is `held` times the impulse of all friction. The spin's
+/// tolerance is 1/k of the velocity's tolerance.
 void compare(const Trial& trial, int steps_per_sample, double held, Agreement& agreement) {
   const Samples coarse = stepped(trial, steps_per_sample);
   const Samples fine = stepped(trial, 4 * steps_per_sample);
@@ -310,7 +312,7 @@ void compare(const Trial& trial, int steps_per_sample, double held, Agreement& a
   agreement.fine += error.most();
 }
 
-/// A random velocity along the only face, with any spin.
+/// Returns a random spin and a random velocity along the only face.
 Twist random_twist(Dice& dice, const RoundBody& body, double speed_mps) {
   const double at = dice.uniform(0, 2 * k_pi);
   return {dice.uniform(0, speed_mps) * Vec3(std::cos(at), std::sin(at), 0),
@@ -318,10 +320,10 @@ Twist random_twist(Dice& dice, const RoundBody& body, double speed_mps) {
 }
 
 TEST(ContactMotionAgainstSteps, StraightOnOneFace) {
-  // Goal: sliding and rolling are right if the slip keeps its direction. Method: compare the motion
-  // with an integration in small time steps, for many moments of inertia. Throw balls with any spin
-  // along level faces and straight down slopes. Start other balls from rest on slopes too steep for
-  // rolling. Some faces have no friction.
+  // Goal: sliding and rolling are right if the slip keeps its direction. Method: for many moments
+  // of inertia, compare the motion with an integration in small time steps. Throw balls with any
+  // spin along level faces and straight down slopes. Start other balls from rest on slopes that are
+  // too steep for rolling. Some faces have no friction.
   const std::uint64_t seed = 41;
   Dice dice(seed);
   Agreement agreement;
@@ -363,7 +365,7 @@ TEST(ContactMotionAgainstSteps, AcrossASlope) {
 }
 
 TEST(ContactMotionAgainstSteps, WithRollingResistance) {
-  // Goal: rolling resistance is right for balls that stop, roll along a curve, keep rolling or spin
+  // Goal: rolling resistance is right if a ball stops, rolls along a curve, keeps rolling or spins
   // about the normal. Method: throw balls along level faces and slopes with different rolling
   // resistance. Compare their motion with an integration in small time steps.
   const std::uint64_t seed = 43;
@@ -383,9 +385,10 @@ TEST(ContactMotionAgainstSteps, WithRollingResistance) {
 }
 
 TEST(ContactMotionAgainstSteps, AlongValleys) {
-  // Goal: the motion of a ball in a valley is right, whichever of the two contacts slip. Method:
-  // throw balls with any spin along symmetric and skew valleys, some level and some steep. Most
-  // valleys have different friction on both sides. Some balls start from rest.
+  // Goal: the motion of a ball in a valley is right, no matter which of the two contacts slip.
+  // Method: throw balls with any spin along valleys. Some valleys are symmetric and some are skew;
+  // some are level and some are steep. Most valleys have different friction on both sides. Some
+  // balls start from rest.
   const std::uint64_t seed = 44;
   Dice dice(seed);
   Agreement agreement;
@@ -407,7 +410,7 @@ TEST(ContactMotionAgainstSteps, AlongValleys) {
 
 TEST(ContactMotionAgainstSteps, RollingResistanceInValleys) {
   // Goal: the rolling resistance of both contacts in a valley is right. Method: roll balls along
-  // gentle valleys whose sides have different resistance.
+  // gentle valleys. A valley's two sides have different resistance.
   const std::uint64_t seed = 45;
   Dice dice(seed);
   Agreement agreement;

@@ -35,12 +35,12 @@ inline Trial turned(const Quat& by, Trial trial) {
   return trial;
 }
 
-/// Gravity on a slope that descends along x, in a frame in which the slope is the plane z = 0.
+/// Gravity on a slope that descends along x. In the frame used, the slope is the plane z = 0.
 inline Vec3 gravity_on_slope(double slope_rad) {
   return {k_g * std::sin(slope_rad), 0, -k_g * std::cos(slope_rad)};
 }
 
-/// Two planes that meet in a line along x, each turned by its angle from z = 0.
+/// Two planes that meet in a line along x. Each plane has its own angle from z = 0.
 inline std::vector<LastingContact> valley(double angle_a, double angle_b, double mu_a, double mu_b,
                                           double c_a = 0, double c_b = 0) {
   return {
@@ -58,7 +58,7 @@ class Walk {
  public:
   explicit Walk(const Trial& trial) : trial_(trial), twist_(trial.twist) { begin(); }
 
-  /// REQUIRES: `time_s` is at least the `time_s` of the last call.
+  /// REQUIRES: `time_s` doesn't decrease from call to call.
   void go_to(double time_s) {
     while (holds() && begin_s_ + lasts_s_ <= time_s)
       next();
@@ -81,7 +81,7 @@ class Walk {
   double begin_s() const { return begin_s_; }
   double lasts_s() const { return lasts_s_; }
   int segments() const { return segments_; }
-  /// Returns whether the ball is pressed on all faces.
+  /// Returns whether the ball presses on all faces.
   bool holds() const { return motion_.pressed == (1U << trial_.contacts.size()) - 1; }
   bool is_last() const { return !holds() || std::isinf(lasts_s_); }
 

@@ -58,8 +58,8 @@ Rider along(const EdgePiece& piece, const Rider& from, double s) {
                                               s * piece.angular_acceleration_radps2}};
 }
 
-/// A sphere on the edge at `angle` from upright, with speeds around and along the edge and spin
-/// about the normal. The sphere rolls if `slip_mps` is zero.
+/// A sphere on the edge, at `angle` from upright. The sphere moves around and along the edge, and
+/// spins about the normal. The sphere rolls if `slip_mps` is zero.
 Rider rider_at(const Vec3& d, double angle, double around_mps, double along_mps, double pivot_mps,
                const Vec3& slip_mps = Vec3::Zero()) {
   const Vec3 level = math::normalized(cross(d, Vec3(0, 0, 1)));
@@ -80,8 +80,8 @@ double uniform(random::Stream& stream, double low, double high) {
 
 TEST(EdgePiece, RunsOutsideOfTheCylinderAndKeepsItsEnergy) {
   // Goal: on a piece of motion over an edge, a sphere doesn't sink, rises by at most the allowed
-  // height and gains no energy (edge_motion.h). Method: compute the distance and the energy along
-  // random pieces, for spheres that roll or slip. Exclude the energy with which the load lifts the
+  // height and gains no energy (edge_motion.h). Method: for spheres that roll or slip, compute the
+  // distance and the energy along random pieces. Exclude the energy with which the load lifts the
   // sphere.
   random::Stream stream({.seed = 7, .purpose = random::Purpose::scene}, 1);
   int pieces = 0;
@@ -140,8 +140,8 @@ TEST(EdgePiece, RunsOutsideOfTheCylinderAndKeepsItsEnergy) {
   EXPECT_LT(worst_change, 1e-15);
 }
 
-/// A sphere that rolls on an edge, by Newton's and Euler's laws: v = w x R n, n' = v_across / R,
-/// and with friction at the contact k R^2 w' = -R n x (v' - g).
+/// A sphere that rolls on an edge. Newton's and Euler's laws give v = w x R n and n' = v_across /
+/// R. Friction at the contact gives k R^2 w' = -R n x (v' - g).
 struct Rolling {
   Vec3 n = Vec3::Zero();
   Vec3 spin_radps = Vec3::Zero();
@@ -169,8 +169,8 @@ Rolling stepped(const Vec3& d, const Rolling& state, double h) {
 }
 
 TEST(EdgePiece, FollowsASphereThatRolls) {
-  // Goal: pieces of motion follow a sphere that rolls over and along an edge and spins about the
-  // normal, even if the sphere turns back. A smaller allowed rise gives a smaller error. Method:
+  // Goal: pieces of motion follow a sphere that rolls around and along an edge, even if the sphere
+  // spins about the normal or turns back. A smaller allowed rise gives a smaller error. Method:
   // compare places with a Runge-Kutta integration of Newton's and Euler's equations in steps of a
   // microsecond. Stop when the sphere is 0.6 rad down a side.
   const Vec3 d = math::normalized(Vec3(1, 0.3, 0.02));
@@ -209,9 +209,9 @@ TEST(EdgePiece, FollowsASphereThatRolls) {
 }
 
 TEST(EdgePiece, ThereIsNoneForWhatFliesOrStands) {
-  // Goal: edge_piece() returns nothing for a sphere that leaves the edge or doesn't move around the
-  // edge. Method: test speeds above and below sqrt(g R), at which an upright sphere leaves the
-  // edge.
+  // Goal: if a sphere leaves the edge or doesn't move around the edge, edge_piece() returns
+  // nothing. Method: test speeds above and below sqrt(g R). At this speed, an upright sphere leaves
+  // the edge.
   const Vec3 d(0, 1, 0);
   const double leaves_mps = std::sqrt(9.81 * k_radius_m);
   EXPECT_FALSE(piece_of(d, rider_at(d, 0, 1.05 * leaves_mps, 0, 0), 0.5, true));
@@ -223,7 +223,7 @@ TEST(EdgePiece, ThereIsNoneForWhatFliesOrStands) {
 
 TEST(EdgePiece, FrictionMustSufficeForRolling) {
   // Goal: a rolling sphere begins to slip where a side is too steep for the friction. Method: test
-  // friction above and below the limit, at which mu N equals 2/7 of gravity along the side.
+  // friction above and below the limit. At the limit, mu N equals 2/7 of gravity along the side.
   const Vec3 d(1, 0, 0);
   const Rider rider = rider_at(d, 0.6, 0.05, 0, 0);
   const auto holds = piece_of(d, rider, 0.4, true);

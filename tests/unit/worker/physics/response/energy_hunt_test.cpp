@@ -1,8 +1,8 @@
 // Searches for impacts that gain energy.
 //
 // A vector of numbers defines an impact. A random search picks the best of many vectors. Hill
-// climbing then changes a few numbers at a time and keeps improvements. The search must also find
-// the gains of laws that are known to gain energy; otherwise, it would prove nothing.
+// climbing then changes a few of its numbers at a time and keeps improvements. The search must also
+// find the gains of laws that are known to gain energy; otherwise, it would prove nothing.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -135,9 +135,9 @@ TEST(EnergyHunt, FindsGainInPlainNewton) {
 }
 
 TEST(EnergyHunt, FindsNoGainInOurs) {
-  // Goal: the law of rigid_impact.h gains no energy. Method: run long searches among common
-  // impacts, impacts with a floor of the separation speed, and almost elastic impacts. With
-  // SLEIGHT_SOAK, the searches try 12,000,000 impacts.
+  // Goal: the law of rigid_impact.h gains no energy. Method: run long searches among three kinds of
+  // impacts: common impacts, impacts whose separation speed has a floor, and almost elastic
+  // impacts. With SLEIGHT_SOAK, the searches try 12,000,000 impacts.
   const int times = std::getenv("SLEIGHT_SOAK") != nullptr ? 15 : 1;
   EXPECT_LE(hunted_gain(guarded, {}, times * 150'000, times * 150'000, 21), 1e-13L);
   EXPECT_LE(hunted_gain(guarded, {.floor_mps_max = 10}, times * 150'000, times * 150'000, 22),
@@ -146,10 +146,10 @@ TEST(EnergyHunt, FindsNoGainInOurs) {
 }
 
 TEST(EnergyHunt, FindsTheLossOfATerm) {
-  // Goal: each term of the law is necessary. Method: run the search on the slow law with one fault
-  // at a time, and without faults. Only faulty laws may gain energy. The faults are: Q isn't
-  // coupled to the normal; one of the two bounds of the raised speed is missing; friction acts
-  // against a slip that has turned.
+  // Goal: each term of the law is necessary. Method: run the search on the slow law without faults,
+  // and on the slow law with one fault at a time. Only faulty laws may gain energy. In one fault, Q
+  // isn't coupled to the normal. In two faults, one of the two bounds of the raised speed is
+  // missing. In one fault, friction acts against a slip that has turned.
   const auto faulty = [](Fault fault) {
     return [fault](const Case& made) { return slow_impact(made, fault); };
   };
@@ -163,9 +163,9 @@ TEST(EnergyHunt, FindsTheLossOfATerm) {
 
 TEST(EnergyHunt, FindsTheLossOfTheGuard) {
   // Goal: rounding alone can make an impact gain energy, but the guard prevents this gain. Method:
-  // run one search with the guard and one without it. Contacts are up to 1e6 radii of gyration away
-  // from the centres, and the centres are nearly in line with the normal. The impulse is then
-  // large, and its rounding error causes a large torque.
+  // run one search with the guard and one search without the guard. Contacts are up to 1e6 radii of
+  // gyration away from the centres, and the centres are nearly in line with the normal. The impulse
+  // is then large, and its rounding error causes a large torque.
   const auto unguarded = [](const Case& made) { return rigid_impact_unguarded(input_of(made)); };
   const Territory far{.arm_max = 1e6, .elastic = true, .in_line = true};
   EXPECT_GT(hunted_gain(unguarded, far, 20'000, 20'000, 27), 1e-12L);
@@ -174,8 +174,8 @@ TEST(EnergyHunt, FindsTheLossOfTheGuard) {
 
 TEST(EnergyHunt, GuardHardlyTouchesBodiesThatExist) {
   // Goal: the guard changes impulses by less than 1e-12 and abandons no impact. Method: compute
-  // random impacts with the guard and without it, and compare the impulses. Contacts are up to ten
-  // radii of gyration away from the centres.
+  // random impacts with the guard and without the guard, and compare the impulses. Contacts are up
+  // to ten radii of gyration away from the centres.
   Dice dice(28);
   int touched = 0;
   for (int i = 0; i < 100'000; ++i) {

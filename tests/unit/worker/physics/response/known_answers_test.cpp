@@ -16,7 +16,8 @@ constexpr double k_mass_kg = 0.8;
 constexpr double k_length_m = 1.5;
 constexpr double k_fall_mps = 2.0;
 
-/// A thin uniform rod in the xz plane falls onto a static floor, with its lower end at the origin.
+/// A thin uniform rod in the xz plane falls onto a static floor. The rod's lower end is at the
+/// origin.
 RigidImpactInput dropped_rod(double slope_rad, const ContactLaw& law) {
   const double moment = k_mass_kg * k_length_m * k_length_m / 12;
   RigidImpactInput input{.law = law};
@@ -49,9 +50,9 @@ TEST(KnownAnswers, RodDroppedOnItsEnd) {
 }
 
 TEST(KnownAnswers, RodThatCatchesItsEnd) {
-  // Goal: a plastic impact with high friction stops the rod's end. Method: compare the rod's spin
-  // omega with the spin that keeps the angular momentum about the end: m v (l/2) cos = (1/3) m l^2
-  // omega.
+  // Goal: a plastic impact with high friction stops the rod's end. Method: the impact keeps the
+  // angular momentum about the end, so the rod's spin omega must satisfy m v (l/2) cos = (1/3) m
+  // l^2 omega.
   for (const double slope_rad : {0.1, 0.3, 0.785, 1.2}) {
     const ImpactOutput out =
         rigid_impact(dropped_rod(slope_rad, {.restitution = 0, .friction = 1e3}));
@@ -63,9 +64,9 @@ TEST(KnownAnswers, RodThatCatchesItsEnd) {
 
 TEST(KnownAnswers, SlidingBallGripsTheFloor) {
   // Goal: a solid ball that slides at the speed v without spin leaves the floor at 5/7 v and rolls.
-  // A ball that only spins leaves with 2/7 of its rim's speed. Both balls stick only if mu (1 + e)
-  // u is at least 2/7 of the slip, where u is the approach speed. Method: test both impacts, and
-  // friction slightly above and slightly below the limit.
+  // A ball that spins without moving along the floor leaves with 2/7 of its rim's speed. Both balls
+  // stick only if mu (1 + e) u is at least 2/7 of the slip, where u is the approach speed. Method:
+  // test both impacts. Also test friction slightly above and slightly below the limit.
   SphereImpactInput input{.mass_b = solid_sphere_mass(0.17, 0.03),
                           .law = {.restitution = 0.5, .friction = 1}};
   input.b.velocity_mps = Vec3(0.7, 0, -1);
@@ -96,7 +97,8 @@ TEST(KnownAnswers, SlidingBallGripsTheFloor) {
 TEST(KnownAnswers, Billiards) {
   // Goal: two equal billiard balls exchange their velocities in a head-on impact. After a cut shot,
   // the balls separate at a right angle, and the object ball moves along the line of centres.
-  // Friction throws the object ball by atan(mu) towards the cue ball's slip and makes it spin.
+  // Friction turns the object ball's path by atan(mu) towards the cue ball's slip, and makes the
+  // object ball spin.
   SphereImpactInput input{.mass_a = solid_sphere_mass(0.17, 0.03),
                           .mass_b = solid_sphere_mass(0.17, 0.03),
                           .normal = Vec3::UnitX()};
@@ -121,9 +123,9 @@ TEST(KnownAnswers, Billiards) {
 }
 
 TEST(KnownAnswers, BallStopsDeadOnANeedlesEnd) {
-  // Goal: a ball stops if it hits the end of a resting rod of equal effective mass, and the end
-  // leaves at the ball's speed. Method: let a ball of mass m hit a rod of mass 4 m, whose effective
-  // mass is m.
+  // Goal: if a ball hits the end of a resting rod and the end's effective mass equals the ball's
+  // mass, the ball stops. The end leaves at the ball's speed. Method: let a ball of mass m hit the
+  // end of a rod of mass 4 m. The end's effective mass is m.
   RigidImpactInput input{.contact_m = Vec3::Zero(), .normal = Vec3::UnitZ()};
   input.a.mass = rigid_mass({.mass_kg = 0.2, .principal_kgm2 = Vec3::Constant(1e-3)});
   input.a.pose.position_m = Vec3(0, 0, -0.1);

@@ -1,5 +1,5 @@
-// Compares the motion of bodies on planes with closed forms and with a slab on springs. Also tests
-// that the bodies gain no energy.
+// Tests the motion of bodies on planes. The references are closed forms and a slab on springs. Also
+// tests that the bodies gain no energy.
 #include "worker/physics/response/plane_motion.h"
 
 #include <gtest/gtest.h>
@@ -54,8 +54,8 @@ Vec3 on_slope(double angle) {
 }
 
 TEST(PlaneMotion, ABoxSlidesInOneStraightPiece) {
-  // Goal: friction decelerates a sliding box by mu g, whatever the box's yaw. On a slope, the box
-  // has the acceleration g (sin - mu cos).
+  // Goal: friction decelerates a sliding box by mu g. The box's yaw doesn't matter. On a slope, the
+  // box has the acceleration g (sin - mu cos).
   for (const double yaw : {0.0, 0.4, pi / 4}) {
     const Box box({0.05, 0.03, 0.02}, 0.3, yaw);
     const PlaneMotion thrown =
@@ -108,7 +108,7 @@ TEST(PlaneMotion, WhatOnlySpinsStopsInOnePiece) {
   EXPECT_TRUE(is_zero(motion.acceleration_mps2));
 }
 
-/// Pieces of motion until the body stands.
+/// The pieces of a body's motion, until the body stands.
 struct Walk {
   Vec3 place_m = Vec3::Zero();
   double yaw = 0;
@@ -144,8 +144,8 @@ Walk walked(const Vec3& half_m, double friction, Twist twist, const Vec3& gravit
   return walk;
 }
 
-/// Integrates a slab on four stiff springs with dampers in small time steps. Assumes no law for the
-/// loads.
+/// Integrates the motion of a slab in small time steps. The slab is on four stiff springs with
+/// dampers. Assumes no law for the loads.
 Walk on_springs(const Vec3& half_m, double friction, const Twist& start) {
   constexpr double k_step_s = 2e-6;
   constexpr double k_depth_m = 1e-6;  // spring depth under the body's weight
@@ -176,7 +176,7 @@ Walk on_springs(const Vec3& half_m, double friction, const Twist& start) {
     }
     velocity += k_step_s * force;
     const Vec3 moments(box.inertia(0, 0), box.inertia(1, 1), box.inertia(2, 2));
-    // Tilts are so small that only the moments about the turned sides matter.
+    // Tilts are so small that only the box's turn about z matters here.
     const Vec3 local(c * torque.x() + s * torque.y(), -s * torque.x() + c * torque.y(), torque.z());
     const Vec3 turns(local.x() / moments.x(), local.y() / moments.y(), local.z() / moments.z());
     spin +=
@@ -192,8 +192,8 @@ Walk on_springs(const Vec3& half_m, double friction, const Twist& start) {
 
 TEST(PlaneMotion, ASpinningSlabGoesWhereOneOnSpringsGoes) {
   // Goal: the motion of a spinning slab is right even while slips turn and loads shift. Method:
-  // compare the slab with a slab on four stiff springs, integrated in steps of 2 microseconds.
-  // Places must agree to 1% of the distance, and rotations to 0.02 rad.
+  // compare with a slab on four stiff springs. The reference slab's motion is integrated in steps
+  // of 2 microseconds. Places must agree to 1% of the distance, and rotations to 0.02 rad.
   const Vec3 half_m(0.06, 0.04, 0.02);
   for (const double spin : {5.0, -20.0}) {
     const Twist start{.velocity_mps = {0.8, 0.3, 0}, .angular_velocity_radps = {0, 0, spin}};
@@ -212,7 +212,7 @@ TEST(PlaneMotion, ASpinningSlabGoesWhereOneOnSpringsGoes) {
 
 TEST(PlaneMotion, NoPieceGainsEnergy) {
   // Goal: no piece of motion gains energy (plane_motion.h, invariant 1), and every motion ends.
-  // Method: follow random boxes with random friction, slope and velocity, piece by piece.
+  // Method: follow random boxes piece by piece. Friction, slope and velocity are random.
   int walks = 0;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 20'000 : 300)) {
     response_reference::Dice dice(seed);
@@ -232,7 +232,8 @@ TEST(PlaneMotion, NoPieceGainsEnergy) {
 
 // ---- bodies of revolution -----------------------------------------------------------------------
 
-/// Outline of a solid cone that lies on its side on the plane, with its centre above the origin.
+/// Outline of a solid cone that lies on its side on the plane. The cone's centre is above the
+/// origin.
 struct LyingCone {
   double half_angle;
   double depth_m;  ///< of the plane below the centre
@@ -248,10 +249,11 @@ struct LyingCone {
 };
 
 TEST(PlaneMotion, AConeRollsInItsCircle) {
-  // Goal: a cone on its side, with its axis at the angle a to the plane, rolls in a circle at the
-  // rate w tan a. The circle's centre is the point where the axis meets the plane. Above a certain
-  // speed, the inner support lifts. Method: compare the motion with the closed form of the circle.
-  // Compare the limit of the speed with a balance of torques.
+  // Goal: if a cone lies on its side and its axis is at the angle a to the plane, the cone rolls in
+  // a circle at the rate w tan a. The circle's centre is the point where the axis meets the plane.
+  // Above a certain speed, the inner support lifts. Method: compare the motion with the closed form
+  // of the circle. A balance of torques gives the speed at which the inner support lifts. Compare
+  // this speed too.
   const double rise = 0.127;
   const double depth_m = 0.06;
   const LyingCone cone{rise, depth_m, {{{-0.05, 0, -depth_m}, 0.5}, {{0.15, 0, -depth_m}, 0.5}}};
@@ -271,8 +273,8 @@ TEST(PlaneMotion, AConeRollsInItsCircle) {
     // The acceleration points towards the point where the axis meets the plane.
     EXPECT_LT(motion.acceleration_mps2.x(), 0);
   }
-  // At the limit, the outer support carries the whole weight. Torques about this support come only
-  // from weight, path and gyration.
+  // At the limit, the outer support carries the whole weight. Only the weight, the path's
+  // acceleration and the gyration cause torques about this support.
   const double moment = math::dot(Vec3::UnitX(), math::product(inertia, Vec3::UnitX()));
   const double per_rate2 = std::tan(rise) * (moment + depth_m * depth_m);
   const double limit = std::sqrt(k_g_mps2 * 0.15 / per_rate2);
@@ -309,8 +311,8 @@ TEST(PlaneMotion, ACylinderSlidesThenRolls) {
   EXPECT_NEAR(rolls.acceleration_mps2.y(), k_g_mps2 * std::sin(0.1) / 1.5, 1e-12);
   EXPECT_NEAR(rolls.angular_acceleration_radps2.x() * radius_m, -rolls.acceleration_mps2.y(),
               1e-12);
-  // Friction holds the body along the axis, up to the friction's limit, as long as the line
-  // supports the body.
+  // As long as the line supports the body, friction up to its limit keeps the body from moving
+  // along the axis.
   const Vec3 along = k_g_mps2 * Vec3(std::sin(0.2), 0, -std::cos(0.2));
   EXPECT_TRUE(plane_motion(lying.body(inertia, 0), {}, along).carried);
   const Vec3 steep = k_g_mps2 * Vec3(std::sin(0.4), 0, -std::cos(0.4));

@@ -111,7 +111,8 @@ Body random_body(Dice& dice, const CaseOptions& options) {
   const double root = std::sqrt(options.mass_ratio_max);
   const double length = dice.spread(1e-2, 1e1);
   body.inertia.mass_kg = dice.spread(1 / root, root);
-  // Second moments of the mass satisfy the triangle inequality and include needles and plates.
+  // Draw second moments of the mass, so that the moments of inertia satisfy the triangle
+  // inequality. Some bodies are needles or plates.
   Vec3 squares;
   for (Eigen::Index i = 0; i < 3; ++i)
     squares[i] = dice.spread(1 / options.moment_ratio_max, 1) * length * length;
@@ -218,8 +219,8 @@ Real relative_gain(const Case& made, const ImpactOutput& out) {
 
 namespace {
 
-/// Separation speed for an approach at u. The speed is raised to the floor if `is_granted`, or else
-/// as far as gain_at(w) <= 0 allows.
+/// Separation speed for an approach at u. If `is_granted`, the speed is raised to the floor.
+/// Otherwise, the speed is raised as far as gain_at(w) <= 0 allows.
 template <class Gain>
 Real separation_speed(const ContactLaw& law, Real u, bool is_granted, const Gain& gain_at) {
   const Real slow = law.restitution * u;
@@ -267,7 +268,7 @@ ImpactOutput slow_impact(const Case& made, Fault fault) {
   const Real3 p1 = u / dot(n, response(made, n)) * n;
   Real3 q = solved(made, -1 * v) - p1;
   if (fault == Fault::uncoupled) q = across(q, n);
-  // Find the greatest kappa in the convex cone for each separation speed.
+  // For each separation speed, find the greatest kappa in the convex cone.
   const auto impulse_at = [&](Real w) {
     const Real3 base = (1 + w / u) * p1;
     if (in_cone(base + q, n, made.law.friction)) return base + q;

@@ -39,7 +39,6 @@ class Dice {
   explicit Dice(std::uint64_t seed)
       : stream_({.seed = seed, .purpose = random::Purpose::prior}, 0) {}
   double uniform(double low, double high) { return low + (high - low) * stream_.uniform(); }
-  /// Returns a number with uniform logarithm.
   double spread(double low, double high) { return low * std::pow(high / low, stream_.uniform()); }
   bool once_in(double count) { return stream_.uniform() * count < 1; }
   Vec3 direction() { return random::UniformDirection3{}.draw(stream_); }
@@ -71,24 +70,25 @@ struct CaseOptions {
   double mass_ratio_max = 1e6;
   double floor_mps_max = 0;
 };
-/// Two bodies, or a body and static geometry in either order, that approach at the contact.
+/// Two bodies that approach at the contact. Either body may be static geometry instead.
 Case random_case(Dice& dice, const CaseOptions& options);
 
 Real kinetic_energy(const Case& made, const Twist& a, const Twist& b);
 Real3 momentum(const Case& made, const Twist& a, const Twist& b);
 /// Angular momentum about the world's origin.
 Real3 angular_momentum(const Case& made, const Twist& a, const Twist& b);
-/// Velocity of B's contact point relative to A's.
+/// Velocity of B's contact point relative to A's contact point.
 Real3 contact_velocity(const Case& made, const Twist& a, const Twist& b);
-/// Sum of translational and rotational speeds at the contact, which determines rounding errors.
+/// Sum of translational and rotational speeds at the contact. Rounding errors are proportional to
+/// this sum.
 Real contact_speed_scale(const Case& made, const Twist& a, const Twist& b);
 /// (energy after - energy before) / energy before.
 Real relative_gain(const Case& made, const ImpactOutput& out);
 
-/// Computes the law in restitution.h from its definition. Friction acts against the slip if the
-/// slip doesn't reverse; otherwise the law is Chatterjee and Ruina's. P_I and P_II are solutions of
-/// linear equations with K. Bisection finds kappa and raised separation speeds. Can include
-/// deliberate faults.
+/// Computes the law in restitution.h from its definition. If the slip doesn't reverse, friction
+/// acts against the slip. Otherwise, the law is Chatterjee and Ruina's law. P_I and P_II are
+/// solutions of linear equations with K. Bisection finds kappa and raised separation speeds. Can
+/// include deliberate faults.
 enum class Fault : std::uint8_t {
   none,
   uncoupled,   ///< leaves out the normal component of Q
@@ -98,9 +98,9 @@ enum class Fault : std::uint8_t {
 };
 ImpactOutput slow_impact(const Case& made, Fault fault = Fault::none);
 
-/// Newton's restitution with Coulomb friction in its usual form, which can gain energy. The contact
-/// sticks if the impulse that stops the slip is in the cone. Otherwise friction acts against the
-/// initial slip.
+/// Newton's restitution with the usual form of Coulomb friction. This law can gain energy. The
+/// contact sticks if the impulse that stops the slip is in the cone. Otherwise friction acts
+/// against the initial slip.
 ImpactOutput plain_newton_impact(const Case& made);
 
 }  // namespace sleight::physics::response_reference

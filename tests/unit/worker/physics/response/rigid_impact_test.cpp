@@ -15,8 +15,8 @@ namespace sleight::physics::rigid_impact_test {
 
 using namespace response_reference;
 
-/// Difference of two outputs: the square root of the difference's kinetic energy, relative to the
-/// energy before the impact.
+/// Difference of two outputs: the square root of the quotient of two energies. The numerator is the
+/// kinetic energy of the twists' difference, and the denominator is the energy before the impact.
 Real difference(const Case& made, const ImpactOutput& left, const ImpactOutput& right) {
   const auto less = [](const Twist& a, const Twist& b) {
     return Twist{a.velocity_mps - b.velocity_mps,
@@ -26,8 +26,8 @@ Real difference(const Case& made, const ImpactOutput& left, const ImpactOutput& 
   return std::sqrt(apart / kinetic_energy(made, made.a.twist, made.b.twist));
 }
 
-/// Sum of 1/m + r^2 / (least moment). This is a bound on how much K amplifies a rounding error of
-/// the impulse.
+/// Sum of 1/m + r^2 / (least moment). K amplifies a rounding error of the impulse by at most this
+/// sum.
 Real inverse_mass_bound(const Case& made) {
   Real sum = 0;
   for (const Body* body : {&made.a, &made.b}) {
@@ -65,7 +65,8 @@ void expect_invariants(const Case& made) {
   EXPECT_LE(norm(p - normal_impulse * n),
             made.law.friction * normal_impulse * (1 + 1e-12L) + 8 * k_epsilon * norm(p));
 
-  // Two bodies conserve both momenta. With a static partner, the other body gains the impulse.
+  // Two bodies conserve both momenta. If one partner is static, the other partner gains the
+  // impulse.
   const bool two = made.a.inertia.mass_kg > 0 && made.b.inertia.mass_kg > 0;
   const Real3 gained = made.a.inertia.mass_kg > 0 ? Real{-1} * p : p;
   const Real3 expected = two ? Real3{} : gained;
@@ -89,7 +90,8 @@ void expect_invariants(const Case& made) {
                  angular_momentum(made, made.a.twist, made.b.twist) - turn),
             16 * k_epsilon * angular_scale);
 
-  // Without friction and loss, the impulse's rounding (through K) and the guard can take energy.
+  // Even without friction and loss, the guard and the impulse's rounding (through K) can take
+  // energy.
   if (made.law.friction == 0 && made.law.restitution == 1) {
     const Real energy = kinetic_energy(made, made.a.twist, made.b.twist);
     const Real push = norm(p) * std::sqrt(inverse_mass_bound(made) / energy);
@@ -134,8 +136,8 @@ TEST(RigidImpact, KeepsItsInvariantsAtExtremeMassRatios) {
 
 TEST(RigidImpact, AgreesWithTheLawsDefinition) {
   // Goal: the whitened closed form gives the result that the law defines. Method: compare impacts
-  // with the slow reference, which solves equations with K and finds kappa and the raised speed
-  // with a bisection. Well-conditioned impacts must agree to 1e-11 of the square root of the
+  // with the slow reference. The reference solves equations with K, and finds kappa and the raised
+  // speed by bisection. Well-conditioned impacts must agree to 1e-11 of the square root of the
   // energy, and all regimes must occur.
   Dice dice(4);
   int sticking = 0;
@@ -160,7 +162,7 @@ TEST(RigidImpact, AgreesWithTheLawsDefinition) {
 
 TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
   // Goal: the closed form takes the right branch even for badly conditioned bodies. Method: compare
-  // impacts with the slow reference, for moments of inertia that differ by up to a factor of 1e4.
+  // impacts with the slow reference. Moments of inertia differ by up to a factor of 1e4.
   Dice dice(5);
   Real worst = 0;
   for (int i = 0; i < 10'000; ++i) {
@@ -218,8 +220,9 @@ TEST(RigidImpact, SaysWhenItHasNoAnswer) {
 }
 
 TEST(RigidImpact, HopsArePaidFromOtherMotion) {
-  // Goal: rigid_hop() keeps the energy and separates a body at the requested speed, or as fast as
-  // half of the other motion's energy allows. A body that is already faster stays unchanged.
+  // Goal: rigid_hop() keeps the energy and separates a body at the requested speed. If half of the
+  // other motion's energy doesn't suffice, the body separates as fast as this half allows. A body
+  // that is already faster stays unchanged.
   Dice dice(11);
   int paid = 0;
   int poor = 0;

@@ -18,8 +18,8 @@ struct Spheres {
   Case made;  ///< the same spheres for the reference
 };
 
-/// Two spheres, or a sphere and static geometry in either order. They approach and touch at the
-/// origin.
+/// Two spheres, or a sphere and static geometry in either order. Both touch at the origin and
+/// approach each other.
 Spheres random_spheres(Dice& dice) {
   Spheres spheres;
   Case& made = spheres.made;
@@ -107,8 +107,8 @@ TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
   // Goal: a slow impact is raised to the separation speed v_c only as far as the energy of the slip
   // allows. Method: let a ball hit the floor at 1 mm/s with v_c = 10 mm/s. With a slip of 1 m/s,
   // the ball leaves at v_c. Without slip, the ball leaves at its approach speed. If the slip's
-  // energy suffices for only a part of v_c, the ball leaves with that part, and its energy stays
-  // constant.
+  // energy suffices for only a part of v_c, the ball leaves with this part of v_c. The ball's
+  // energy then stays constant.
   SphereImpactInput input{.mass_b = solid_sphere_mass(1, 0.01),
                           .law = {.restitution = 0.5, .friction = 0.3}};
   const auto leaves = [&](double slip_mps, double floor_mps) {
@@ -122,8 +122,8 @@ TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
   EXPECT_NEAR(leaves(1, 0.7e-3), 0.7e-3, 1e-17);
   EXPECT_NEAR(leaves(1, 0.3e-3), 0.5e-3, 1e-17);
 
-  // With a slip of 2 mm/s and mu = 0.3 the ball sticks, since sticking begins at w = 2 mm/s 2/7 /
-  // 0.3 - 1 mm/s = 0.905 mm/s. So w^2 = u^2 + (2/7) slip^2.
+  // If the slip is 2 mm/s and mu = 0.3, the ball sticks: sticking begins at w = 2 mm/s 2/7 / 0.3 -
+  // 1 mm/s = 0.905 mm/s. So w^2 = u^2 + (2/7) slip^2.
   EXPECT_NEAR(leaves(2e-3, 1e-2), std::sqrt(1e-6 + 2.0 / 7 * 4e-6), 1e-17);
   const ImpactOutput out = sphere_impact(input);
   EXPECT_EQ(out.regime, ImpactRegime::sticking);

@@ -57,7 +57,8 @@ double SteppedBall::sweep_friction() {
     const Vec3& n = contact.plane.normal;
     Vec3 slip = twist_.velocity_mps + cross(twist_.angular_velocity_radps, -body_.radius_m * n);
     slip -= dot(slip, n) * n;
-    // An impulse at the surface adds 1 to its velocity by translation and 1/k by rotation.
+    // A unit impulse at the surface changes the surface's velocity by 1 + 1/k: 1 by translation,
+    // and 1/k by rotation.
     const Vec3 wanted = contact.friction - slip / (1 + 1 / body_.gyration);
     const Vec3 change =
         within(wanted, contact.plane.friction * std::max(0.0, contact.load)) - contact.friction;

@@ -8,11 +8,11 @@
 // to the value that its law requires, given the other impulses. This code has no notion of sliding,
 // rolling, valleys or turning directions. The error is of first order in the step.
 //
-// Rolling resistance is a moment of at most (1 + k) c r times the load at a contact, against the
-// spin, while the ball rolls. Rolling resistance acts from the step after the first step that ends
-// without slip. The moment against spin about the normal of a single plane is at most c r times the
-// load. Each step begins without impulses, so that loads and friction across a valley don't clamp
-// the ball for no reason. Thread safety: values.
+// While the ball rolls, rolling resistance is a moment against the spin. At each contact, this
+// moment is at most (1 + k) c r times the load. Rolling resistance acts from the step after the
+// first step that ends without slip. On a single plane, a moment against the spin about the normal
+// is at most c r times the load. Each step begins without impulses. Otherwise, loads and friction
+// across a valley could clamp the ball for no reason. Thread safety: values.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ class SteppedBall {
   const Twist& twist() const { return twist_; }
   const Vec3& way_m() const { return way_m_; }
   bool rolls() const { return rolls_; }
-  /// Returns whether a plane would have had to pull the ball to keep it. Pulling is not modelled.
+  /// Returns whether a plane would have to pull the ball to keep contact. Pulling is not modelled.
   bool pulled() const { return pulled_; }
 
  private:

@@ -1,6 +1,7 @@
 // Goal: a query finds every overlapping box once, and no other box. Method: compare the boxes that
-// a query finds with a loop over all boxes. The random boxes include points, slabs, clusters and
-// equal boxes. Two trees of the same boxes must visit the boxes in the same order.
+// a query finds with the boxes that a loop over all boxes finds. The random boxes include points,
+// slabs, clusters and equal boxes. Two trees of the same boxes must visit the boxes in the same
+// order.
 #include "worker/physics/scene/box_tree.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,6 @@ Box random_box(random::Stream& stream, double spread_m, double size_m) {
   Box box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto low = static_cast<float>(spread_m * (stream.uniform() - 0.5));
-    // One box in four is flat along an axis.
     const double edge_m = stream.bits() % 4 == 0 ? 0 : size_m * stream.uniform();
     box.low_m[axis] = low;
     box.high_m[axis] = low + static_cast<float>(edge_m);

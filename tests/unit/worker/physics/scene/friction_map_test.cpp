@@ -18,7 +18,7 @@ random::Stream stream_of(std::uint64_t n) {
   return random::Stream({.seed = 20'261'128, .purpose = random::Purpose::prior}, n);
 }
 
-/// Last rectangle that contains a point of the plane z = 0, by the definition.
+/// Returns the last rectangle that contains a point of the plane z = 0. Uses the definition.
 int last_at(const std::vector<FrictionRectangle>& rectangles, double u_m, double v_m) {
   int last = -1;
   for (std::size_t i = 0; i < rectangles.size(); ++i) {
@@ -60,9 +60,9 @@ TEST(FrictionMap, TellsTheLastRectangle) {
 
 TEST(FrictionMap, FindsTheFirstBorder) {
   // Goal: border_s() returns the time at which another rectangle's friction begins to apply on a
-  // path. Method: look up the rectangle that applies at closely spaced times on random parabolas
-  // over random maps. The rectangle must stay the same up to border_s() and be another one just
-  // after it.
+  // path. Method: on random parabolas over random maps, look up the rectangle that applies at
+  // closely spaced times. The rectangle must stay the same up to border_s(). Just after border_s(),
+  // another rectangle must apply.
   int met = 0;
   for (std::uint64_t n = 0; n < 2000; ++n) {
     random::Stream stream = stream_of(n);

@@ -20,7 +20,7 @@ inline MapFrame frame_on(const HalfSpace& plane) {
   return {.origin_m = plane.offset_m * n, .u = math::cross(v, n), .v = v};
 }
 
-/// Rectangles over and beside each other within size_m of the origin. Some have no friction.
+/// Rectangles that begin within size_m of the origin and may overlap. Some have no friction.
 inline std::vector<FrictionRectangle> random_rectangles(random::Stream& stream, int count,
                                                         double size_m) {
   std::vector<FrictionRectangle> rectangles;

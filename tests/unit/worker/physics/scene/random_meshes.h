@@ -50,7 +50,8 @@ inline Raw sheet(std::uint32_t n, double edge_m, double high_m, random::Stream& 
   return raw;
 }
 
-/// A closed ball of triangles with corners moved in and out, so that it has edges of every kind.
+/// A closed ball of triangles. The corners are moved in and out, so the ball has edges of every
+/// kind.
 inline Raw star(random::Stream& stream, double roughness) {
   const ConvexPolyhedron ball = icosphere(1, 1).value();
   Raw raw;

@@ -20,7 +20,6 @@ using testing::vector_between;
 
 constexpr double k_radius_m = 0.05;
 
-/// Number of random meshes, larger if SLEIGHT_SOAK=1.
 std::uint64_t mesh_count() {
   return property::long_run() ? 8000 : 80;
 }
@@ -30,7 +29,7 @@ double between(random::Stream& stream, double low, double high) {
   return low + (high - low) * stream.uniform();
 }
 
-/// A mesh whose vertices move, in a scene with another mesh, a polyhedron and a plane.
+/// A mesh whose vertices move. The scene also has another mesh, a polyhedron and a plane.
 struct Subject {
   Raw raw;
   MeshClosure closure = MeshClosure::may_be_open;
@@ -171,8 +170,8 @@ struct Nearness {
   std::uint64_t differ = 0;
 };
 
-/// Compares features near random boxes. Slack that isn't used up may add features, but only
-/// features out of reach.
+/// Compares features near random boxes. Because of slack, `used` may have more features than
+/// `fresh`, but only features out of reach.
 void expect_near(const StaticGeometry& used, const StaticGeometry& fresh, const TriangleMesh& mesh,
                  bool closed, bool same_boxes, random::Stream& stream, Nearness& tally) {
   const auto corners_m = corners_of_features(mesh, closed);
@@ -212,7 +211,7 @@ void expect_near(const StaticGeometry& used, const StaticGeometry& fresh, const 
   }
 }
 
-/// Compares points near the mesh and far from it.
+/// Compares both geometries at points near the mesh and far from it.
 void expect_same_solids(const StaticGeometry& used, const StaticGeometry& fresh,
                         const TriangleMesh& mesh, random::Stream& stream) {
   for (int i = 0; i < 30; ++i) {
@@ -236,9 +235,9 @@ bool within(std::span<const Vec3> places_m, std::span<const Vec3> homes_m, doubl
 }
 
 TEST(Refresh, IsAsNew) {
-  // Goal: after vertices move, a refreshed geometry has the same features, regions, nearby features
-  // and solids as a newly built geometry. Method: apply every kind of move to sheets, stars and
-  // hollows.
+  // Goal: after vertices move, a refreshed geometry equals a newly built geometry: it has the same
+  // features, regions, nearby features and solids. Method: apply every kind of move to sheets,
+  // stars and hollows.
   Nearness tally;
   std::uint64_t kinds_changed = 0;
   std::uint64_t refused = 0;
@@ -346,7 +345,7 @@ TEST(Refresh, AVolumeThatIsKeptIsKeptByAnyMove) {
 
 // ---- solids -------------------------------------------------------------------------------------
 
-/// Reference: distance from a star's middle to its surface in a direction.
+/// Reference: the distance from a star's middle to the star's surface in one direction.
 double surface_m(const TriangleMesh& mesh, const Vec3& middle_m, const Vec3& way) {
   double furthest_m = 0;
   for (const TriangleCorners& t : mesh.triangles()) {

@@ -1,5 +1,5 @@
-// Goal: a sphere meets static geometry exactly where it touches the surface. Method: compare the
-// distance to the closest feature of a mesh or polyhedron with the distance to the closest
+// Goal: a sphere meets static geometry exactly where it touches the surface. Method: for a mesh or
+// polyhedron, compare the distance to the closest feature with the distance to the closest
 // triangle. Use random centres, and centres above corners, edges and diagonals. features_near()
 // must also find the closest feature. (penetration_test.cpp tests whole simulations, in which
 // nothing may fall through.)
@@ -41,8 +41,8 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return math::norm(p - (a + part * along));
 }
 
-/// Distance by definition: to the triangle's plane if the foot is inside the triangle, else to a
-/// side.
+/// Distance by definition. If the foot is inside the triangle, the distance is to the plane, else
+/// to the closest side.
 double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = math::cross(b - a, c - a);
   const auto left = [&](const Vec3& from, const Vec3& to) {
@@ -95,8 +95,8 @@ Closest closest_feature(const StaticGeometry& geometry, const Vec3& p) {
   return closest;
 }
 
-/// Expects that the closest feature is right, and that features_near() finds it from the box around
-/// a sphere that touches it.
+/// Expects that the closest feature is right. If a sphere touches this feature, features_near()
+/// must find it from the sphere's box.
 void expect_closest(const StaticGeometry& geometry, const TriangleMesh& mesh, const Vec3& p) {
   const double expected_m = distance_to_mesh(mesh, p);
   const Closest closest = closest_feature(geometry, p);
@@ -237,7 +237,7 @@ TEST(StaticGeometry, PiecesAreTheTrianglesAndStayWhenMoved) {
   EXPECT_EQ(geometry.name_of_piece({0}), "plane 0");
   EXPECT_EQ(geometry.name_of_feature({1}), "mesh 'it'");
   EXPECT_EQ(geometry.material_of_feature({1}), MaterialId{1});
-  // Features that no body can meet are not built.
+  // If no body can meet a feature, the feature is not built.
   Scene spheres = scene;
   spheres.bodies.pop_back();
   EXPECT_EQ(StaticGeometry(spheres).piece_count(), 1U);
@@ -305,8 +305,8 @@ TEST(StaticGeometry, ErrorsNameTheMesh) {
 }
 
 TEST(StaticGeometry, AThinPlateIsMetOnItsOwnSides) {
-  // One ball falls on a thin plate, and another is thrown up from below. Neither ball may collide
-  // with the plate's far side.
+  // One ball falls on a thin plate, and another ball is thrown up from below. Neither ball may
+  // collide with the plate's far side.
   const auto hull = [](double low_m, double high_m) {
     std::vector<Vec3> points_m;
     for (const double x : {-0.1, 0.1}) {

@@ -1,7 +1,7 @@
 // Goal: convex_hull() returns the convex hull of its points, with whole polygons as faces. Method:
-// build hulls of known solids and of random points. Check the volume, Euler's formula, that all
-// points are inside all faces, and that each vertex is necessary. Test inputs with many coplanar,
-// collinear and nearly equal points, and every typed error.
+// build hulls of known solids and of random points. Check the volume and Euler's formula. Check
+// that all points are inside all faces, and that each vertex is necessary. Also test inputs with
+// many coplanar, collinear or nearly equal points. Cause every typed error.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ Mat3 random_rotation(random::Stream& stream) {
 }
 
 double volume(const ConvexPolyhedron& p) {
-  // Divergence theorem: a third of the sum of offset times area.
+  // By the divergence theorem, the volume is a third of the sum of offset times area.
   double sum = 0;
   for (const Face& face : p.faces()) {
     const auto sides = p.sides_of(face);

@@ -1,6 +1,6 @@
 // Goal: the mass, centre of mass, inertia, principal axes and frame of a body are right. Method:
-// compare them with closed forms for boxes, prisms and tetrahedra. A body that is cut into parts
-// and turned must give the same result. A wrongly declared symmetry must give an error.
+// for boxes, prisms and tetrahedra, compare these properties with closed forms. A body that is cut
+// into parts and turned must give the same result. A wrongly declared symmetry must give an error.
 #include "worker/physics/shape/mass_properties.h"
 
 #include <gtest/gtest.h>
@@ -151,7 +151,7 @@ TEST(InBodyFrame, makes_declared_moments_exactly_equal) {
                          rotated(spun.value().frame.orientation, Vec3(0, 0, 1))),
                 0, 1e-13);
   }
-  // An upright prism keeps its frame. So does a cube that is declared axial.
+  // An upright prism keeps its frame, and a cube that is declared axial keeps its frame too.
   const auto upright =
       in_body_frame(Parts{regular_prism(6, 1, 3).value()}, 1, InertiaSymmetry::axial);
   EXPECT_LT(norm(rotated(upright.value().frame.orientation, Vec3(1, 0, 0)) - Vec3(1, 0, 0)), 1e-12);
@@ -167,8 +167,8 @@ TEST(InBodyFrame, refuses_what_is_declared_wrongly) {
   EXPECT_EQ(kind(in_body_frame(brick, 1, InertiaSymmetry::axial)), Kind::not_axial);
   EXPECT_EQ(kind(in_body_frame(brick, 0, InertiaSymmetry::general)), Kind::dimension_not_positive);
   EXPECT_EQ(kind(in_body_frame({}, 1, InertiaSymmetry::general)), Kind::no_parts);
-  // In the first box, the moments differ by slightly more than the tolerance; in the second box, by
-  // slightly less.
+  // The first box's moments differ by slightly more than the tolerance. The second box's moments
+  // differ by slightly less.
   const auto nearly = [](double by) { return Parts{box(Vec3(1, 1, 1 + by)).value()}; };
   EXPECT_FALSE(in_body_frame(nearly(3e-9), 1, InertiaSymmetry::spherical).ok());
   EXPECT_TRUE(in_body_frame(nearly(3e-10), 1, InertiaSymmetry::spherical).ok());

@@ -31,7 +31,7 @@ class Dice {
   random::Stream stream_;
 };
 
-/// Some rings about any axis, with balls beside it if requested.
+/// Some rings about a random axis. If `balls` is set, also some balls.
 RoundDescription random_description(Dice& dice, bool balls) {
   RoundDescription description{.origin_m = dice.uniform(0, 0.1) * dice.direction(),
                                .axis = dice.direction(),
@@ -50,8 +50,8 @@ RoundDescription random_description(Dice& dice, bool balls) {
 }
 
 TEST(RoundPiece, ReachesAsFarAsItsPoints) {
-  // Goal: reach_m() is the reach of the piece's furthest point in any direction. Method: compare it
-  // with the furthest of many points on the rings' circles.
+  // Goal: reach_m() is the reach of the piece's furthest point in any direction. Method: compare
+  // the reach with the furthest of many points on the rings' circles.
   for (std::uint64_t n = 0; n < 200; ++n) {
     Dice dice(n);
     const RoundDescription description = random_description(dice, n % 2 == 0);
@@ -78,10 +78,10 @@ TEST(RoundPiece, ReachesAsFarAsItsPoints) {
 }
 
 TEST(RoundPiece, HasTheProfileOfItsHull) {
-  // Goal: radius_at_m() and the normals of straight parts are right. Method: for random pieces of
-  // revolution, compute the largest radius that the reach allows at a height, for each of many
-  // directions. The least of these radii must equal radius_at_m(). Along the normal of a straight
-  // part, two rings must share the greatest reach, unless the part is an end.
+  // Goal: radius_at_m() and the normals of straight parts are right. Method: use random pieces of
+  // revolution and many directions. For each direction, compute the largest radius that the reach
+  // allows at a height. The least of these radii must equal radius_at_m(). Along the normal of a
+  // straight part, two rings must share the greatest reach, unless the part is an end.
   for (std::uint64_t n = 0; n < 200; ++n) {
     Dice dice(n);
     const RoundDescription description = random_description(dice, false);
@@ -277,9 +277,9 @@ TEST(RoundSolids, AHullReachesAsFarAsTheParts) {
 }
 
 TEST(RoundSolids, ThePinIsThatOfTheRules) {
-  // Goal: a bowling pin of 1.55 kg has the right shape to 0.4 mm. Its centre of mass is at 147.2
-  // mm, and its moments of inertia are 0.00193 and 0.0131 kg m^2. Method: compare the profile with
-  // the specification's diameters and the spline through them.
+  // Goal: a bowling pin of 1.55 kg has the right shape to 0.4 mm. The pin's centre of mass is at
+  // 147.2 mm, and the moments of inertia are 0.00193 and 0.0131 kg m^2. Method: compare the profile
+  // with the specification's diameters and the spline through them.
   const RoundSolid pin = bowling_pin(1.55).value();
   EXPECT_NEAR(pin.foot_m, 0.1472, 2e-4);
   EXPECT_NEAR(pin.inertia.principal_kgm2.z(), 0.00193, 0.00001);

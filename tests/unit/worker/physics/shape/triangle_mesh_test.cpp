@@ -39,7 +39,7 @@ Raw triangulated(const ConvexPolyhedron& p) {
   return raw;
 }
 
-// A sheet of n x n squares at z = 0 with two triangles each, facing up.
+// A sheet of n x n squares at z = 0. Each square has two triangles, which face up.
 Raw sheet(std::uint32_t n) {
   Raw raw;
   for (std::uint32_t y = 0; y <= n; ++y) {
@@ -146,7 +146,7 @@ TEST(TriangleMesh, moved_equals_built_bit_for_bit) {
   expect_equal(mesh, at_first);
 }
 
-// Computes a face by definition, one number at a time.
+// Computes a face by definition. Computes each number separately.
 MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
   MeshFace face;
   face.normal = math::normalized(cross(b - a, c - a));
@@ -160,10 +160,10 @@ MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
-  // Goal: faces that are computed in vector registers have the bits of faces that are computed one
-  // at a time, for any number of triangles. Method: make sheets and balls with random vertices,
-  // some far from the origin, and move vertices. Compare faces and edges with the plain computation
-  // before and after each move.
+  // Goal: for any number of triangles, faces that are computed in vector registers have the same
+  // bits as faces that are computed one at a time. Method: make sheets and balls with random
+  // vertices, and move vertices. Some shapes are far from the origin. Compare faces and edges with
+  // the plain computation before and after each move.
   random::Stream stream({.seed = 23, .purpose = random::Purpose::prior}, 0);
   const auto random_place = [&](double size) -> Vec3 {
     const double x = stream.uniform();
@@ -205,8 +205,8 @@ TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
 }
 
 TEST(TriangleMesh, a_face_that_is_too_thin_is_found_in_either_half) {
-  // Goal: move_vertices() refuses a face that is too thin exactly if a new mesh is refused,
-  // whichever triangle of a pair is too thin. Method: move each vertex of a sheet close to a side,
+  // Goal: move_vertices() refuses a thin face exactly if a new mesh with this face is refused.
+  // Either triangle of a pair may be too thin. Method: move each vertex of a sheet close to a side,
   // so that a triangle is slightly too thin or barely thick enough.
   const Raw raw = sheet(3);
   int refused = 0;
@@ -233,7 +233,7 @@ TEST(TriangleMesh, a_face_that_is_too_thin_is_found_in_either_half) {
 
 TEST(TriangleMesh, a_move_lists_what_it_concerns) {
   // Goal: moved_triangles() lists the triangles around moved vertices, moved_edges() lists the
-  // edges of these triangles, and moved_vertices() lists their corners. Each list has each item
+  // edges of these triangles, and moved_vertices() lists their corners. Each item is in its list
   // once. flat_changes() lists the edges that became flat or stopped being flat. After a refused
   // move, all lists are empty. Method: make random moves in a sheet and in a closed mesh; some move
   // a vertex twice. Compare the lists with a search through all triangles.
@@ -255,7 +255,6 @@ TEST(TriangleMesh, a_move_lists_what_it_concerns) {
         const double rise_m = stream.bits() % 2 == 0 ? 0 : 0.1 * stream.uniform();
         moves.push_back({v, raw.vertices[v] + Vec3(0, 0, rise_m)});
       }
-      // Sometimes move the same vertices again.
       if (i % 5 == 0) {
         ASSERT_FALSE(mesh.move_vertices(moves));
       }
@@ -303,7 +302,8 @@ TEST(TriangleMesh, a_bad_move_changes_nothing_and_says_why) {
   EXPECT_EQ(not_finite->kind, Kind::vertex_not_finite);
   EXPECT_EQ(not_finite->vertex, 6U);
   EXPECT_EQ(not_finite->triangle, 2U);
-  // Move vertex 5 onto its neighbour 6, after a detour. Triangle 2 is the first without area.
+  // Move vertex 5 onto its neighbour 6, after a detour. Triangle 2 is the first triangle without
+  // area.
   const auto flat =
       mesh.move_vertices(std::vector<VertexMove>{{5, Vec3(0, 0, 5)}, {5, Vec3(2, 1, 0)}});
   ASSERT_TRUE(flat.has_value());

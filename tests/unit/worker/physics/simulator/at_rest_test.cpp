@@ -67,7 +67,7 @@ Scene pins() {
   return scene;
 }
 
-/// A semicircle of stones of mean radius 1 that lean on each other.
+/// Stones that lean on each other in a semicircle of mean radius 1.
 Scene arch(int count, double thickness, double friction) {
   Scene scene = floor_scene(0.2, friction);
   const double half = 0.5 * pi / count;
@@ -108,7 +108,7 @@ TEST(AtRest, PinsAStackAndAnArchStandForAMinute) {
   expect_nothing_happens(arch(15, 0.13, 0.7));
 }
 
-/// A cube of 10 cm turned about the vertical.
+/// A cube of side 10 cm, turned about the vertical.
 BodyDescription turned_cube_at(const std::string& name, const Vec3& centre_m, double yaw_rad) {
   BodyDescription body = box_at(name, {0.1, 0.1, 0.1}, centre_m);
   body.start.pose.orientation = math::composed(math::quaternion_of_rotation_vector({0, 0, yaw_rad}),
@@ -119,9 +119,9 @@ BodyDescription turned_cube_at(const std::string& name, const Vec3& centre_m, do
 TEST(AtRest, TwentyCubesStandForAMinute) {
   // Goal: a stack of 20 cubes that lie askew on each other starts at rest and stays at rest. A
   // stack that is dropped from slightly above comes to rest and stays at rest. Method: count the
-  // events of the first stack, and test that the dropped cubes rest from the first second on. In
-  // one stack, all cubes have the same yaw. Its neighbours touch at two crossings of edges and at
-  // one corner of each cube. In the other stack, yaws differ.
+  // events of the first stack. Test that the dropped cubes rest after one second. In one stack, all
+  // cubes have the same yaw. Neighbouring cubes then touch at two crossings of edges and at one
+  // corner of each cube. In the other stack, yaws differ.
   for (const bool alike : {true, false}) {
     Scene stack = floor_scene(0.1, 0.5);
     random::Stream stream = scenes::stream_of_scene(1, alike ? 0 : 1);
@@ -224,9 +224,9 @@ TEST(AtRest, ABallWakesThePinsThatItHits) {
 }
 
 TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
-  // Goal: parallel edges of stacked cubes never count as crossing edges, whatever the yaw and the
-  // rounding errors. Method: for up to 8,000 yaws, stack two cubes of equal yaw. The upper cube's
-  // centre is 1 mm outside the lower cube's edge, or 1 mm inside. If rounding made parallel edges
+  // Goal: parallel edges of stacked cubes never count as crossing edges. Yaw and rounding errors
+  // don't matter. Method: for up to 8,000 yaws, stack two cubes of equal yaw. The upper cube's
+  // centre is 1 mm outside or 1 mm inside the lower cube's edge. If rounding made parallel edges
   // cross, some of the outer cubes would be supported.
   random::Stream stream = scenes::stream_of_scene(2, 0);
   for (std::uint64_t i = 0; i < property::of_tier(500, 8000); ++i) {
@@ -243,9 +243,9 @@ TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
 }
 
 TEST(AtRest, ReplaysAreTheSame) {
-  // Goal: a history changes no result of a scene that starts at rest. Method: record a history of a
-  // ball that rolls into pins, and of a ball that hits a wall. Move the ball's start, or a pin, and
-  // compare a run that uses the history with a run without a history.
+  // Goal: a history changes no result of a scene that starts at rest. Method: record the histories
+  // of two scenes: a ball that rolls into pins, and a ball that hits a wall. Move the ball's start
+  // or a pin. Then compare a run that uses the history with a run without a history.
   const auto differ_in_the_ball = [](const Scene& one, const Vec3& aside_m) {
     Scene other = one;
     other.bodies.back().start.pose.position_m += aside_m;

@@ -77,7 +77,7 @@ TEST(Conservation, APeriodicGasKeepsItsMomentum) {
   EXPECT_LT(math::norm(momentum() - before), 1e-9 * 256);
 }
 
-/// Energy changes at events, summed over the bodies that begin a segment at the event.
+/// Energy changes at events. A change is summed over the bodies that begin a segment at the event.
 struct EnergyChanges {
   double largest_gain = 0;  ///< relative to the energy of these bodies
   double total_loss_j = 0;
@@ -114,16 +114,16 @@ EnergyChanges energy_changes_of(const RecordedRun& run) {
   return changes;
 }
 
-/// Returns the scene without user controls, which can add energy.
+/// Returns the scene without user controls, because they can add energy.
 Scene without_controls(Scene scene) {
   scene.controls.clear();
   return scene;
 }
 
 TEST(Conservation, EventsGainNoEnergy) {
-  // Goal: no event gains energy, for any friction and restitution. Method: compare the bodies'
-  // kinetic plus potential energy before and after each event, in recordings of every kind of scene
-  // without user controls. Another test covers the motion between events.
+  // Goal: no event gains energy, for any friction and restitution. Method: record scenes of every
+  // kind, without user controls. Compare the bodies' kinetic plus potential energy before and after
+  // each event. Another test covers the motion between events.
   double largest = 0;
   const auto look = [&](const Scene& scene, double duration_s, const std::string& name) {
     const RecordedRun run = testing::recorded(without_controls(scene), duration_s);
@@ -145,7 +145,8 @@ TEST(Conservation, EventsGainNoEnergy) {
 }
 
 TEST(Conservation, AGainIsSeen) {
-  // Goal: energy_changes_of() finds a gain. Method: push a body with a control, which adds energy.
+  // Goal: energy_changes_of() finds a gain. Method: use a control to push a body, which adds
+  // energy.
   Scene scene = scenes::rain(5, 3).scene;
   scene.controls.assign(
       1, {.tick = Tick{} + ticks_after(0.3), .body = {0}, .velocity_change_mps = {0, 0, 10}});

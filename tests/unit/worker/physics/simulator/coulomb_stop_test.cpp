@@ -61,10 +61,10 @@ Scene thrown(const Slider& slider, double yaw, double speed_mps, const SurfaceLa
 }
 
 TEST(CoulombStop, WhatIsThrownFlatSlidesAsFarAsCoulombSays) {
-  // Goal: a body that is thrown flat slides v^2 / (2 mu g) far, to 2%, and almost straight. Its
-  // shape, yaw, friction and speed don't matter. Method: throw bodies along the floor, and compare
-  // the distance at which they rest with the closed form. If every impulse were along Q of
-  // response/restitution.h, bodies would slide up to 17% too far.
+  // Goal: a body that is thrown flat slides almost straight. The distance is v^2 / (2 mu g), to 2%.
+  // The body's shape, yaw, friction and speed don't matter. Method: throw bodies along the floor,
+  // and compare the distance at which they rest with the closed form. If every impulse were along Q
+  // of response/restitution.h, bodies would slide up to 17% too far.
   for (const Slider& slider : sliders()) {
     for (const double yaw : {0.0, 0.3, std::numbers::pi / 4}) {
       for (const double friction : {0.2, 0.3}) {

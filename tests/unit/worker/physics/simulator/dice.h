@@ -20,7 +20,7 @@ struct Dice {
   }
   bool one_in(std::uint64_t count) { return below(count) == 0; }
   double within(double half) { return random::Uniform{.low = -half, .high = half}.draw(stream); }
-  /// Returns a size from low to high, uniform in its logarithm.
+  /// Returns a size from low to high. The size's logarithm is uniform.
   double between(double low, double high) { return low * std::pow(high / low, 0.5 + within(0.5)); }
   Vec3 vector_within(double half) {
     const double x = within(half);

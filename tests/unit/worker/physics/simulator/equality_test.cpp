@@ -63,7 +63,7 @@ std::array<Way, 5> ways() {
 
 TEST(Equality, EveryWayGivesTheSameRecording) {
   // Goal: the choice of algorithm, broad phase and queue changes no bit of the results. Method:
-  // compare the recordings of random scenes of every kind with a reference, which predicts all
+  // record random scenes of every kind, and compare with a reference. The reference predicts all
   // pairs and has no bounding volumes.
   std::uint64_t collisions = 0;
   const SimulationOptions reference =
@@ -88,9 +88,9 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
 }
 
 TEST(Equality, OneWayMayTakeOverFromAnother) {
-  // Goal: a switch to other options (go_on_with) changes no bit of the recording, even while bodies
-  // fly, touch, rest or have not started. Method: run scenes of all kinds in random portions, each
-  // with different options.
+  // Goal: a switch to other options (go_on_with) changes no bit of the recording. At the switch,
+  // bodies may fly, touch, rest or not have started. Method: run scenes of all kinds in random
+  // portions. Each portion has different options.
   for (const std::uint64_t n : property::cases(property::of_tier(22, 90))) {
     const TestScene scene = testing::any_scene(n);
     const Outcome expected = outcome_of(scene, {});
@@ -116,9 +116,9 @@ TEST(Equality, OneWayMayTakeOverFromAnother) {
 }
 
 TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {
-  // Goal: go_on_with() repeats no event of the current tick, not even at tick 0, and keeps an
-  // error. Method: use a scene with a control and a sample at tick 0, whose only body starts later.
-  // Also use a scene that fails when a body starts late.
+  // Goal: go_on_with() repeats no event of the current tick, not even at tick 0. An error stays
+  // after go_on_with(). Method: use a scene that has a control and a sample at tick 0. The scene's
+  // only body starts later. Also use a scene that fails when a body starts late.
   Scene scene = scenes::rain(1, 1).scene;
   scene.bodies[0].start_tick = Tick{1000};
   scene.controls.push_back({.tick = Tick{0}, .body = {0}});
@@ -158,8 +158,8 @@ TEST(Equality, AnotherSeedIsAnotherRecording) {
 }
 
 TEST(Equality, ShiftedScenesGiveShiftedTicks) {
-  // Goal: if all starts and controls of a scene are shifted, the recording is shifted by the same
-  // number of ticks and otherwise unchanged (simulation.h, invariant 3).
+  // Goal: if all starts and controls of a scene are shifted in time, the recording shifts by the
+  // same number of ticks. Nothing else changes (simulation.h, invariant 3).
   for (const std::uint64_t n : property::cases(60)) {
     const TestScene scene = testing::any_scene(n);
     // Bodies that start at rest must start at tick 0.

@@ -36,8 +36,8 @@ std::vector<Recording::Entry> bounces(const RecordedRun& run, std::uint32_t body
 TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
   // Goal: the first 20 bounces of a ball with restitution 0.8 have the right times and heights.
   // Method: compare times and heights with the geometric series. A ball collides at a height of
-  // k_touch_m above the floor. Each bounce is detected up to a tick late, which delays each later
-  // bounce by up to 2/e more ticks.
+  // k_touch_m above the floor. Each bounce is detected up to a tick late. This error delays each
+  // later bounce by up to 2/e more ticks.
   constexpr double k_restitution = 0.8;
   constexpr double k_radius_m = 0.02;
   constexpr double k_height_m = 1;
@@ -57,7 +57,7 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
     const auto ticks = static_cast<long double>(hits[n].cause.tick.value);
     const auto late = static_cast<double>(ticks - time_s * 0x1p30L);
     worst_ticks = std::max(worst_ticks, std::fabs(late));
-    // The bounce's height above the place of touch, from the velocity after the bounce.
+    // The bounce's height above the place of touch, computed from the velocity after the bounce.
     const double v = hits[n].segment.flight.velocity_mps.z();
     const double height_m =
         v * v / (2 * k_g_mps2) + hits[n].segment.flight.position_m.z() - k_radius_m - k_touch_m;
@@ -74,8 +74,8 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
 }
 
 TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
-  // Goal: one, two or three of five balls in a row strike the others, which almost touch. The same
-  // number of balls then leaves at the other end, and the rest stand still.
+  // Goal: if one, two or three of five balls in a row strike the others, the same number of balls
+  // leaves at the other end. The rest stand still. The struck balls almost touch each other.
   for (const std::size_t strikers : {1U, 2U, 3U}) {
     Scene scene;
     for (std::size_t i = 0; i < 5; ++i) {
@@ -93,9 +93,10 @@ TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
 }
 
 TEST(KnownPhysics, SimultaneousBlowsAreResolvedInTheOrderOfPairs) {
-  // Goal: at one tick, the pair with lower ids collides first, and later collisions start from its
-  // result (event.h). Method: let two balls hit a middle ball from both sides at the same tick.
-  // Pairs (0, 1), (1, 2) and (0, 1) must collide in this order, and both outer balls must fly back.
+  // Goal: if two pairs collide at one tick, the pair with lower ids collides first. Later
+  // collisions start from the result (event.h). Method: let two balls hit a middle ball from both
+  // sides at the same tick. Pairs (0, 1), (1, 2) and (0, 1) must collide in this order, and both
+  // outer balls must fly back.
   Scene scene;
   for (const double x : {-1.0, 0.0, 1.0})
     scene.bodies.push_back(ball({x, 0, 0}, {-x, 0, 0}));
@@ -117,8 +118,8 @@ TEST(KnownPhysics, SimultaneousBlowsAreResolvedInTheOrderOfPairs) {
   EXPECT_EQ(run.recording.segments({2}).back().segment.flight.velocity_mps, Vec3(1, 0, 0));
 }
 
-/// Compressibility p V / (N k T) of hard spheres, from the momentum that collisions transfer: mean
-/// over blocks of time, and its standard error.
+/// Compressibility p V / (N k T) of hard spheres: the mean over blocks of time, and the mean's
+/// standard error. Computed from the momentum that collisions transfer.
 struct Pressure {
   double mean = 0;
   double error = 0;

@@ -28,7 +28,7 @@ Scene lane(const Ball& ball, const Twist& twist, const std::vector<FrictionRecta
   scene.gravity_mps2 = {0, 0, -k_g_mps2};
   scene.contacts = ContactTable(1, {.restitution = 0, .friction = friction_elsewhere});
   scene.slow = slow_contacts_of(2 * ball.radius_m, k_g_mps2);
-  // This speed is low, because slip ends at a tenth of it, which must be below the tolerance.
+  // Slip ends at a tenth of the separation speed, and this tenth must be below the tolerance.
   scene.slow.separation_speed_mps = 1e-5;
   scene.planes.push_back({.name = "lane",
                           .outside = {.normal = {0, 0, 1}, .offset_m = 0},
@@ -54,8 +54,8 @@ const Segment& segment_at(const RecordedRun& run, Tick tick) {
   return *last;
 }
 
-/// Integrates a ball that slides and rolls, with the fourth-order Runge-Kutta method. Halves steps
-/// where friction or slip changes.
+/// Integrates the motion of a ball that slides and rolls. Uses the fourth-order Runge-Kutta method.
+/// Halves steps where friction or slip changes.
 class SteppedBall {
  public:
   struct State {
@@ -143,11 +143,11 @@ class SteppedBall {
 };
 
 TEST(Lane, BallsRunAsAnIntegrationSays) {
-  // Goal: a ball that slides over a friction map is at the right place to 1e-6 m, even after
-  // borders and the change to rolling. Method: throw random balls over random maps. Compare their
-  // places with a Runge-Kutta integration, one second and two seconds after the first slide begins.
-  // Compare the final velocity with a closed form that holds for any map: v = (v0 + k r w) / (1 +
-  // k).
+  // Goal: the place of a ball that slides over a friction map is right to 1e-6 m, even after the
+  // ball crosses borders and begins to roll. Method: throw random balls over random maps. One
+  // second and two seconds after the first slide begins, compare the balls' places with a
+  // Runge-Kutta integration. Compare the final velocity with a closed form that holds for any map:
+  // v = (v0 + k r w) / (1 + k).
   int borders = 0;
   for (const std::uint64_t n : property::cases(property::long_run() ? 200 : 60)) {
     random::Stream stream({.seed = 20'261'128, .purpose = random::Purpose::prior}, n);

@@ -74,9 +74,9 @@ TEST(LyingBodies, AWallEndsAStay) {
 }
 
 TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
-  // Goal: a box slides on the face of a static block as on a plane, up to the edge. The box stays
-  // if its centre stays on the block, and falls otherwise. Method: throw two boxes so slowly that
-  // they stop before the edge, and one so fast that it slides over the edge.
+  // Goal: up to the edge, a box slides on a static block's face as on a plane. The box stays if its
+  // centre stays on the block, and falls otherwise. Method: throw two boxes so slowly that they
+  // stop before the edge. Throw a third box so fast that it slides over the edge.
   for (const double way_m : {0.3, 0.45, 0.6}) {
     Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0.3});
     scene.convexes.push_back({.name = "table",
@@ -99,7 +99,7 @@ TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
     EXPECT_EQ(last_segment(run).mode, MotionMode::resting) << way_m;
     const Vec3 end_m = last_segment(run).flight.position_m;
     EXPECT_EQ(end_m.z() > 0.3, way_m < 0.5) << way_m;
-    // At the table's border the box bounces, which adds some friction.
+    // At the table's border the box bounces. The bounces add some friction.
     if (way_m > 0.5) continue;
     EXPECT_NEAR(end_m.x(), way_m, way_m < 0.4 ? 2e-3 : 2e-2);
     EXPECT_TRUE(way_m > 0.4 || events_of(run) <= 50) << events_of(run);
@@ -108,8 +108,8 @@ TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
 
 TEST(LyingBodies, FrictionOfAMapBrakesFromItsBorderOn) {
   // Goal: each support of a sliding plank has the friction of its own place. Method: let a plank
-  // slide from ice onto rough ground. Compare the place at which it stops with the work of
-  // friction, if the front and the back carry half of the weight each.
+  // slide from ice onto rough ground. Compute the plank's stop from the work of friction, and
+  // compare. The front and the back each carry half of the weight.
   FrictionRectangle rough{
       .u_min_m = 1, .u_max_m = 100, .v_min_m = -10, .v_max_m = 10, .friction = 0.5};
   Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0});
@@ -129,8 +129,8 @@ TEST(LyingBodies, FrictionOfAMapBrakesFromItsBorderOn) {
 
 TEST(LyingBodies, APinRollsInItsCircle) {
   // Goal: a lying bowling pin rolls in a circle, like a cone whose axis rises by 7.3 degrees. At
-  // 0.4 m/s, the pin loses no energy and has fewer than 100 segments a second. Method: start a
-  // rolling pin with a level axis. Test the circle's radius and the speed.
+  // 0.4 m/s, the pin loses no energy and has fewer than 100 segments a second. Method: start a pin
+  // that rolls, with its axis level. Test the circle's radius and the speed.
   Scene scene = floor_scene(0.12, {.restitution = 0.3, .friction = 0.5});
   const RoundSolid pin = bowling_pin(1.55).value();
   scene.bodies.push_back(

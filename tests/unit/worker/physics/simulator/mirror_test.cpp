@@ -11,8 +11,8 @@ namespace {
 using testing::RecordedRun;
 
 /// Reflection in the plane through the origin with a unit normal. Shapes are mirrored along their
-/// own x axis, which keeps principal axes. The image of orientation q is q_n q', where q' is q
-/// mirrored along x and q_n maps the reflection along x to the reflection along the normal.
+/// own x axis, so principal axes stay. The image of orientation q is q_n q', where q' is q mirrored
+/// along x and q_n maps the reflection along x to the reflection along the normal.
 class Mirror {
  public:
   explicit Mirror(const Vec3& normal) : normal_(normal) {
@@ -99,8 +99,8 @@ struct Agreement {
   std::uint64_t collisions = 0;
 };
 
-/// Compares the bodies' states at ticks in the middle between events, where a collision a tick
-/// later doesn't matter.
+/// Compares the bodies' states at ticks midway between events. There, a collision that is one tick
+/// late doesn't matter.
 Agreement agreement_of(const RecordedRun& run, const RecordedRun& image, const Mirror& mirror) {
   const Tick end = std::min(nth_collision_of_any(run, 5), nth_collision_of_any(image, 5));
   Agreement agreement;
@@ -148,8 +148,8 @@ Agreement agreement_of(const RecordedRun& run, const RecordedRun& image, const M
 TEST(Mirror, ScenesAgreeUntilTheFifthCollision) {
   // Goal: a scene and its mirror image agree to 1e-9 until the fifth collision of any body. So
   // results depend on geometry, not on the frame or the order of features. Method: mirror scenes in
-  // a plane along the axes, which mirrors rounding errors too, and in an oblique plane, which
-  // doesn't.
+  // a plane along the axes and in an oblique plane. Only the plane along the axes mirrors rounding
+  // errors too.
   const Mirror along_x(Vec3(1, 0, 0));
   const Mirror oblique(math::normalized(Vec3(0.3, -0.8, 0.5)));
   std::uint64_t collisions = 0;

@@ -21,7 +21,7 @@ inline MixedSolid mixed_solid(std::vector<ConvexPolyhedron> parts, InertiaSymmet
   return {std::make_shared<const Compound>(Compound{.parts = std::move(body.parts)}), body.inertia};
 }
 
-/// Spheres, cubes, boxes, prisms and L-shaped bodies fall between four leaning walls, onto a block.
+/// Spheres, cubes, boxes, prisms and L-shaped bodies fall onto a block between four leaning walls.
 inline Scene mixed_scene(std::uint64_t seed) {
   random::Stream stream = scenes::stream_of_scene(seed, 0);
   Scene scene;

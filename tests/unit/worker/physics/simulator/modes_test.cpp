@@ -47,7 +47,7 @@ Vec3 last_place(const RecordedRun& run) {
   return testing::place_at(run.recording.segments({0}).back().segment, run.recording.end());
 }
 
-/// Kinetic plus potential energy of a solid ball, per mass, for any orientation.
+/// Kinetic plus potential energy of a solid ball, per mass.
 double energy_jpkg(const Scene& scene, std::uint32_t body, const Segment& segment, Tick tick) {
   const double radius_m = std::get<Sphere>(scene.bodies[body].shape).radius_m;
   const Twist twist = testing::twist_in(segment, scene.bodies[body].inertia, tick);
@@ -58,8 +58,8 @@ double energy_jpkg(const Scene& scene, std::uint32_t body, const Segment& segmen
 
 TEST(Modes, AMarbleRollsDownASlope) {
   // Goal: a ball on a slope doesn't bounce, but rolls with the acceleration 5/7 g sin(slope), in
-  // fewer than 5 segments. Method: compare the acceleration and the distance with closed forms, for
-  // slopes in two directions.
+  // fewer than 5 segments. Method: use slopes in two directions. Compare the acceleration and the
+  // distance with closed forms.
   for (const Vec3& normal : {Vec3(0.3, 0, 1), Vec3(-0.1, 0.2, 1)}) {
     Scene scene = scene_with({.restitution = 0.5, .friction = 0.5});
     scene.planes.push_back(plane(normal));
@@ -98,8 +98,8 @@ TEST(Modes, RollingFrictionStopsAMarble) {
 }
 
 TEST(Modes, SeamsOfAFlatMeshAreNotFelt) {
-  // Goal: a marble rolls over a flat floor of triangles at the same speed and height as over a
-  // plane. Method: let a marble cross a flat sheet of triangles at an angle.
+  // Goal: a marble rolls over a flat floor of triangles as over a plane: its speed and height are
+  // the same. Method: let a marble cross a flat sheet of triangles at an angle.
   Scene scene = scene_with({.restitution = 0.5, .friction = 0.4});
   std::vector<Vec3> vertices_m;
   std::vector<TriangleCorners> triangles;
@@ -123,7 +123,7 @@ TEST(Modes, SeamsOfAFlatMeshAreNotFelt) {
                                 {-v.y() / k_radius_m, v.x() / k_radius_m, 0}));
   const RecordedRun run = testing::recorded(scene, 0.5);
   ASSERT_EQ(run.error, "");
-  // About fourteen seams with two segments each.
+  // The marble crosses about fourteen seams, and each seam causes two segments.
   EXPECT_GT(run.counts.modes, 10U);
   EXPECT_LT(run.recording.segments({0}).size(), 40U);
   const Vec3 expected = scene.bodies[0].start.pose.position_m + 0.5 * v;
@@ -205,7 +205,8 @@ TEST(Modes, AMarbleRollsInAValley) {
 }
 
 TEST(Modes, AMarbleComesToRestInACorner) {
-  // Goal: a ball held by three walls that lean outwards loses its spin and rests, in few events.
+  // Goal: if three walls that lean outwards hold a ball, the ball loses its spin and rests after
+  // few events.
   Scene scene = scene_with({.restitution = 0.4, .friction = 0.4});
   for (const Vec3& n : {Vec3(1, 0, 0.7), Vec3(-0.5, 0.8, 0.6), Vec3(-0.4, -0.9, 0.7)})
     scene.planes.push_back(plane(n));
@@ -217,9 +218,10 @@ TEST(Modes, AMarbleComesToRestInACorner) {
 }
 
 TEST(Modes, AMarbleThatLeansOnARestingCubeTakesFewEvents) {
-  // Goal: a marble that rolls down against a cube neither stalls the simulation nor sinks into the
-  // cube. Method: let a marble roll against a cube on a gentle slope, where friction holds the
-  // cube. Count the events, and compute the least clearance between marble and cube.
+  // Goal: if a marble rolls down a slope against a cube, the simulation doesn't stall, and the
+  // marble doesn't sink into the cube. Method: let a marble roll against a cube on a gentle slope,
+  // where friction holds the cube. Count the events, and compute the least clearance between marble
+  // and cube.
   Scene scene = scene_with({.restitution = 0.3, .friction = 0.6});
   scene.planes.push_back(plane({0.1, 0, 1}));
   const Vec3 n = math::normalized(Vec3(0.1, 0, 1));
@@ -255,12 +257,12 @@ TEST(Modes, AMarbleThatLeansOnARestingCubeTakesFewEvents) {
 }
 
 TEST(Modes, MarblesGainNoEnergyAndNeverSink) {
-  // Goal: no event gives a marble more energy than it had at the start of its segment, unless
-  // another marble collides with it. During a segment on a plane, a marble gains no energy. During
-  // a segment on an edge, a marble gains at most the energy with which the load lifts it
+  // Goal: unless another marble collides with a marble, no event gives the marble more energy than
+  // at the start of its segment. During a segment on a plane, a marble gains no energy. During a
+  // segment on an edge, a marble gains at most the energy with which the load lifts it
   // (edge_motion.h). No marble jumps or sinks into a plane. Method: test each marble's energy and
-  // place in all segments of the scene "marbles", which has slopes, valleys, corners, a ridge and a
-  // pedestal.
+  // place in all segments of the scene "marbles". The scene has slopes, valleys, corners, a ridge
+  // and a pedestal.
   std::uint64_t staying = 0;
   double worst_gain = 0;
   double worst_lift = 0;
@@ -294,7 +296,7 @@ TEST(Modes, MarblesGainNoEnergyAndNeverSink) {
         if (i + 1 < entries.size()) {
           const Segment& next = entries[i + 1].segment;
           worst_jump_m = std::max(worst_jump_m, math::norm(place_m - next.flight.position_m));
-          // An event without another marble may not add energy.
+          // If no other marble takes part in an event, the event may not add energy.
           const EventKey& cause = entries[i + 1].cause;
           const bool alone = cause.kind == EventKind::mode ||
                              (cause.kind == EventKind::collision && (cause.higher >> 31U) != 0);

@@ -15,9 +15,9 @@ namespace sleight::physics {
 namespace {
 
 TEST(PairGraph, HasWhatAMapHas) {
-  // Goal: the graph keeps each edge and its prediction while its lists grow, shrink or move into
-  // unused space. A new edge has no prediction. Method: add, predict and remove random pairs, and
-  // compare the graph with a map. Half of the graphs store details. Some bodies have almost all
+  // Goal: while lists grow, shrink or move into unused space, the graph keeps each edge and the
+  // edge's prediction. A new edge has no prediction. Method: add, predict and remove random pairs,
+  // and compare the graph with a map. Half of the graphs store details. Some bodies have almost all
   // others as neighbours.
   constexpr std::uint32_t k_bodies = 90;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 400 : 20)) {
@@ -28,7 +28,7 @@ TEST(PairGraph, HasWhatAMapHas) {
     const bool has_details = seed % 2 == 0;
     PairGraph graph;
     graph.reset(k_bodies, {.list = 16, .average = 4, .details = has_details});
-    // Predicted tick by body and other body. k_never if the prediction is void.
+    // Predicted tick of each pair of bodies. If the prediction is void, the tick is k_never.
     std::map<std::pair<std::uint32_t, std::uint32_t>, Tick> expected;
     std::uint32_t searches = 0;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> search_of;

@@ -1,8 +1,8 @@
-// Tests that bodies don't overlap, with geometry that is independent of the simulator.
+// Tests that bodies don't overlap. The test's geometry is independent of the simulator.
 //
 // A collision is the first tick at which a gap is at most k_touch_m = 1e-7 m. So no clearance
-// should fall below 0 by more than the rounding of this test's geometry. Bodies that touch without
-// colliding may sink at the speed k_approach_mps while they touch, by about 1e-9 m.
+// should fall below 0 by more than the rounding of this test's geometry. While bodies touch without
+// a collision, they may sink into each other at the speed k_approach_mps, by about 1e-9 m.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -178,7 +178,7 @@ class Overlaps {
   std::vector<Placed> placed_;
 };
 
-/// Ticks of collisions in ascending order, at most count_max.
+/// Ticks of at most count_max collisions, in ascending order.
 std::vector<Tick> collision_ticks(const RecordedRun& run, std::size_t count_max) {
   std::vector<Tick> all;
   for (std::uint32_t body = 0; body < run.scene.bodies.size(); ++body) {
@@ -247,8 +247,8 @@ TEST(Penetration, NoSceneHasBodiesThatOverlap) {
 }
 
 TEST(Penetration, BodiesOfEveryShapeStayApart) {
-  // Goal: bodies of every shape stay apart. The scenes have pairs that other scenes lack: spheres
-  // with polyhedra, bodies of several parts, long boxes, prisms, and spheres at static edges.
+  // Goal: bodies of every shape stay apart. The scenes have cases that other scenes lack: spheres
+  // that meet polyhedra, bodies of several parts, long boxes, prisms, and spheres at static edges.
   double least_m = 1;
   for (const std::uint64_t seed :
        property::seeds(property::long_run() ? 200 : property::of_tier(3, 12))) {
@@ -264,8 +264,8 @@ TEST(Penetration, BodiesOfEveryShapeStayApart) {
 }
 
 TEST(Penetration, RestingBodiesDoNotSink) {
-  // Goal: the grains of a heap don't sink into each other while they bounce by micrometres and come
-  // to rest.
+  // Goal: while the grains of a heap bounce by micrometres and come to rest, they don't sink into
+  // each other.
   const scenes::Setting setting = scenes::grain_heap(property::long_run() ? 60 : 10, 1);
   const RecordedRun run = testing::recorded(setting.scene, 1.5);
   ASSERT_EQ(run.error, "");
@@ -276,8 +276,8 @@ TEST(Penetration, RestingBodiesDoNotSink) {
 
 TEST(Penetration, IsSeenWhereBodiesWereShifted) {
   // Goal: the tests above detect an overlap. Method: at the tick of a collision, shift a body by a
-  // micrometre along each axis, in both directions. At least one of these shifts moves the body
-  // more than half a micrometre towards the body that it touches.
+  // micrometre. Shift it along each axis, in both directions. At least one of these shifts moves
+  // the body more than half a micrometre towards the body that it touches.
   constexpr double k_shift_m = 1e-6;
   for (const std::uint64_t n : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U, 9U}) {
     const testing::TestScene scene = testing::test_scene(n);

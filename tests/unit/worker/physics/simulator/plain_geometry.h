@@ -1,5 +1,5 @@
-// Overlap of bodies by plain geometry that shares no code with the distance library: separating
-// axes for polyhedra, distances to polygons for spheres.
+// Computes the overlap of bodies with plain geometry: separating axes for polyhedra, and distances
+// to polygons for spheres. Shares no code with the distance library.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -65,7 +65,8 @@ inline PlainSolid solid_of_triangle(const std::array<Vec3, 3>& corners_m) {
   return solid;
 }
 
-/// Least dot(axis, b - a) over the points of two solids. Stops early at a value below `enough`.
+/// Least dot(axis, q - p) over all points p of `a` and q of `b`. Stops early at a value below
+/// `enough`.
 inline double clearance_along(const Vec3& axis, const PlainSolid& a, const PlainSolid& b,
                               double enough) {
   double highest = -std::numeric_limits<double>::infinity();
@@ -100,7 +101,7 @@ inline double clearance(const PlainSolid& a, const PlainSolid& b) {
       const double length = math::norm(axis);
       if (length < 1e-6 * math::norm(along_p) * math::norm(along_q)) continue;
       axis /= length;
-      // The clearance is at most the clearance of these two edges.
+      // Along the axis, the solids' clearance is at most these two edges' clearance.
       const double edges_m = math::dot(axis, q[0] - p[0]);
       if (edges_m > best) offer(axis);
       if (-edges_m > best) offer(-axis);

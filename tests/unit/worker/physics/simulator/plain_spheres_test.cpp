@@ -1,4 +1,4 @@
-// Tests spheres that only fly, whose segments are written only on request (Bodies::fly_on).
+// Tests spheres that only fly. The spheres' segments are written only on request (Bodies::fly_on).
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -58,8 +58,8 @@ End end_of(const Scene& scene, SimulationOptions options, int pieces) {
 TEST(PlainSpheres, AreTheSameRecordedOrNot) {
   // Goal: a segment that is written late has the same bits as a recorded segment. Method: run
   // spheres between walls with three algorithms. Some runs keep a recording, some keep a history,
-  // and some do both or neither. Some runs have several portions, between which the test reads the
-  // energy.
+  // some keep both, and some keep neither. Some runs have several portions. Between portions, the
+  // test reads the energy.
   for (const std::uint64_t seed : property::cases(property::long_run() ? 200 : 6)) {
     const Scene scene = spheres_in_a_box(seed + 1);
     SimulationOptions all_pairs;

@@ -15,7 +15,7 @@
 
 namespace sleight::physics::testing {
 
-/// Initial scene of the proposals, and the size of its changes.
+/// The scene that proposals change, and the sizes of the changes.
 struct Subject {
   std::string name;
   Scene scene;
@@ -83,8 +83,8 @@ inline void change_statics(Scene& scene, const Subject& subject, Dice& dice) {
     auto hull = convex_hull(points_m);
     if (hull) convex.polyhedron = std::make_shared<const ConvexPolyhedron>(std::move(hull).value());
   } else if (!scene.planes.empty()) {
-    // Mostly moves the plane away from the bodies. A plane moved towards the bodies would overlap
-    // some of them at the start.
+    // Mostly moves the plane away from the bodies. If the plane moved towards the bodies, it would
+    // overlap some of them at the start.
     StaticPlane& plane = scene.planes[dice.below(scene.planes.size())];
     if (dice.one_in(2)) {
       random::Stream stream({.seed = dice.below(1000), .purpose = random::Purpose::prior}, 0);

@@ -47,7 +47,7 @@ inline Vec3 place_at(const Segment& segment, Tick tick) {
   return flight.position_m + s * flight.velocity_mps + (0.5 * s * s) * flight.acceleration_mps2;
 }
 
-/// Orientation of a body with constant angular acceleration, by many small steps.
+/// Orientation of a body with constant angular acceleration. Computed in many small steps.
 inline Quat turn_in_contact(const Segment& segment, double s) {
   constexpr int k_steps = 20'000;
   const double h = s / k_steps;
@@ -61,8 +61,8 @@ inline Quat turn_in_contact(const Segment& segment, double s) {
   return turn;
 }
 
-/// Orientation of a body with constant angular velocity, by the C library's sine. Other inertias
-/// use the motion library, which has its own tests.
+/// Orientation of a body with constant angular velocity. Computed with the C library's sine. Other
+/// inertias use the motion library, which has its own tests.
 inline Quat turn_at(const Segment& segment, const Inertia& inertia, Tick tick) {
   const FreeFlight& flight = segment.flight;
   if (segment.mode == MotionMode::resting) return flight.orientation;

@@ -117,8 +117,8 @@ double tilt_rad(const Quat& q) {
 
 TEST(Resting, ACubeRestsOnAFace) {
   // Goal: a dropped cube comes to rest on a face, not on an edge or a corner. Method: drop cubes
-  // with random orientations. A face must be level to 1e-3 rad (0.02 mm at the far edge), or to
-  // 3e-3 rad with coarse slow contacts.
+  // with random orientations. A face must be level to 1e-3 rad (0.02 mm at the far edge). With
+  // coarse slow contacts, 3e-3 rad suffices.
   const std::uint64_t seeds = property::long_run() ? 2000 : 100;
   for (const bool coarse : {false, true}) {
     double worst_rad = 0;
@@ -142,7 +142,7 @@ TEST(Resting, ACubeRestsOnAFace) {
 
 TEST(Resting, ACubeSetOnItsEdgeFallsOver) {
   // Goal: slow toppling doesn't count as rest. Method: put one cube on an edge and another cube on
-  // a corner, a hundredth of a radian from balance.
+  // a corner. Each cube is a hundredth of a radian from balance.
   const Quat on_edge = math::quaternion_of_rotation_vector({std::numbers::pi / 4 + 0.01, 0, 0});
   const Quat on_corner =
       math::composed(math::quaternion_of_rotation_vector({std::atan(std::sqrt(0.5)) + 0.01, 0, 0}),
@@ -180,8 +180,9 @@ TEST(Resting, NothingRestsOnASlopeThatIsTooSteep) {
     const double along_m = way_m.x() / std::cos(angle);
     if (friction < std::tan(angle)) {
       const double known_m = 0.5 * 9.81 * (std::sin(angle) - friction * std::cos(angle));
-      // During an impact, friction on a body other than a sphere has one direction, which is not
-      // quite the slip's (rigid_impact.h). So friction is too small.
+      // During an impact of a body that is no sphere, friction has a single direction. That
+      // direction differs slightly from the slip's direction (rigid_impact.h). So friction is too
+      // small.
       EXPECT_GT(along_m, 0.95 * known_m);
       EXPECT_LT(along_m, 1.25 * known_m);
     } else {
@@ -220,9 +221,10 @@ TEST(Resting, ASupporterThatIsPushedAwayWakesWhatItCarries) {
 }
 
 TEST(Resting, WhatLiesOnABodyThatStaysInItsPlaceSleepsOn) {
-  // Goal: a body that wakes with its support wakes the body on top only when it leaves its place.
-  // Method: push the lowest of three resting cubes slightly, or knock it away. The middle cube
-  // wakes at once in both cases. The top cube wakes and comes down only in the second case.
+  // Goal: if a body wakes with its support, the body on top wakes only when the lower body leaves
+  // its place. Method: push the lowest of three resting cubes slightly, or knock it away. The
+  // middle cube wakes at once in both cases. The top cube wakes and comes down only in the second
+  // case.
   const Tick push = Tick{} + ticks_after(0.5);
   for (const double speed_mps : {0.002, 3.0}) {
     Scene scene = two_cubes();
@@ -265,8 +267,8 @@ TEST(Resting, NothingHangsInTheAir) {
     again.slow.rest_speed_mps = 0;
     for (std::uint32_t body = 0; body < again.bodies.size(); ++body) {
       const FreeFlight& flight = run.recording.segments({body}).back().segment.flight;
-      // Raise all grains: some rest within the touch distance of the floor, and no body may start
-      // there.
+      // Raise all grains, because some rest within the touch distance of the floor, and no body may
+      // start there.
       again.bodies[body].start = {
           .pose = {flight.position_m + Vec3(0, 0, 2 * k_touch_m), flight.orientation}, .twist = {}};
       again.bodies[body].start_tick = {};
@@ -285,9 +287,9 @@ TEST(Resting, NothingHangsInTheAir) {
 }
 
 TEST(Resting, WhoeverRestsLaterIsNotLessCareful) {
-  // Goal: if a cube topples with a short rest time, it also topples with a longer one. Method: put
-  // a cube on a table, with its centre 0.3 mm beyond the table's edge. Use the usual rest time, and
-  // rest times that are 5 and 20 times as long.
+  // Goal: if a cube topples with a short rest time, it also topples with a longer rest time.
+  // Method: put a cube on a table. The cube's centre is 0.3 mm beyond the table's edge. Use the
+  // usual rest time, and rest times that are 5 and 20 times as long.
   for (const double times : {1.0, 5.0, 20.0}) {
     Scene scene = floor_scene({.restitution = 0.3, .friction = 0.5});
     scene.slow.rest_time_s *= times;
@@ -309,8 +311,8 @@ TEST(Resting, WhoeverRestsLaterIsNotLessCareful) {
 
 TEST(Resting, AHardBlowWakesAndASoftOneDoesNot) {
   // Goal: a hard blow wakes a resting body, but a soft blow doesn't. The body reflects a soft blow
-  // like static geometry. Method: shoot a ball at a resting cube, at half of the speed that wakes
-  // the cube and at twice that speed.
+  // like static geometry. Method: shoot a ball at a resting cube. The ball has half of the speed
+  // that wakes the cube, or twice that speed.
   Resting rule;
   Scene scene = floor_scene({.restitution = 0.5, .friction = 0.4});
   rule.reset({}, scene.slow, ticks_after(1));
@@ -401,8 +403,8 @@ TEST(CanCarry, AFace) {
 
 TEST(CanCarry, Wedges) {
   // Goal: two slanting contacts hold a body between them, if necessary by friction. Method: test a
-  // groove, which needs no friction, and upright walls, which hold a body only by friction. Also
-  // test a ladder, which slips on a smooth floor.
+  // groove and upright walls. The groove needs no friction. The walls hold a body only by friction.
+  // Also test a ladder, which slips on a smooth floor.
   const Vec3 left(-0.01, 0, 0);
   const Vec3 right(0.01, 0, 0);
   EXPECT_TRUE(carries({contact(left, {1, 0, 1}, 0), contact(right, {-1, 0, 1}, 0)}));
@@ -419,8 +421,8 @@ TEST(CanCarry, Wedges) {
 }
 
 TEST(CanCarry, WhatFallsOverIsNotLookedAtLonger) {
-  // Goal: if falls_over() returns true, can_carry() finds no support. Method: test random sets of
-  // one or two contacts of balls and other bodies. Every second set is almost in balance.
+  // Goal: if falls_over() returns true, can_carry() finds no support. Method: test balls and other
+  // bodies. Each has one or two random contacts. Every second set is almost in balance.
   random::Stream stream({.seed = 11, .purpose = random::Purpose::scene}, 0);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * stream.uniform();
@@ -434,7 +436,7 @@ TEST(CanCarry, WhatFallsOverIsNotLookedAtLonger) {
     for (std::size_t k = 0; k < count; ++k) {
       const double x = uniform(-0.5, 0.5) * (count == 2 ? 1 : spread);
       const double y = uniform(-1, 1) * spread;
-      // The second contact is opposite the first, up to the spread.
+      // The second contact is on the side opposite the first contact, up to the spread.
       const double side = k == 0 ? 1 : -1;
       const Vec3 normal = math::normalized(Vec3(side * x, y, 1));
       const Vec3 arm_m =

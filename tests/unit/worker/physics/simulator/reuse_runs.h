@@ -1,4 +1,4 @@
-// Compares runs that use an earlier run's history with runs that don't.
+// Compares runs that use an earlier run's history with runs that use no history.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -25,7 +25,7 @@ using testing::Subject;
 constexpr std::uint64_t k_seed = 20261121;
 constexpr int k_steps = 20;
 
-/// Number of chains, each of k_steps proposals.
+/// Number of chains. Each chain has k_steps proposals.
 std::uint64_t chain_count() {
   return property::long_run() ? 100'000 / k_steps : property::of_tier(36, 64);
 }
@@ -38,7 +38,7 @@ struct Tally {
   std::uint64_t all = 0;        ///< events of simulations from scratch
 };
 
-/// Makes proposals, each from the last accepted proposal.
+/// Makes proposals. Each proposal changes the last accepted proposal.
 void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
   Scene accepted = subject.scene;
   std::shared_ptr<const History> history;
@@ -102,8 +102,9 @@ void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
 TEST(Reuse, ReplayingMakesNoDifference) {
   // Goal: a simulation with a history equals a simulation from scratch, bit for bit. Method: in
   // random scenes of every kind, make successive proposals and accept some. Proposals change
-  // starts, move static geometry, kick bodies, or change laws. Simulate each proposal twice: from
-  // scratch, and with random options and the history of the last accepted proposal.
+  // starts, move static geometry, kick bodies, or change laws. Simulate each proposal twice. The
+  // first simulation is from scratch; the second uses random options and the history of the last
+  // accepted proposal.
   std::map<std::string, Tally> by_kind;
   const std::uint64_t count = chain_count();
   for (const std::uint64_t n : property::cases(count)) {
@@ -117,7 +118,8 @@ TEST(Reuse, ReplayingMakesNoDifference) {
     fmt::print("seed {}: {}: {} runs, {} failed; events: {} replayed, {} simulated, {} without\n",
                k_seed, kind, tally.runs, tally.failed, tally.replayed, tally.simulated, tally.all);
     if (!property::all_cases()) continue;
-    // Unbalanced stacks of cubes topple with all cubes live; 1.96% of their events are replayed.
+    // While unbalanced stacks of cubes topple, all cubes are live, and only 1.96% of the events are
+    // replayed.
     EXPECT_GT(tally.replayed, tally.simulated / (kind == "cube_stack" ? 60 : 50)) << kind;
     EXPECT_LT(tally.failed, tally.runs / 2) << kind;
   }
@@ -125,7 +127,7 @@ TEST(Reuse, ReplayingMakesNoDifference) {
 
 TEST(Reuse, AWrongHistoryMakesADifference) {
   // Goal: a replayed body is not simulated, so a wrong history gives a wrong result, and the test
-  // above can fail. Method: replay a history after changing the scene that is stored in it.
+  // above can fail. Method: change the scene that a history stores, then replay the history.
   const Scene before = balls_apart(3);
   Scene after = before;
   after.bodies[1].start.twist.velocity_mps.x() = 0.1;
@@ -138,9 +140,9 @@ TEST(Reuse, AWrongHistoryMakesADifference) {
 }
 
 TEST(Reuse, OnlyWhatDiffersIsSimulated) {
-  // Goal: a simulation with a history simulates only what differs. Method: change the start of one
-  // of eight separate balls, and count the simulated events. A replay of the same scene must
-  // simulate no event.
+  // Goal: a simulation with a history simulates only the bodies that differ. Method: change the
+  // start of one of eight separate balls, and count the simulated events. A replay of the same
+  // scene must simulate no event.
   const Scene before = balls_apart(8);
   const RunResult earlier = run(before, 2);
   Scene after = before;
@@ -155,7 +157,7 @@ TEST(Reuse, OnlyWhatDiffersIsSimulated) {
 }
 
 TEST(Reuse, AFailureComesAsItWould) {
-  // Goal: a simulation with a history fails with the same error as a simulation from scratch,
+  // Goal: a simulation that uses a history gives the same error as a simulation from scratch,
   // because replayed collisions count too. Method: let a ball bounce lower and lower in a scene
   // without a rule for slow contacts, until the simulation gives up. Replay histories that end
   // slightly before the error.
@@ -196,9 +198,10 @@ TEST(Reuse, WhatIsTheSameIsShared) {
 }
 
 TEST(Reuse, MemoryIsBounded) {
-  // Goal: a simulation whose history would exceed its limit continues without a history. Method:
-  // set a small limit, and exceed it with simulated and with replayed events. The simulation must
-  // return no history, but a complete recording if one was requested.
+  // Goal: if a simulation's history would exceed its limit, the simulation continues without a
+  // history. Method: set a small limit. Let simulated events exceed the limit, and let replayed
+  // events exceed it. The simulation must return no history. If a recording was requested, it must
+  // be complete.
   const Scene scene = balls_apart(20);
   SimulationOptions options;
   options.keep_history = true;

@@ -41,8 +41,8 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
 }
 
 TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
-  // Goal: kicks at one tick happen in the order of the scene's list of controls, which may differ
-  // from the order of the bodies. Method: kick the body with the highest id first. That body starts
+  // Goal: kicks at one tick happen in the order of the scene's list of controls. The order of the
+  // bodies may differ. Method: kick the body with the highest id first. The kicked body starts
   // differently in the second scene, or never starts in either scene.
   Scene before = balls_apart(6);
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
@@ -87,9 +87,10 @@ Scene beside_a_block(bool balls) {
 }
 
 TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
-  // Goal: a replayed body goes live if it met something that has been removed, or meets something
-  // new. Method: simulate balls and cubes with a block under one body, and with the block far away.
-  // Use the history of each scene to simulate the other scene.
+  // Goal: if a replayed body met something that has been removed, or meets something new, the body
+  // goes live. Method: simulate two scenes of balls and cubes. In one scene, a block is under a
+  // body; in the other scene, the block is far away. Use the history of each scene to simulate the
+  // other scene.
   for (const bool balls : {true, false}) {
     const Scene away = beside_a_block(balls);
     for (std::uint32_t i = 0; i < away.bodies.size(); ++i) {
@@ -109,9 +110,9 @@ TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
 
 TEST(ReuseTraps, StartsSeeWhatDiffers) {
   // Goal: a start isn't replayed if its surroundings have changed. Method: start a body late inside
-  // a new block, which must give an error. Simulate a body that must draw its place again because
-  // of a block, and the same body without the block. Use the history of each scene to simulate the
-  // other scene.
+  // a new block. The start must give an error. Also simulate a body that must draw its place again
+  // because of a block. Simulate the same body without the block. Use the history of each scene to
+  // simulate the other scene.
   Scene away = beside_a_block(true);
   BodyDescription& late = away.bodies[1];
   late.start_tick = Tick{} + ticks_after(0.7);
@@ -136,7 +137,7 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
   EXPECT_EQ(run(around, 1, free.history).digest, drawn.digest);
   EXPECT_EQ(run(away, 1, drawn.history).digest, free.digest);
 
-  // Test starts with another body in the way.
+  // Another body is in the way of the start.
   Scene alone = away;
   Scene two = away;
   two.bodies[0].start_tick = Tick{} + ticks_after(0.69);
@@ -252,10 +253,10 @@ Tick first_rest(const Recording& recording, BodyId body) {
 }
 
 TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
-  // Goal: replay is right if one of two touching bodies changes just before or after the other body
-  // comes to rest on it (replay.h, invariants 2 to 4). Method: in one of two scenes, kick either of
-  // two stacked cubes shortly before or after the upper cube comes to rest. The other cube must go
-  // live too. Later, a hit on the lower cube wakes the upper cube.
+  // Goal: replay is right even if a body changes just before or after another body comes to rest on
+  // it (replay.h, invariants 2 to 4). Method: in one of two scenes, kick either of two stacked
+  // cubes shortly before or after the upper cube comes to rest. The other cube must go live too.
+  // Later, a hit on the lower cube wakes the upper cube.
   int compared = 0;
   const std::uint64_t seeds = property::long_run() ? 40 : 2;
   for (const std::uint64_t seed : property::seeds(seeds)) {
@@ -300,8 +301,8 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
 }
 
 TEST(ReuseTraps, AKickIsForWhoIsThereNow) {
-  // Goal: a kick in the history isn't replayed but simulated, if a body that the kick woke is no
-  // longer at rest. Method: kick a cube on which another cube rests. In the other scene, a ball has
+  // Goal: if a kick in the history woke a body that is no longer at rest, the kick is simulated,
+  // not replayed. Method: kick a cube on which another cube rests. In the other scene, a ball has
   // just hit the overhanging part of the upper cube from below.
   Scene after = scenes::cube_stack(2, 1).scene;
   after.bodies[0].start.pose.position_m = {0, 0, 0.0105};

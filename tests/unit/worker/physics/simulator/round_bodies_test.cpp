@@ -122,8 +122,9 @@ TEST(RoundBodies, KeepEnergyWithoutLoss) {
 TEST(RoundBodies, NeverGainEnergy) {
   // Goal: the energy of round bodies with friction and loss never increases, even in slow contacts.
   // Method: compare kinetic plus potential energy at regular times with the least value so far. A
-  // body that rolls as a cone moves on chords, each over a 32nd of a radian. Within a chord, the
-  // kinetic energy may be too low by a fraction of up to the square of half that angle.
+  // body that rolls as a cone moves on chords. Each chord spans a 32nd of a radian. Within a chord,
+  // part of the kinetic energy may be missing. This fraction is at most the square of half that
+  // angle.
   for (const std::uint64_t seed :
        property::cases(property::long_run() ? 100 : property::of_tier(2, 6))) {
     const Scene scene = scenes::round_solids(10, seed + 1).scene;

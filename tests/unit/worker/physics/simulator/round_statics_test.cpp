@@ -20,7 +20,7 @@ namespace {
 
 using testing::RecordedRun;
 
-/// Round bodies of all kinds, and a block, above a random height field of triangles.
+/// A random height field of triangles. Round bodies of all kinds and a block are above it.
 Scene round_bodies_on_bumps(std::uint64_t seed) {
   Scene scene = scenes::round_solids(8, seed).scene;
   const Scene bumps = scenes::bumpy_floor(1, seed).scene;
@@ -44,9 +44,9 @@ double separation_m(const ConvexView& own, const PlacedPose& place, const Moving
 }
 
 TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
-  // Goal: no round body is more than two micrometres deep in a triangle or a block, and none falls
-  // through. Method: at random ticks, compute separation_m() for each body and each static piece. A
-  // triangle has no inside, so only triangles that face the body's centre count.
+  // Goal: no round body is more than two micrometres deep in a triangle or a block. No round body
+  // falls through. Method: at random ticks, compute separation_m() for each body and each static
+  // piece. A triangle has no inside, so only triangles that face the body's centre count.
   double deepest_m = 0;
   int near_triangles = 0;
   int near_block = 0;
@@ -80,7 +80,7 @@ TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
           if (gap_m < 1e-5) ++(is_triangle ? near_triangles : near_block);
           deepest_m = std::max(deepest_m, -gap_m);
           if (gap_m > 1e-6) continue;
-          // The test would notice a deeper body.
+          // If the body were 5 micrometres deeper, the test would notice it.
           PlacedPose pushed = place;
           pushed.position_m += 5e-6 * axis;
           ASSERT_LT(separation_m(own, pushed, other), -2e-6) << seed;

@@ -288,7 +288,7 @@ TEST(SceneErrors, StartsAreDrawnAgain) {
 
 TEST(SceneErrors, AThousandDrawsAreEnough) {
   // Goal: if 1000 attempts to draw a start overlap a body, the simulation gives an error. Method:
-  // make every attempt overlap, for a start at tick 0 and for a late start.
+  // test a start at tick 0 and a late start. Make every attempt overlap.
   for (const double when_s : {0.0, 0.01}) {
     Scene scene = good_scene();
     scene.gravity_mps2 = Vec3::Zero();

@@ -65,8 +65,8 @@ TEST(Structures, APlankTipsUnderAGentleLoad) {
     ASSERT_EQ(run.error, "");
     ASSERT_EQ(run.recording.segment_at({0}, Tick{} + ticks_after(0.5) - 1)->mode,
               MotionMode::resting);
-    // In units of the plank's weight, the moments about the edge are 0.05 m for the plank and 0.18
-    // m * load for the box on it.
+    // Moments about the edge are divided by the plank's weight. The plank's moment is 0.05 m, and
+    // the load's moment is 0.18 m * load.
     EXPECT_EQ(end_of(run, 1).z() < 0.2, load * 0.18 > 0.05) << load;
     EXPECT_TRUE(rests(run, 0));
     EXPECT_TRUE(rests(run, 1));

@@ -20,7 +20,7 @@ using testing::Relief;
 constexpr std::uint64_t k_seed = 20261122;
 constexpr double k_side_m = 0.016;
 
-/// The n-th of an endless list of throws of 1 to 5 dice.
+/// The n-th throw of an endless list. A throw has 1 to 5 dice.
 Scene throw_of(std::uint64_t n) {
   Dice dice(k_seed, n);
   const auto relief = static_cast<Relief>(n % testing::k_reliefs);
@@ -66,8 +66,8 @@ double least_gap_m(const RecordedRun& run, std::uint32_t body, SplineSurface& su
   return least_m;
 }
 
-/// Returns the reference's greatest downward curvature of the surface within 5 mm of a place, in x
-/// and in y.
+/// Returns the surface's greatest downward curvature near a place, up to 5 mm away in x and in y.
+/// Uses the reference.
 double bump_near(const StaticSurface& surface, const Vec3& place_m) {
   double most = 0;
   for (int i = -5; i <= 5; ++i) {
@@ -82,8 +82,8 @@ double bump_near(const StaticSurface& surface, const Vec3& place_m) {
 
 TEST(SurfaceSimulation, DiceStayOnTheTable) {
   // Goal: a bump pierces a die by at most the height that fits between the die's lattice points
-  // (surface_controls.h). Method: throw one die or several dice. At ticks of events, soon after
-  // events and at random ticks, test points that are six times as dense as the lattice.
+  // (surface_controls.h). Method: throw one die or several dice. Test points that are six times as
+  // dense as the lattice. Test them at ticks of events, soon after events and at random ticks.
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double least_m = 1;
   for (const std::uint64_t n :
@@ -155,7 +155,7 @@ Outcome outcome_of(const Scene& scene, const SimulationOptions& options, int por
 TEST(SurfaceSimulation, EveryWayGivesTheSame) {
   // Goal: algorithm, broad phase, queue and portions change no bit of the recording or of the
   // surface touches. Method: simulate random throws in several ways, and compare the results with
-  // the all-pairs algorithm.
+  // the results of the all-pairs algorithm.
   SimulationOptions reference;
   reference.algorithm = Algorithm::all_pairs;
   for (const std::uint64_t n :
@@ -179,8 +179,8 @@ TEST(SurfaceSimulation, EveryWayGivesTheSame) {
   }
 }
 
-/// Returns whether a die's centre is above its points near the surface, up to an error of
-/// `tolerance_m`.
+/// Returns whether a die's points near the surface surround the die's centre, seen from above. The
+/// error may be up to `tolerance_m`.
 bool is_balanced(const RecordedRun& run, SplineSurface& surface, std::span<const Vec3> points_m,
                  double near_m, double tolerance_m) {
   const Segment& segment = run.recording.segments({0}).back().segment;
@@ -256,7 +256,7 @@ void change_control(Scene& scene, const Vec3& place_m, Dice& dice) {
   surface.controls = table.with(point, control);
 }
 
-/// Makes a proposal as a sampler of throws does: changes some control points, or a body's start, or
+/// Makes a proposal as a sampler of throws does. Changes some control points, a body's start, or
 /// both. Each control point is at one of the first three touches, at the last touch, or at a random
 /// place.
 void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dice) {
@@ -280,9 +280,9 @@ void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dic
 
 TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
   // Goal: after any change of control points and starts, a simulation with the previous history
-  // equals a simulation from scratch, bit for bit, and simulates less. Method: make successive
-  // proposals and accept some. Simulate each proposal from scratch, and with the history and random
-  // options, in two portions.
+  // equals a simulation from scratch, bit for bit. It simulates fewer events. Method: make
+  // successive proposals and accept some. Simulate each proposal from scratch. Then simulate it in
+  // two portions, with the history and random options.
   constexpr int k_steps = 20;
   std::uint64_t replayed = 0;
   std::uint64_t simulated = 0;
@@ -359,7 +359,8 @@ TEST(SurfaceSimulation, FarChangesAreReplayed) {
   EXPECT_EQ(near.digest, testing::run(scene, 2).digest);
 }
 
-/// A die falls flat onto a flat table whose fields change from left to right.
+/// A die falls flat onto a flat table. The table's restitution and friction change from left to
+/// right.
 Scene falls_flat(double x_m, double speed_mps) {
   auto table = testing::table_of([](GridIndex index) {
     return SurfaceControl{
@@ -374,9 +375,9 @@ Scene falls_flat(double x_m, double speed_mps) {
 
 TEST(SurfaceSimulation, FieldsAreThoseOfThePlace) {
   // Goal: a die bounces and slides with the restitution and friction of the place where it lands.
-  // Method: use a table whose left side is slippery and absorbs impacts, and whose right side does
-  // neither. Compare the contact point's normal speed before and after the first collision, and the
-  // change of the die's velocity along the table.
+  // Method: use a table with two sides. The left side has friction and restitution 0, and the right
+  // side has friction 1 and restitution 0.9. Compare the contact point's normal speed before and
+  // after the first collision, and the change of the die's velocity along the table.
   for (const double x_m : {-0.2, 0.2}) {
     const RecordedRun run = testing::recorded(falls_flat(x_m, 0.3), 0.2);
     ASSERT_EQ(run.error, "");

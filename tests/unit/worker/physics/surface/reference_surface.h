@@ -1,11 +1,11 @@
-// A spline surface by definition, as a reference: the sum of control points times basis functions,
-// all in long double. The recursion of Cox and de Boor computes the basis functions. The reference
-// uses neither powers of a place in a cell nor the support of a basis function. The reference sums
-// eight times eight points, although most of their basis functions are zero.
+// Reference for spline surfaces: computes the definition, a sum of control points times basis
+// functions, in long double. The recursion of Cox and de Boor computes the basis functions. The
+// reference uses no powers of a place in a cell. The reference sums eight times eight points,
+// although most of their basis functions are zero.
 //
 // Formulas: Piegl and Tiller, "The NURBS Book" (2nd edition, 1997), equations 2.5 and 2.7, with a
-// knot at every integer. In the book's notation, the basis function that is greatest at the knot i
-// is N_{i-2,3}.
+// knot at every integer. In the book's notation, N_{i-2,3} is the basis function that is greatest
+// at the knot i.
 #pragma once
 
 #include <algorithm>
@@ -58,8 +58,8 @@ inline std::shared_ptr<FunctionControls> heights_of(std::function<double(double,
   });
 }
 
-/// Infinitely many independent points: heights within +-height_m, restitution up to 1, friction up
-/// to 2.
+/// Infinitely many independent points. Heights are within +-height_m, restitution is up to 1, and
+/// friction is up to 2.
 inline std::shared_ptr<FunctionControls> random_controls(std::uint64_t seed, double height_m) {
   return controls_of([seed, height_m](GridIndex index) {
     const auto i = static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.i));
@@ -76,7 +76,7 @@ inline StaticSurface surface_of(std::shared_ptr<const SurfaceControls> controls,
   return {.name = "sheet", .controls = std::move(controls), .spacing_m = spacing_m};
 }
 
-/// N_{k,degree} or a derivative, whose factors are both 1 because knots are 1 apart.
+/// N_{k,degree} or a derivative. Both factors of a derivative are 1, because knots are 1 apart.
 inline Long basis_function(std::int64_t k, int degree, Long t, int derivative) {
   const Long from_knot = t - static_cast<Long>(k);
   if (derivative > 0)
@@ -99,7 +99,7 @@ struct ReferencePlace {
   Long friction = 0;
 
   Long slope() const { return std::sqrt(slope_x * slope_x + slope_y * slope_y); }
-  /// Eigenvalues of the matrix of second derivatives: the greatest and the least over directions.
+  /// Greatest and least eigenvalue of the matrix of second derivatives.
   Long second_most() const { return (xx + yy) / 2 + half_gap(); }
   Long second_least() const { return (xx + yy) / 2 - half_gap(); }
 
@@ -145,14 +145,14 @@ inline ReferencePlace reference_at(const StaticSurface& surface, Long x_m, Long 
 }
 
 /// Bound on the error of a height, for heights within +-height_m. Includes the rounding of the sums
-/// and of the place in the grid. The place's rounding grows with the index and is multiplied by the
-/// slope, which is up to 2 height_m per cell and axis.
+/// and of the place in the grid. The place's rounding grows with the index. The slope multiplies
+/// this rounding; it is up to 2 height_m per cell and axis.
 inline double height_error_m(const StaticSurface& surface, double height_m, double x_m,
                              double y_m) {
   const double cells = (std::fabs(x_m) + std::fabs(y_m)) / surface.spacing_m;
   return k_unit * height_m * (16 + 4 * cells);
 }
-/// Bound on the error of a slope, with second differences of up to 4 height_m.
+/// Bound on the error of a slope. Assumes that second differences are at most 4 height_m.
 inline double slope_error(const StaticSurface& surface, double height_m, double x_m, double y_m) {
   const double cells = (std::fabs(x_m) + std::fabs(y_m)) / surface.spacing_m;
   return k_unit * height_m * (40 + 8 * cells) / surface.spacing_m;

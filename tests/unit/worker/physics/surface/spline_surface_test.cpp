@@ -1,7 +1,8 @@
-// Goal: SplineSurface returns the spline's heights, slopes and fields at any place, whatever was
-// queried before, and builds only the patches that it needs. Method: compare surfaces of infinitely
-// many random control points with sums over basis functions in long double (reference_surface.h).
-// Count the requests for control points. surface_bounds_test.cpp tests bounds.
+// Goal: SplineSurface returns the spline's heights, slopes and fields at any place. Earlier queries
+// don't matter. SplineSurface builds only the patches that it needs. Method: use surfaces of
+// infinitely many random control points. Compare them with sums over basis functions in long double
+// (reference_surface.h). Count the requests for control points. surface_bounds_test.cpp tests
+// bounds.
 #include "worker/physics/surface/spline_surface.h"
 
 #include <gtest/gtest.h>
@@ -46,8 +47,8 @@ bool same(const SurfaceBounds& a, const SurfaceBounds& b) {
          a.bump_per_m == b.bump_per_m;
 }
 
-/// Calls take(surface, x_m, y_m) for places near the origin and far from it, some of them on grid
-/// lines, on fine and coarse grids.
+/// Calls take(surface, x_m, y_m) on fine and coarse grids, for places near the origin and far from
+/// it. Some places are on grid lines.
 template <class Take>
 void for_each_place(std::uint64_t seed, int per_reach, Take&& take) {
   Dice dice(seed, 0);
@@ -68,8 +69,8 @@ void for_each_place(std::uint64_t seed, int per_reach, Take&& take) {
 
 TEST(SplineSurface, HasTheHeightsAndSlopesOfTheDefinition) {
   // Goal: heights and slopes are right for grid indices of both signs, up to a million. Method:
-  // compare them with the reference's sums. The tolerance is the rounding error for heights and
-  // indices of this size.
+  // compare heights and slopes with the reference's sums. The tolerance is the rounding error for
+  // heights and indices of this size.
   int places = 0;
   for_each_place(1, 400, [&](const StaticSurface& surface, double x_m, double y_m) {
     SplineSurface spline(surface);
@@ -205,8 +206,8 @@ void expect_same(const Answer& a, const Answer& b) {
 TEST(SplineSurface, AnswersDoNotDependOnWhatWasAskedBefore) {
   // Goal: answers don't depend on earlier queries (spline_surface.h, invariant 1), even with so
   // many patches that their table grows several times. Method: make the same queries in two orders
-  // and on new surfaces, and compare the bits of the answers. Some indices are multiples of powers
-  // of two, which are common in grids and bad for hashes.
+  // and on new surfaces, and compare the bits of the answers. Multiples of powers of two are common
+  // in grids and bad for hashes, so use them for some indices.
   constexpr double k_spacing_m = 0.01;
   const StaticSurface surface = surface_of(random_controls(9, k_height_m), k_spacing_m);
   Dice dice(9, 0);
@@ -239,8 +240,8 @@ TEST(SplineSurface, AnswersDoNotDependOnWhatWasAskedBefore) {
 
 TEST(SplineSurface, MakesOnlyThePatchesAskedFor) {
   // Goal: a surface builds only the patches that queries need, and requests each control point
-  // once. Method: count the requests to a table of 10,000 x 10,000 points that flat ground
-  // surrounds.
+  // once. Method: count the requests to a table of 10,000 x 10,000 points. Flat ground surrounds
+  // the table.
   constexpr double k_spacing_m = 0.005;
   const auto table = controls_of([](GridIndex at) {
     const bool inside = at.i >= 0 && at.i < 10'000 && at.j >= 0 && at.j < 10'000;
@@ -298,9 +299,9 @@ TEST(SplineSurface, OutlivesPointsThatFail) {
 }
 
 TEST(SplineSurfaceDeathTest, RefusesPlacesBeyondItsIndices) {
-  // Goal: a query for a place without a valid patch index stops the process; all other places have
-  // heights. Method: test the last valid patch on each side, places beyond these patches, infinity
-  // and NaN.
+  // Goal: if a place has no valid patch index, a query for it stops the process. All other places
+  // have heights. Method: test the last valid patch on each side, places beyond these patches,
+  // infinity and NaN.
   SplineSurface spline(surface_of(random_controls(12, k_height_m), 0.5));
   constexpr double k_cells = k_patch_index_max;
   for (const double column : {k_cells, -k_cells}) {

@@ -1,7 +1,7 @@
 // Goal: the bounds that bounds_in() returns hold at every place of a rectangle, even for rounded
 // values, and are not too loose. Method: use random rectangles over rough and smooth ground.
-// Compare the bounds with computed heights and slopes, and with the defined heights, slopes and
-// eigenvalues of second derivatives.
+// Compare the bounds with the heights and slopes that the surface computes. Also compare with
+// heights, slopes and eigenvalues of second derivatives by definition.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -147,9 +147,10 @@ TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
 }
 
 TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
-  // Goal: each bound of a rectangle is the maximum of this bound over its patches. Method: compare
-  // the bounds of random rectangles with the bounds of their single patches. Also test flat ground
-  // with one raised point, which must affect exactly sixteen patches.
+  // Goal: each bound of a rectangle is the maximum of this bound over the rectangle's patches.
+  // Method: for random rectangles, compare a rectangle's bounds with the bounds of its single
+  // patches. Also test flat ground with one raised point, which must affect exactly sixteen
+  // patches.
   Dice dice(25, 0);
   constexpr double k_spacing_m = 0.25;
   const StaticSurface surface = surface_of(random_controls(25, 1), k_spacing_m);
@@ -195,7 +196,7 @@ TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
 
 TEST(SurfaceBounds, HoldWithHeightsThatDrownDifferences) {
   // Goal: bounds hold even where all differences of heights are rounding errors. Method: use flat,
-  // tilted and rough ground with heights of 1 to 2 m that differ only in their last bits. In some
+  // tilted and rough ground. Heights are 1 to 2 m and differ only in their last bits. In some
   // cases, one row and one column of control points are much lower. These points have the least
   // weight at a patch's far corner.
   Dice dice(26, 0);

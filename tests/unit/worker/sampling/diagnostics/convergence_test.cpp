@@ -1,5 +1,5 @@
 // Goal: complaints() explains why chains have not mixed, and gives no false alarm. Method: check
-// the complaints about chains with one fault each, and about chains without a fault.
+// the complaints about chains that have one fault each, and about chains that have none.
 #include "worker/sampling/diagnostics/convergence.h"
 
 #include <gmock/gmock.h>
@@ -29,9 +29,9 @@ std::vector<std::string> complaints_of(const OwnedChains& draws) {
 }
 
 TEST(Convergence, collects_the_measures) {
-  // Goal: each field of a Convergence contains the measure that it is named after. Method: check
-  // the fields for two chains of four known draws. For longer chains, compare the fields with the
-  // functions that compute single measures.
+  // Goal: each field of a Convergence contains the measure that the field's name states. Method:
+  // check the fields for two chains of four known draws. For longer chains, compare the fields with
+  // the functions that compute single measures.
   const OwnedChains draws{.values = {1, 2, 3, 4, 5, 5, 5, 5}, .chains = 2, .draws = 4};
   const Convergence found = convergence_of(draws.view());
   EXPECT_EQ(found.chains, 2U);
@@ -62,7 +62,7 @@ TEST(Complaints, are_none_of_what_is_the_same_everywhere) {
 
 TEST(Complaints, are_none_of_mixed_chains_of_two_values) {
   // Goal: complaints() doesn't report a missing tail as a fault. Method: use chains of the values 0
-  // and 1. If both are equally frequent, all draws have equal distances from the median, and the
+  // and 1. If 0 and 1 are equally frequent, all draws have equal distances from the median, and the
   // tail's R-hat is NaN. If 3 in 10 draws are 1, the 0.95 quantile is the maximum, and the tail's
   // effective sample size is NaN.
   OwnedChains even = made({});
@@ -89,9 +89,9 @@ TEST(Complaints, name_shifted_chains) {
 }
 
 TEST(Complaints, name_chains_that_never_move) {
-  // Goal: complaints() reports chains that never move, for any R-hat: infinite, about 1e15, or
-  // smaller. Method: give each chain its own constant value, with numbers of draws for which means
-  // are exact or rounded. Then make only one of four chains constant.
+  // Goal: complaints() reports chains that never move, whether R-hat is infinite, about 1e15 or
+  // smaller. Method: give each chain its own constant value. For some numbers of draws, means are
+  // exact; for others, means are rounded. Then make only one of four chains constant.
   const auto own = [](double, std::size_t chain) { return 0.1 * static_cast<double>(chain); };
   for (const std::size_t draws : {64U, 1000U, 1024U, 2000U}) {
     const std::vector<std::string> found = complaints_of(changed(made({.draws = draws}), own));

@@ -1,5 +1,5 @@
-// Goal: the measures equal those of the R package posterior. Method: compare with stored results of
-// posterior 1.4.0 (R 4.2.2) for six arrays x <- outer(0:(draws-1), 0:(chains-1), f). R's
+// Goal: the measures equal the measures of the R package posterior. Method: compare with stored
+// results of posterior 1.4.0 (R 4.2.2) for six arrays x <- outer(0:(draws-1), 0:(chains-1), f). R's
 // sprintf("%.17g") printed these results in the order of `measures`. The tests in tests/posterior
 // run R and compare more arrays.
 #include <gtest/gtest.h>

@@ -44,8 +44,8 @@ TEST(Ball2d, DefaultsAreTheThesis) {
 }
 
 TEST(Ball2d, LogPriorIsTheSumOfNormalDensities) {
-  // Goal: log p_w is the normalised log density of the normals' angles, one for each of the world's
-  // collisions. Method: compare with Boost's density, for several numbers of collisions.
+  // Goal: log p_w is the normalised log density of the normals' angles. The world has one normal
+  // for each collision. Method: for several numbers of collisions, compare with Boost's density.
   for (const std::uint32_t collisions : {1U, 5U, k_collisions_max}) {
     Parameters parameters;
     parameters.world.collisions = collisions;
@@ -64,8 +64,8 @@ TEST(Ball2d, LogPriorIsTheSumOfNormalDensities) {
 
 TEST(Ball2d, PriorDrawsAreNormal) {
   // Goal: the prior draws the normals' angles independently from N(0, sd), and leaves unused angles
-  // at zero. Method: test 20,000 draws by chi-square: each angle, and the combination of all signs,
-  // which reveals dependence.
+  // at zero. Method: test 20,000 draws by chi-square. Test each angle, and the combination of all
+  // signs, because it reveals dependence.
   const Ball2d ball({});
   constexpr int k_cells = 20;
   const boost::math::normal oracle(0, Parameters{}.world.normal_sd_rad);
@@ -92,7 +92,7 @@ TEST(Ball2d, PriorDrawsAreNormal) {
 }
 
 TEST(Ball2d, ConstraintIsInDiameters) {
-  // Goal: log p_c is -1/2 ((x/D - target)/sigma)^2 for a landing at x and a ball of diameter D. The
+  // Goal: if a ball of diameter D lands at x, log p_c is -1/2 ((x/D - target)/sigma)^2. The
   // tolerance includes its edge.
   Parameters parameters;
   parameters.world.diameter_m = 0.5;
@@ -110,8 +110,8 @@ TEST(Ball2d, ConstraintIsInDiameters) {
 
 TEST(Ball2d, ProposalIsAlgorithm22) {
   // Goal: a proposal changes each normal independently with probability 1/2, by a uniform offset of
-  // at most 5 degrees. Its ratio is 1 and its kind is 0. Method: test 20,000 proposals by
-  // chi-square: the 32 subsets of changed normals, and the offsets in 20 cells.
+  // at most 5 degrees. The proposal's ratio is 1, and its kind is 0. Method: test 20,000 proposals
+  // by chi-square: the 32 subsets of changed normals, and the offsets in 20 cells.
   const Ball2d ball({});
   const double half_width = Parameters{}.proposal.change_half_width_rad;
   std::vector<int> subsets(32, 0);
@@ -142,7 +142,7 @@ TEST(Ball2d, ProposalIsAlgorithm22) {
 
 TEST(Ball2d, StatesComeBack) {
   // Goal: decoding an encoded state returns every bit of the state. Method: test random states of
-  // several sizes, each with a negative zero.
+  // several sizes. Each state has a negative zero.
   for (const std::uint32_t collisions : {1U, 5U, k_collisions_max}) {
     Parameters parameters;
     parameters.world.collisions = collisions;
@@ -160,8 +160,8 @@ TEST(Ball2d, StatesComeBack) {
 }
 
 TEST(Ball2d, RefusesWhatIsNoState) {
-  // Goal: decode() refuses bytes of a wrong length, and angles that aren't finite. Method: test
-  // every length up to twice the right one, and put NaN and infinities into each place.
+  // Goal: decode() refuses bytes if their length is wrong or an angle isn't finite. Method: test
+  // every length up to twice the right length. Put NaN and infinities into each place.
   const Ball2d ball({});
   for (std::size_t size = 0; size <= 80; ++size)
     EXPECT_EQ(ball.decode(base::Bytes(size)).has_value(), size == 40) << size;

@@ -10,9 +10,9 @@
 namespace sleight::worlds::ball_2d {
 namespace {
 
-/// A ball that moves in fixed time steps. If a step ends with the centre below the table, bisection
+/// A ball that moves in fixed time steps. If the centre is below the table after a step, bisection
 /// of the step finds the time of the collision. Velocities change in the frame of the tilted
-/// surface. The class shares only the world's parameters with the simulator, no code.
+/// surface. The class shares the world's parameters with the simulator, but no code.
 class SteppedBall {
  public:
   SteppedBall(const WorldParameters& world, double step_s) : world_(world), step_s_(step_s) {
@@ -72,9 +72,9 @@ class SteppedBall {
 };
 
 TEST(MotionOracle, HopsAreThoseOfASteppedBall) {
-  // Goal: the simulation follows the model of thesis section 2.4.1. Method: compare landings with a
-  // ball that moves in steps of a hundredth of the fall's time. Use random worlds and random
-  // normals, some of them tilted by more than 90 degrees.
+  // Goal: the simulation follows the model of thesis section 2.4.1. Method: compare the landing
+  // with the landing of a ball that moves in time steps. A step is a hundredth of the fall's time.
+  // Use random worlds and random normals. Some normals are tilted by more than 90 degrees.
   constexpr std::uint64_t k_seed = 31;
   std::uint64_t moved = 0;
   for (const std::uint64_t index : property::cases(300)) {

@@ -49,9 +49,9 @@ TEST(Motion, OneBounceByHand) {
 }
 
 TEST(Reflected, ATableOnlyPushes) {
-  // Goal: a surface changes no bit of the velocity of a ball that moves away from it or along it.
-  // Method: reflect such velocities. Then simulate a motion that meets a surface turned by 180
-  // degrees.
+  // Goal: if a ball moves away from a surface or along it, the surface changes no bit of the ball's
+  // velocity. Method: reflect such velocities. Then simulate a motion that meets a surface turned
+  // by 180 degrees.
   EXPECT_EQ(reflected({0.3, 2.5}, {0, 1}, 0.5), math::Vec2(0.3, 2.5));
   EXPECT_EQ(reflected({0.3, 0}, {0, 1}, 0.5), math::Vec2(0.3, 0));
   EXPECT_EQ(reflected({3, -4}, {0.8, 0.6}, 0.5), math::Vec2(3, -4));

@@ -16,7 +16,8 @@ inline random::Stream stream_of(std::uint64_t seed, std::uint64_t index) {
   return random::Stream({.seed = seed, .purpose = random::Purpose::prior}, index);
 }
 
-/// Surface normals with independent, normally distributed angles of a given standard deviation.
+/// Surface normals. The angles are independent and normally distributed, with a given standard
+/// deviation.
 inline NormalAngles random_normals(const WorldParameters& world, double sd_rad,
                                    random::Stream& stream) {
   NormalAngles normals{};

@@ -26,9 +26,9 @@ Goal goal_of(std::variant<Place, Region, FaceDirection, Turn, Velocity, RestBefo
 }
 
 TEST(Dice, ComeToRestOnTheTable) {
-  // Goal: thrown dice come to rest with a face up and with the centre about half a side above the
-  // table. Method: simulate prior draws with a goal for one face. Dice are numbered after the
-  // throw, so the distance to this goal is the die's tilt.
+  // Goal: a thrown die comes to rest with a face up. The die's centre is then about half a side
+  // above the table. Method: simulate prior draws with a goal for one face. Dice are numbered after
+  // the throw, so the distance to this goal is the die's tilt.
   Parameters parameters;
   parameters.goals = {goal_of(FaceDirection{.face = 6}, 0.2, 0.3)};
   const Dice world(parameters);
@@ -71,7 +71,7 @@ TEST(Dice, ContactsShareTheirWeights) {
 }
 
 TEST(Dice, HeightsThatTheyMetAreCounted) {
-  // Goal: `offsets` counts each control point that affects collisions once, by its height.
+  // Goal: if a control point affects collisions, `offsets` counts it once, by its height.
   // `offset_squares` sums the squares of these heights. If the table's height is constant, both are
   // 0. Method: move one control point of a prior draw far up or down, and compare with a direct
   // count. Then use a flat table.
@@ -146,8 +146,8 @@ TEST(Dice, ThatStillMoveSatisfyNothing) {
 
 TEST(Dice, AreSeenAtTheTimesOfGoals) {
   // Goal: a goal can be measured before a die's start, in flight and long after the die comes to
-  // rest. Method: compare a die in flight with its parabola, a die at rest with the end, and a die
-  // before its start with its start position.
+  // rest. Method: before the start, compare with the start position. In flight, compare with the
+  // parabola. At rest, compare with the end.
   Parameters parameters;
   parameters.world.dice.assign(2, DieStart{});
   parameters.world.dice[1].position_m.y() = 0.1;
@@ -188,9 +188,9 @@ void expect_same(const Outcome& a, const Outcome& b) {
 }
 
 TEST(Dice, ReplaysMakeNoDifference) {
-  // Goal: simulating a candidate from a similar state gives the same outcome as simulating it from
-  // scratch, for proposals of every kind. Method: run chains of one die and of four dice, which
-  // accept half of the candidates. With SLEIGHT_SOAK=1, the chains are 40 times longer.
+  // Goal: for proposals of every kind, a candidate's simulation from a similar state gives the same
+  // outcome as a simulation from scratch. Method: run chains of one die and chains of four dice.
+  // The chains accept half of the candidates. With SLEIGHT_SOAK=1, the chains are 40 times longer.
   const std::uint64_t longer = property::long_run() ? 40 : 1;
   for (const std::uint32_t dice : {1U, 4U}) {
     Parameters parameters = testing::all_random(dice);

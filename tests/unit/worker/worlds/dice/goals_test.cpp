@@ -60,8 +60,9 @@ TEST(DiceGoals, MeasureDistances) {
 }
 
 TEST(DiceGoals, LookAtTheirTimes) {
-  // Goal: a goal with a time is measured at that time, and a goal without a time at the end.
-  // Method: use three goals with times and one without, for two dice.
+  // Goal: if a goal has a time, the goal is measured at that time. A goal without a time is
+  // measured at the end. Method: for two dice, use three goals with times and one goal without a
+  // time.
   std::vector<Goal> goals(4, goal_of(Place{}));
   goals[0].at_s = 2;
   goals[1].at_s = 0.5;
@@ -95,9 +96,9 @@ TEST(DiceGoals, AreGaussianAndMetWithinTolerances) {
 
 TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
   // Goal: in each of its 24 orientations, a die can be numbered so that it meets its goals for
-  // faces. The judgement uses the smallest such numbering, and numberings_that_meet() returns how
-  // many there are. Method: turn a die slightly from each orientation. Use goals for no face, for
-  // one face, for two faces and for the whole orientation.
+  // faces. The judgement uses the smallest such numbering. numberings_that_meet() returns the
+  // number of such numberings. Method: turn a die slightly from each orientation. Use goals for no
+  // face, for one face, for two faces and for the whole orientation.
   const Quat bit = math::quaternion_of_rotation_vector({0.03, -0.02, 0.04});
   struct Case {
     std::vector<Goal> goals;
@@ -131,7 +132,6 @@ TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
       }
       EXPECT_EQ(meet, one.meet);
       EXPECT_EQ(judgement.numberings[0], least);
-      // Compute the sum over numberings directly.
       EXPECT_NEAR(judgement.log_constraint, std::log(sum), 1e-12);
     }
   }
@@ -139,7 +139,7 @@ TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
 
 TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
   // Goal: contradiction_of() accepts goals that one throw can meet. Method: use random dice and
-  // pairs of random goals, whose tolerances are barely wide enough for the dice.
+  // pairs of random goals. The goals' tolerances are barely wide enough for the dice.
   constexpr double k_side_m = 0.016;
   for (const std::uint64_t draw : property::cases(2000)) {
     random::Stream stream = testing::stream_of(6, draw);
@@ -191,8 +191,9 @@ TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
 }
 
 TEST(DiceGoals, MarginalsAreDirectSums) {
-  // Goal: with free numbering, log p_c sums over the numberings of each die, in any orientation.
-  // Method: compare with direct sums of long doubles, for two dice in random orientations.
+  // Goal: with free numbering, log p_c sums over each die's numberings, whatever the die's
+  // orientation. Method: compare with direct sums of long doubles, for two dice in random
+  // orientations.
   std::vector<Goal> goals{face_up(2), yaw_of(1, 0.4), face_up(6)};
   goals[2].die = 1;
   for (const std::uint64_t draw : property::cases(200)) {

@@ -29,7 +29,8 @@ State state_of(const Parameters& parameters, std::uint64_t number) {
   return draw_state(parameters.world, stream);
 }
 
-/// Number of differing values in velocity, spin and place, plus one for a different orientation.
+/// Number of values that differ in velocity, spin and place. A different orientation counts as one
+/// more.
 int differing(const DieThrow& a, const DieThrow& b) {
   int count = a.orientation.coeffs() == b.orientation.coeffs() ? 0 : 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -41,8 +42,8 @@ int differing(const DieThrow& a, const DieThrow& b) {
 }
 
 TEST(DiceProposals, ReflectAtTheEnds) {
-  // Goal: reflected() returns values beyond an end of the range to the range, however far away they
-  // are.
+  // Goal: if a value is beyond an end of the range, reflected() reflects it into the range, however
+  // far away it is.
   const Range range{0.25, 0.75};
   EXPECT_EQ(reflected(0.5, range), 0.5);
   EXPECT_EQ(reflected(0.875, range), 0.625);
@@ -81,7 +82,7 @@ TEST(DiceProposals, ChangeAllAndDieAreDraws) {
 TEST(DiceProposals, ChangeStartChangesOneRandomComponent) {
   // Goal: each proposal changes one random component of a die's start. Every random component
   // changes sometimes, and fixed components never change. Step sizes are proportional to the scale.
-  // Method: make many proposals from a state with fixed heights and vertical velocities.
+  // Method: make many proposals from a state in which heights and vertical velocities are fixed.
   const Parameters parameters = only(Kind::change_start, testing::all_random(2));
   const State state = state_of(parameters, 1);
   std::array<int, 10> turns{};
@@ -116,9 +117,9 @@ TEST(DiceProposals, ChangeStartChangesOneRandomComponent) {
 }
 
 TEST(DiceProposals, ChangeControlChangesOneFieldOfOnePoint) {
-  // Goal: each proposal changes one field of one control point of the table, within the field's
-  // range. Every point and every field changes sometimes. Method: make many successive proposals on
-  // a table of four by three points.
+  // Goal: each proposal changes one field of one of the table's control points. The field stays in
+  // its range. Every point and every field changes sometimes. Method: make many successive
+  // proposals on a table of four by three points.
   Parameters parameters = only(Kind::change_control, testing::all_random());
   parameters.world.table.columns = 4;
   parameters.world.table.rows = 3;
@@ -150,7 +151,7 @@ TEST(DiceProposals, ChangeControlChangesOneFieldOfOnePoint) {
 TEST(DiceProposals, ChangeContactFollowsTheShares) {
   // Goal: a proposal chooses each control point with the probability of its share, and changes
   // nothing with the apron's share. The ratio never exceeds its bound, and is 0 if the step cannot
-  // be reversed. Method: use three control points, whose shares add up to 3/4.
+  // be reversed. Method: use three control points. Their shares add up to 3/4.
   const Parameters parameters = only(Kind::change_contact, testing::all_random());
   const State state = state_of(parameters, 3);
   const ContactShares contacts{{{-3, 0}, 0.125}, {{0, 2}, 0.375}, {{5, 5}, 0.25}};

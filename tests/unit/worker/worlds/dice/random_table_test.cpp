@@ -18,9 +18,9 @@ TableParameters table_of() {
 }
 
 TEST(RandomTable, IsAFunctionOfKeyAndPlace) {
-  // Goal: a control point depends only on the table's key and the point's place, not on when or in
-  // which order it is read. Method: read two tables with one key in opposite orders, and compare
-  // with a table of another key.
+  // Goal: a control point depends only on the table's key and the point's place. When and in which
+  // order points are read doesn't matter. Method: give two tables the same key, and read them in
+  // opposite orders. Also compare with a table that has another key.
   const TableParameters parameters = table_of();
   const RandomTable one(parameters, 7, {});
   const RandomTable same(parameters, 7, {});
@@ -130,7 +130,7 @@ TEST(RandomTable, ConstantFieldsAreConstant) {
 
 TEST(RandomTable, OverridesTakeTheirPlaces) {
   // Goal: an override affects only its own point, and lists of overrides stay sorted. Method: set
-  // three overrides, one of them twice, and compare with a table without overrides.
+  // three overrides, and set one of them twice. Compare with a table that has no overrides.
   const TableParameters parameters = table_of();
   Overrides overrides;
   for (const GridIndex index :

@@ -115,8 +115,8 @@ TEST(DiceRequest, GoalsAreArraysOfTables) {
 }
 
 TEST(DiceRequest, NormalisedStartsReadBack) {
-  // Goal: the normalised request, which an archive stores, gives the same starts, for each way to
-  // orient a die.
+  // Goal: an archive stores the normalised request. For each way to orient a die, that request
+  // gives the same start as the original request.
   for (const std::string start :
        {"x_mm = 1", "orientation = \"uniform\"", "orientation = \"fixed\"",
         "orientation = \"fixed\"\nup = 2\nyaw_deg = 30",
@@ -171,7 +171,7 @@ TEST(DiceRequest, SlipsAreNamed) {
   const auto slip = read("[[constraint.face]]\nup = 2\n[[constraint.face]]\nup = 7");
   ASSERT_FALSE(slip.ok());
   EXPECT_EQ(slip.error().size(), 1U);
-  // The distance of these places equals the sum of the tolerances, up to rounding.
+  // The distance between these places equals the sum of the tolerances, up to rounding.
   EXPECT_EQ(complaint(here + "1\nx_mm = 30\n" + here + "1\nx_mm = 34"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\n" + here + "2\nx_mm = 5"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\nat_s = 0.5\n" + here + "2\nat_s = 0.5"), "");
@@ -182,8 +182,8 @@ TEST(DiceRequest, SlipsAreNamed) {
 
 TEST(DiceRequest, FreeNumberingNeedsAnyStartAndOneTime) {
   // Goal: dice with goals for faces can be numbered after the throw only if their start orientation
-  // is random and these goals have one time. Method: test a fixed start orientation, and goals at
-  // two times. Both are valid with fixed numbering.
+  // is random and all these goals have the same time. Method: test a fixed start orientation, and
+  // goals at two times. Both are valid with fixed numbering.
   const std::string fixed_start = "[[world.die]]\norientation = \"fixed\"\nup = 1\n";
   const std::string face = "[[constraint.face]]\nup = 6\n";
   const std::string other_time = "[[constraint.yaw]]\nface = 2\nat_s = 0.2\n";

@@ -18,7 +18,7 @@ Goal place_of(std::uint32_t die, double x_m, double y_m) {
   return {.die = die, .wanted = Place{{x_m, y_m}}, .sigma = 0.01, .tolerance = 0.015};
 }
 
-/// Two dice beside each other, with the goal to end 60 mm apart.
+/// Two dice start beside each other. The dice's goal is to end 60 mm apart.
 Parameters two_dice() {
   Parameters parameters;
   parameters.world.dice.assign(2, DieStart{});
@@ -69,9 +69,9 @@ TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
 }
 
 TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
-  // Goal: if the map can learn nothing, it draws the same throws as the prior, with weight 1. It
-  // learns nothing if no goal has signed misses, if there are too few throws, or if only the
-  // orientation is random.
+  // Goal: if the map can learn nothing, it draws the same throws as the prior, with weight 1. The
+  // map learns nothing if no goal is for a place, if there are too few throws, or if only
+  // orientations are random.
   const DieStart start;
   DieStart fixed;
   fixed.position_sd_m = fixed.velocity_sd_mps = fixed.spin_sd_radps = {0, 0, 0};
@@ -95,9 +95,9 @@ TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
 }
 
 TEST(ThrowMap, OneInTenThousandThrowsIsNotPlausible) {
-  // Goal: the map calls only few of the prior's throws implausible. It calls a throw implausible if
-  // the throw's speed is far from the prior's speeds. Method: test 100,000 draws from the prior,
-  // and a throw that is eight standard deviations too fast.
+  // Goal: the map calls only few of the prior's throws implausible. If a throw's speed is far from
+  // the prior's speeds, the map calls the throw implausible. Method: test 100,000 draws from the
+  // prior. Also test a throw that is eight standard deviations too fast.
   const DieStart start;
   const ThrowMap map(start, {});
   random::Stream stream = testing::stream_of(k_seed, 4);
@@ -158,8 +158,8 @@ TEST(SignedMisses, AreAsLongAsDistances) {
 
 TEST(ThrowMap, SpreadsWithinRoundingAreNone) {
   // Goal: a component doesn't affect a throw's weight if the component's standard deviation is
-  // smaller than the rounding error of its mean. Method: compare the weights with those for a start
-  // in which the component is fixed.
+  // smaller than the rounding error of its mean. Method: compare with the weights for a start in
+  // which the component is fixed.
   DieStart without;
   without.position_m.x() = -0.15;
   without.position_sd_m.x() = 0;
@@ -174,9 +174,9 @@ TEST(ThrowMap, SpreadsWithinRoundingAreNone) {
 }
 
 TEST(StagedDice, LaterDiceMayMakeRoom) {
-  // Goal: a prefix in which dice overlap is rejected exactly if all dice are thrown at the same
-  // time. Method: put two of three dice in one place, and throw the third die at the same time or
-  // later.
+  // Goal: if dice overlap in a prefix, the prefix is rejected exactly if all dice are thrown at the
+  // same time. Method: put two of three dice in one place, and throw the third die at the same time
+  // or later.
   for (const double start_s : {0.0, 0.2}) {
     Parameters parameters;
     parameters.world.dice.assign(3, DieStart{});
@@ -233,9 +233,9 @@ TEST(StagedDice, PrefixesAreWholeSimulations) {
 }
 
 TEST(StagedDice, GivenTablesKeepTheirOverrides) {
-  // Goal: the control points that a state overrides belong to the state's ground. Method: change
-  // one control point of a state, and rebuild the state on its ground. The rebuilt state must
-  // contain the change and have the outcome of a fresh simulation.
+  // Goal: a state's ground contains the control points that the state overrides. Method: change one
+  // control point of a state, and rebuild the state on its ground. The rebuilt state must contain
+  // the change and have the outcome of a fresh simulation.
   const StagedDice world(two_dice());
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 2;
@@ -285,8 +285,8 @@ TEST(StagedDice, WeightsOfAPoolAreItsSum) {
 
 TEST(ThrowBuilder, FindsThrowsThatEndAsWanted) {
   // Goal: a find satisfies the goals in a fresh simulation and has a finite prior density. The same
-  // random numbers give the same find. Method: search for throws of two dice, twice for each of
-  // three starts.
+  // random numbers give the same find. Method: search for throws of two dice. Search twice for each
+  // of three starts.
   const StagedDice world(two_dice());
   const auto guide = world.learn(k_seed);
   const ThrowBuilder builder = world.builder(guide);

@@ -30,7 +30,7 @@ class Reader : public ::testing::Test {
     return Ball2d(parameters_).encode(random_normals(parameters_.world, sd_rad, stream));
   }
 
-  /// Creates the reader again. Call it after changes of parameters_.
+  /// Creates the reader again. Call this function whenever parameters_ has changed.
   void remake() { reader_ = make_state_reader(parameters_); }
 
   Parameters parameters_;
@@ -76,10 +76,10 @@ TEST_F(Reader, VariablesAreTheNormals) {
 }
 
 TEST_F(Reader, RecordingsAreOneMotion) {
-  // Goal: hops follow each other without a gap, from table to table, and the last hop ends at the
-  // outcome's landing. Under each collision, a piece of the table is tilted by its normal and
-  // touches the ball. Method: evaluate each hop at its end, and compare each piece of the table
-  // with the ball's place.
+  // Goal: hops follow each other without a gap, and each hop ends at the table. The last hop ends
+  // at the outcome's landing. Under each collision, a piece of the table has the tilt of the
+  // collision's normal and touches the ball. Method: evaluate each hop at its end, and compare each
+  // piece of the table with the ball's place.
   const double radius_m = parameters_.world.diameter_m / 2;
   for (std::uint64_t index = 0; index < 200; ++index) {
     const base::Bytes one = state(index);

@@ -116,7 +116,7 @@ TEST(DiceReader, NamesFitValues) {
 TEST(DiceReader, TheTableIsTheSimulators) {
   // Goal: heights from an archive's control points equal the simulator's heights wherever a die
   // touches the table. Method: simulate throws with overrides. At each contact, compare the heights
-  // at random places within half a diagonal of the die's centre.
+  // at random places near the die's centre, up to half a diagonal away.
   const Parameters parameters = testing::all_random(2);
   const Dice world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -167,9 +167,9 @@ TEST(DiceReader, DiceOfWhichTheSameIsWantedAreTwins) {
 }
 
 TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {
-  // Goal: log_natural_throw sums over dice the log of 24 over the number of numberings that meet
-  // the die's goals. With fixed numbering, it is 0. Method: test dice with goals for no face, for
-  // one face, and for a face and a yaw.
+  // Goal: log_natural_throw is the sum of log(24 / n) over all dice. Here, n is the number of
+  // numberings that meet the die's goals. With fixed numbering, it is 0. Method: test dice with
+  // goals for no face, for one face, and for a face and a yaw.
   Parameters parameters = testing::all_random(2);
   const auto log_throw = [&] { return make_state_reader(parameters)->layout().log_natural_throw; };
   EXPECT_EQ(log_throw(), 0);
@@ -184,8 +184,8 @@ TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {
 }
 
 TEST(DiceReader, LikenessIsADistance) {
-  // Goal: the distance of two animations is 0 if they are equal and positive otherwise, and it is
-  // symmetric.
+  // Goal: the distance of two animations is symmetric. The distance is 0 if the animations are
+  // equal, and positive otherwise.
   const Parameters parameters = testing::all_random();
   const Dice world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -200,9 +200,9 @@ TEST(DiceReader, LikenessIsADistance) {
 }
 
 TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
-  // Goal: a reader's cache never returns the animation of another state, for any order of requests
-  // and any thread. Method: in two threads, request more states than the cache holds. Compare with
-  // fresh readers.
+  // Goal: a reader's cache never returns the animation of another state. The threads and the order
+  // of requests don't matter. Method: in two threads, request more states than the cache holds.
+  // Compare with fresh readers.
   constexpr std::uint64_t k_states = 40;
   const Parameters parameters = testing::all_random();
   const Dice world(parameters);

@@ -1,4 +1,4 @@
-// Checks the motions that state readers return, in the way that a reader of archives checks them.
+// Checks the motions that state readers return. A reader of archives makes the same checks.
 #pragma once
 
 #include <gtest/gtest.h>

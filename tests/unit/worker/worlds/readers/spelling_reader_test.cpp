@@ -133,8 +133,8 @@ TEST(SpellingReader, MotionsAreTheSimulators) {
 }
 
 TEST(SpellingReader, TheSceneIsTheSimulators) {
-  // Goal: the scene's bodies are the balls, which are interchangeable. Each static object of the
-  // simulation has its name in the scene, and each bin to fill is a goal. The bins' vertices
+  // Goal: the scene's bodies are the balls. All balls are interchangeable. Each static object of
+  // the simulation has its name in the scene, and each bin to fill is a goal. The bins' vertices
   // include the state's offsets. Method: compare the scene of HI with the simulator's scene of one
   // state.
   const Parameters parameters;
@@ -181,8 +181,8 @@ TEST(SpellingReader, BiasedSamplesSaySo) {
 }
 
 TEST(SpellingReader, LikenessIsADistance) {
-  // Goal: the distance of two animations is 0 if they are equal, symmetric and at most 1. It is
-  // positive for some different animations.
+  // Goal: the distance of two animations is symmetric and at most 1. If both animations are equal,
+  // the distance is 0. For some pairs, the distance is positive.
   const Parameters parameters;
   const Spelling world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -200,9 +200,9 @@ TEST(SpellingReader, LikenessIsADistance) {
 }
 
 TEST(SpellingReader, WedgedBallsDontPlayOut) {
-  // Goal: the reader reports states that were decided early but whose balls never come to rest. It
-  // plays states whose balls come to rest. Method: use balls that almost fill their bins. Among the
-  // states that satisfy the request, some come to rest and some don't.
+  // Goal: the reader reports states that were decided early but whose balls never come to rest. The
+  // reader plays states whose balls come to rest. Method: use balls that almost fill their bins.
+  // Among the states that satisfy the request, some come to rest and some don't.
   Parameters parameters;
   parameters.pattern = pattern_of_rows("#.").value();
   parameters.world.ball_diameter_m = 0.01998;

@@ -22,7 +22,7 @@ struct Case {
   Filling filling;
 };
 
-/// Six bins in a row and six balls, some of which fill random bins.
+/// Six bins in a row and six balls. Some balls fill random bins.
 Case random_case(random::Stream& stream) {
   Case made;
   for (int bin = 0; bin < 6; ++bin)
@@ -42,7 +42,6 @@ random::Stream stream_of(std::uint64_t number) {
   return random::Stream({.seed = 8128, .purpose = random::Purpose::scene}, number);
 }
 
-/// Index of the single ball in which two states differ.
 std::size_t the_changed_ball(const State& a, const State& b) {
   std::vector<std::size_t> changed;
   for (std::size_t ball = 0; ball < a.active.size(); ++ball) {
@@ -82,9 +81,10 @@ TEST(AimedDrops, ChangeOneBallOfTheRightKind) {
 }
 
 TEST(AimedDrops, AreEachOthersWayBack) {
-  // Goal: aiming from state A to state C has the inverse ratio of scattering from C to A. No ratio
-  // exceeds its bound. A ratio is finite only if the reverse proposal is possible. Method: propose
-  // both kinds of moves for random states, and give each candidate a random filling.
+  // Goal: the ratio of aiming from state A to state C is the inverse of the ratio of scattering
+  // from C to A. No ratio exceeds its bound. A ratio is finite only if the reverse proposal is
+  // possible. Method: propose both kinds of moves for random states, and give each candidate a
+  // random filling.
   std::uint64_t ways_back = 0;
   for (const std::uint64_t i : property::cases(4000)) {
     random::Stream stream = stream_of(i);
@@ -153,9 +153,9 @@ TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
 }
 
 TEST(Windows, DrawWhatTheirDensitySays) {
-  // Goal: a window's draws have the documented density. Method: count a million draws around a bin
-  // at the edge in cells of 2 mm. Compare each count with the density in the middle of the cell,
-  // within six standard deviations.
+  // Goal: a window's draws have the documented density. Method: draw a million places around a bin
+  // at the edge, and count them in cells of 2 mm. Compare each count with the density in the middle
+  // of the cell, within six standard deviations.
   Windows windows;
   const Vec2 half_m(0.05, 0.03);
   windows.add({-0.045, 0.011}, 0.02, half_m);

@@ -17,7 +17,7 @@ TEST(Bins, MeasuresAreTheThesis) {
   const Bins bins(world, 3, 2);
   EXPECT_NEAR(bins.half_m().x(), 0.032, 1e-12);
   EXPECT_NEAR(bins.half_m().y(), 0.021, 1e-12);
-  // Two inner crossings with four corners each, and six ends with two corners each.
+  // There are two inner crossings with four corners each, and six ends with two corners each.
   EXPECT_EQ(bins.vertex_count(), 2U * 4 + 6U * 2);
   std::set<long> xs;
   for (const Vec3& vertex_m : bins.vertices_m()) {
@@ -28,9 +28,9 @@ TEST(Bins, MeasuresAreTheThesis) {
 }
 
 TEST(Bins, SurfacesOfAllSizesAreClosed) {
-  // Goal: the surface has no hole, whatever the number of bins. Method: build surfaces of several
-  // sizes, because their construction refuses holes. Also check that the Euler number is 2, as for
-  // a sphere, and that the volume is right.
+  // Goal: for any number of bins, the surface has no hole. Method: build surfaces of several sizes,
+  // because their construction refuses holes. Also check that the Euler number is 2, as for a
+  // sphere, and that the volume is right.
   const WorldParameters world;
   for (const auto& [columns, rows] :
        {std::pair{1U, 1U}, {1U, 2U}, {2U, 1U}, {2U, 2U}, {7U, 5U}, {40U, 12U}}) {
@@ -61,8 +61,8 @@ TEST(Bins, SurfacesOfAllSizesAreClosed) {
 }
 
 TEST(Bins, ThinPartitionsAreNoSlivers) {
-  // Goal: the surface can be built for any valid grid and partition. Method: use the thinnest valid
-  // partitions, a thousandth of a bin's width, in grids of many sizes.
+  // Goal: the surface can be built for any valid grid and partition. Method: use grids of many
+  // sizes with the thinnest valid partitions, which are a thousandth of a bin's width.
   WorldParameters world;
   world.partition_m = 0.001 * world.bin_m;
   world.vertex_sd_m = 0.1 * world.partition_m;
@@ -76,7 +76,8 @@ TEST(Bins, ThinPartitionsAreNoSlivers) {
 }
 
 TEST(Bins, EveryPlaceIsInItsBin) {
-  // Goal: bin_at() returns the bin with the nearest floor, and none for a place outside the box.
+  // Goal: bin_at() returns the bin with the nearest floor. For a place outside the box, bin_at()
+  // returns no bin.
   const Bins bins(WorldParameters{}, 7, 5);
   random::Stream stream({.seed = 3, .purpose = random::Purpose::prior}, 0);
   for (int i = 0; i < 10'000; ++i) {

@@ -120,12 +120,12 @@ TEST(SpellingMarbles, EqualASimulationOnSmallGrids) {
 }
 
 TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
-  // Goal: both engines agree with many balls, on a grid as large as that of ACM.
+  // Goal: both engines agree on many balls, on a grid that is as large as the grid of ACM.
   expect_all_alike(full_pattern(15, 7), state_count() / 50);
 }
 
-/// A world that a request can describe, with random sizes, shapes, materials and thresholds of slow
-/// contacts.
+/// A world that a request can describe. Sizes, shapes, materials and thresholds of slow contacts
+/// are random.
 Parameters any_world(random::Stream& stream) {
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * stream.uniform();
@@ -155,8 +155,8 @@ Parameters any_world(random::Stream& stream) {
 }
 
 TEST(SpellingMarbles, EqualASimulationInAnyWorld) {
-  // Goal: both engines agree in any valid world, and all simulations end. Method: compare two
-  // states of each of many random worlds.
+  // Goal: both engines agree in any valid world, and all simulations end. Method: in each of many
+  // random worlds, compare two states.
   random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
   const std::uint64_t worlds = state_count() / 10;
   for (const std::uint64_t n : property::in_turn(worlds)) {

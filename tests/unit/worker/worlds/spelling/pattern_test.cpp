@@ -63,7 +63,7 @@ TEST(Pattern, ErrorsNameTheRowAndTheCharacter) {
 
 TEST(Pattern, BothFontsHaveEveryLetterAndDigit) {
   // Goal: in both fonts, every letter and every digit has a picture of its own, without empty rows
-  // or columns at its edges. Small letters have the pictures of capital letters.
+  // or columns at its edges. Small letters have the same pictures as capital letters.
   for (const Font font : {Font::rows_5, Font::rows_7}) {
     std::vector<Pattern> seen;
     for (const char c : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789")) {
@@ -95,8 +95,8 @@ TEST(Pattern, BothFontsHaveEveryLetterAndDigit) {
 }
 
 TEST(Pattern, CentredKeepsThePicture) {
-  // Goal: centred() keeps the picture in a larger grid. Method: put HI's letters into a grid of ten
-  // by six.
+  // Goal: centred() puts a picture unchanged into a larger grid. Method: put HI's letters into a
+  // grid of ten by six.
   const Pattern pattern = centred(hi(), 10, 6);
   EXPECT_EQ(rows_of(pattern),
             "..........\n"

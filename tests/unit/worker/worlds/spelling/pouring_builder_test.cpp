@@ -57,8 +57,8 @@ TEST(Landings, OfBatchesAddUpInAnyOrder) {
 
 TEST(LandingMap, IsADensityAndDrawsByIt) {
   // Goal: the map's density integrates to 1, and its draws follow the density. Method: add up the
-  // density over all cells. Compare the shares of 20,000 draws in rings around the middle with the
-  // density, within 5 standard errors.
+  // density over all cells. Make 20,000 draws and count them in rings around the middle. Each
+  // ring's share must agree with the density, within 5 standard errors.
   const Spelling world = world_of(hi());
   const Landings landings = landings_of(world, k_seed, 20);
   const LandingMap map(landings);
@@ -92,7 +92,7 @@ TEST(LandingMap, IsADensityAndDrawsByIt) {
     const double error = std::sqrt(expected[ring] * (1 - expected[ring]) / k_draws);
     EXPECT_NEAR(seen[ring], expected[ring], 5 * error + 1e-9) << "ring " << ring;
   }
-  // Most of the balls that fill a bin are dropped above the bin or its neighbours.
+  // Most of the balls that fill a bin are dropped above this bin or a neighbouring bin.
   EXPECT_GT(expected[0] + expected[1], 0.7);
 }
 
@@ -131,7 +131,7 @@ TEST(PouringBuilder, FindsPouringsThatSpell) {
 }
 
 TEST(PouringBuilder, PrefixesAreWhatTheyCameTo) {
-  // Goal: a prefix's outcome, which is computed from the previous prefix, equals the outcome of a
+  // Goal: a prefix's outcome is computed from the previous prefix, and equals the outcome of a
   // simulation from scratch. Method: compare the two outcomes for each prefix of five pourings.
   const Spelling world = world_of(hi());
   const Spelling fresh = world_of(hi());

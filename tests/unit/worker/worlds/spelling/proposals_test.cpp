@@ -37,8 +37,8 @@ State with_active(const Prior& prior, std::uint32_t active) {
 }
 
 TEST(Proposals, RatiosOfFlipsAreTheFormula) {
-  // Goal: the log q ratios of disabling and enabling balls follow the header's formula. Method:
-  // multiply the probabilities of all balls, for the proposal and for its reverse.
+  // Goal: the log q ratios of proposals that disable or enable balls follow the header's formula.
+  // Method: multiply the probabilities of all balls, for the proposal and for its reverse.
   const Prior prior{.vertices = 0, .balls = 6, .drop_half_m = {0.07, 0.05}};
   const double area = 4 * 0.07 * 0.05;
   const double f = 0.25;
@@ -70,10 +70,10 @@ TEST(Proposals, RatiosOfFlipsAreTheFormula) {
 
 TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
   // Goal: the mixture of all kinds of proposals leaves p_w times a constraint invariant. Method:
-  // let each of three balls be inactive, in the left half or in the right half, which gives 27
+  // let each of three balls be inactive, in the left half or in the right half. This gives 27
   // cases. A long chain by Algorithm 2.1 must visit each case in proportion to its weight
-  // (chi-square on every 40th state). The ratio printed in the thesis, which lacks powers of 1 - f,
-  // and Kernel::thesis must both fail.
+  // (chi-square on every 40th state). The ratio printed in the thesis must fail, because it lacks
+  // powers of 1 - f. Kernel::thesis must fail too.
   const Prior prior{.vertices = 1, .balls = 3, .vertex_sd_m = 1, .drop_half_m = {0.5, 0.3}};
   ProposalParameters parameters;
   parameters.vertex_probability = 0.5;
@@ -87,8 +87,8 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
     }
     return cell;
   };
-  // The log weight is proportional to the number of balls in the left half, and a vertex above 0
-  // doubles it.
+  // The log weight is proportional to the number of balls in the left half. If a vertex is above 0,
+  // the log weight is twice as large.
   const auto log_constraint = [](const State& state) {
     double sum = 0;
     for (std::size_t ball = 0; ball < 3; ++ball)
@@ -117,7 +117,8 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
       random::Stream stream = stream_of(seed, static_cast<std::uint64_t>(i));
       const auto proposal = propose(prior, parameters, state, stream);
       double q = proposal.log_q_ratio;
-      // The ratio of thesis A.2.2, without powers of 1 - f, but with the right power of the area.
+      // The ratio of thesis A.2.2. The ratio lacks powers of 1 - f, but has the right power of the
+      // area.
       if (printed && proposal.kind >= static_cast<std::uint32_t>(Kind::disable_balls)) {
         q = prior.log_area() * (static_cast<double>(proposal.candidate.active_count()) -
                                 static_cast<double>(state.active_count()));
@@ -146,9 +147,9 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
 }
 
 TEST(Proposals, ThesisRatiosAreThosePrinted) {
-  // Goal: Kernel::thesis uses the ratio printed in thesis A.2.2. Each disabled ball contributes a
-  // factor a, the area, and each enabled ball contributes 1/a. Proposals of other kinds have ratio
-  // 1. Method: test draws of each kind.
+  // Goal: Kernel::thesis uses the ratio printed in thesis A.2.2. Each disabled ball contributes the
+  // factor a, which is the area. Each enabled ball contributes 1/a. Proposals of other kinds have
+  // ratio 1. Method: test draws of each kind.
   const Prior prior{.vertices = 5, .balls = 6, .drop_half_m = {0.07, 0.05}};
   const double log_area = std::log(4 * 0.07 * 0.05);
   for (std::uint32_t kind = 0; kind < k_thesis_kinds; ++kind) {
@@ -168,11 +169,11 @@ TEST(Proposals, ThesisRatiosAreThosePrinted) {
 }
 
 TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
-  // Goal: Kernel::thesis draws an offset's length, instead of its coordinates, from the Gaussian,
-  // and its direction uniformly. It does so at the start, in change_all and in change_vertices.
-  // Method: check that the mean square length is sd^2, with a third for each coordinate. The
-  // Gaussian density that scores the offset has a mean square length of 3 sd^2. So the mean
-  // exponent of p_w is -1/2 per vertex.
+  // Goal: Kernel::thesis draws an offset's direction uniformly. From the Gaussian, it draws the
+  // offset's length instead of its coordinates. Kernel::thesis does this at the start, in
+  // change_all and in change_vertices. Method: check that the mean square length is sd^2, and that
+  // each coordinate contributes a third. The Gaussian density that scores the offset has a mean
+  // square length of 3 sd^2. So the mean exponent of p_w is -1/2 per vertex.
   const Prior prior{.vertices = 100, .balls = 2, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   constexpr double k_draws = 400;
   const auto mean_square = [&](double sd, const auto& draw) {
@@ -252,8 +253,8 @@ TEST(Proposals, KindsHaveTheirShares) {
 
 TEST(Proposals, DrawsBelongToTheDensity) {
   // Goal: log p_w is the normalised density of the prior's draws. Method: compare the mean of log
-  // p_w over 2000 draws with the negative entropy, which has a closed form. Also check the offsets'
-  // standard deviation, and that half of the balls are active.
+  // p_w over 2000 draws with the negative entropy. The entropy has a closed form. Also check the
+  // offsets' standard deviation, and that half of the balls are active.
   const Prior prior{.vertices = 40, .balls = 10, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   double log_density = 0;
   double square = 0;
@@ -275,8 +276,8 @@ TEST(Proposals, DrawsBelongToTheDensity) {
 }
 
 TEST(Proposals, ABallMovesOnARing) {
-  // Goal: moving a ball keeps its drop place in the region, wrapped at the edges, and changes
-  // nothing else. Method: make many moves, most of them about as long as the region.
+  // Goal: moving a ball changes only its drop place. The place wraps at the region's edges, so it
+  // stays in the region. Method: make many moves. Most moves are about as long as the region.
   const Prior prior{.vertices = 2, .balls = 3, .drop_half_m = {0.07, 0.05}};
   State state = with_active(prior, 2);
   state.drops_m[1] = {0.06, -0.04};

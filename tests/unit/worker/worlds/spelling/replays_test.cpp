@@ -26,9 +26,9 @@ void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.filling, b.filling);
 }
 
-/// Runs a chain that accepts each candidate that fills at least as many bins as the current state.
-/// It accepts other candidates by chance. Expects that each candidate's simulation from the current
-/// state equals a simulation from scratch.
+/// Runs a chain. The chain accepts a candidate if it fills at least as many bins as the current
+/// state. The chain accepts some other candidates by chance. Expects that each candidate's
+/// simulation from the current state equals a simulation from scratch.
 void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint64_t seed) {
   const Spelling world(parameters);
   const Spelling fresh(parameters, Replays::no);
@@ -57,9 +57,9 @@ void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint6
 
 TEST(Replays, MakeNoDifference) {
   // Goal: a candidate's simulation from the current state equals a simulation from scratch, for
-  // successive proposals of every kind. Both have the same filled bins, balls elsewhere, end and
-  // decision time. Method: run chains in HI's box, in small crowded boxes, and with vertices that
-  // move far.
+  // successive proposals of every kind. Both simulations have the same filled bins, balls
+  // elsewhere, end and decision time. Method: run chains in HI's box, in small crowded boxes, and
+  // in boxes whose vertices move far.
   const std::uint64_t count = proposal_count();
   run_chain({}, count, k_seed);
   Parameters crowded;

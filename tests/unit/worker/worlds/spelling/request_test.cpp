@@ -61,9 +61,9 @@ TEST(SpellingRequest, DefaultsAreTheThesis) {
 }
 
 TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
-  // Goal: if a request has no sampler, the world chooses one, and the normalised text contains all
-  // choices. The choices depend on the word and on which stop rules exist, but not on the rules'
-  // numbers. The world never changes given values.
+  // Goal: if a request has no sampler, the world chooses a sampler, and the normalised text
+  // contains all choices. The choices depend on the word and on the kinds of stop rules, but not on
+  // the rules' numbers. If a request gives a value, the world keeps it.
   Parameters parameters;
   const std::array worlds{request_binding()};
   const auto chosen = [&](const std::string& text) {
@@ -148,7 +148,8 @@ TEST(SpellingRequest, IslandsHaveAStatedMemory) {
 }
 
 TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
-  // Goal: a request accepts any word or bitmap, in the pattern's own grid or in a given grid.
+  // Goal: a request accepts any word or bitmap. If no grid is given, the pattern's own grid is
+  // used.
   Parameters parameters;
   ASSERT_TRUE(read(parameters, "word = \"ACM\"\n[constraint]\nlog_lambda = 7.25").ok());
   EXPECT_EQ(parameters.pattern.columns, 15U);
@@ -165,8 +166,8 @@ TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
 }
 
 TEST(SpellingRequest, WhatIsAcceptedCanBeMade) {
-  // Goal: no valid request stops the program. Method: simulate boxes that are one bin wide, with
-  // the largest valid ball.
+  // Goal: no valid request stops the program. Method: simulate boxes that are one bin wide. The
+  // balls have the largest valid size.
   for (const char* keys : {"bitmap = \"#\\n#\"\nball_diameter_mm = 19.99\nbox_height_mm = 60",
                            "bitmap = \"#.\"\nball_diameter_mm = 19.99"}) {
     Parameters parameters;
@@ -216,7 +217,7 @@ TEST(SpellingRequest, ErrorsSayWhatToDo) {
 
 TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
   // Goal: only the key `kernel` selects the biased kernel, and archives store that key. Method:
-  // read requests with the key, without the key, and with an unknown value.
+  // read requests that have the key, lack the key, or give the key an unknown value.
   Parameters parameters;
   const auto plain = read(parameters, "");
   ASSERT_TRUE(plain.ok());

@@ -38,8 +38,8 @@ void expect_equal(const SoloBalls::Outcome& a, const SoloBalls::Outcome& b) {
 }
 
 TEST(SoloBalls, AreWhatEachBallDoesAlone) {
-  // Goal: the surrogate assigns each ball the bin that the ball fills if no other ball is active.
-  // Method: simulate each ball as the only active ball.
+  // Goal: the surrogate assigns a bin to each ball: the bin that the ball fills if no other ball is
+  // active. Method: simulate each ball as the only active ball.
   const Spelling world(parameters_with_aims());
   for (const std::uint64_t i : property::cases(30)) {
     random::Stream stream = stream_of(i);
@@ -59,7 +59,7 @@ TEST(SoloBalls, AreWhatEachBallDoesAlone) {
 
 TEST(SoloBalls, FromChangesAreTheSame) {
   // Goal: the surrogate computes the same outcome if it simulates only the changed balls. Method:
-  // walk with proposals of all kinds, with anchored balls where possible. Compare each outcome with
+  // walk with proposals of all kinds. Where possible, balls are anchored. Compare each outcome with
   // a simulation of all balls.
   const Spelling world(parameters_with_aims());
   std::uint64_t changed = 0;
@@ -87,9 +87,9 @@ TEST(SoloBalls, FromChangesAreTheSame) {
 }
 
 TEST(SoloBalls, TakeAnchoredBallsForGranted) {
-  // Goal: an anchored ball fills its bin whatever it would do alone, so no other ball fills that
-  // bin. A state in which an anchored ball differs is impossible. Method: anchor balls of prior
-  // draws. Then move and disable each anchored ball.
+  // Goal: an anchored ball fills its bin, even if it would not fill the bin alone. So no other ball
+  // fills that bin. If a state changes an anchored ball, the state is impossible. Method: anchor
+  // balls of prior draws. Then move and disable each anchored ball.
   const Spelling world(parameters_with_aims());
   std::uint64_t anchored = 0;
   for (const std::uint64_t i : property::cases(200)) {
@@ -126,9 +126,9 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
 
 TEST(SoloBalls, AnchorsHaveTheirProbabilities) {
   // Goal: log_anchor_probability() returns the log probability with which draw_anchor() draws an
-  // anchor. The anchor of another state has probability zero. Method: for five animations with
-  // helped balls, compare the shares of anchors in 20,000 draws with their probabilities. Allow six
-  // standard deviations.
+  // anchor. The anchor of another state has probability zero. Method: use five animations with
+  // helped balls. Draw 20,000 anchors, and compare each anchor's share with its probability. Allow
+  // six standard deviations.
   const Spelling world(parameters_with_aims());
   int animations = 0;
   for (std::uint64_t i = 0; animations < 5 && i < 1000; ++i) {

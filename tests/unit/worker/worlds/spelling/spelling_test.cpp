@@ -122,8 +122,8 @@ TEST(Spelling, BallsThatStartInOnePlaceAreNoAnimation) {
 }
 
 TEST(Spelling, BallsComeToRestInBins) {
-  // Goal: balls dropped from 72 mm come to rest, almost all of them on the floor of a bin. No ball
-  // is lost. Method: check each ball's height at rest in prior draws.
+  // Goal: balls that are dropped from 72 mm come to rest. Almost all balls rest on the floor of a
+  // bin. No ball is lost. Method: check each ball's height at rest in prior draws.
   const Spelling world(Parameters{});
   std::uint32_t balls = 0;
   std::uint32_t low = 0;

@@ -19,7 +19,6 @@ namespace sleight::worlds::spelling::traps_test {
 constexpr std::uint64_t k_seed = 20'260'511;
 constexpr double k_radius_m = 0.008;
 
-/// Number of animations, larger if SLEIGHT_SOAK=1.
 std::uint64_t animation_count() {
   return property::long_run() ? 100'000 : property::of_tier(150, 300);
 }
@@ -58,7 +57,8 @@ bool box_holds(const physics::Box& box, const Vec3& centre_m) {
 
 TEST(Traps, AWallThatIsLowerThanThePartitionsLetsBallsOut) {
   // Goal: a bin traps a ball only if the ball stays below the lowest wall around the bin. Method:
-  // test a box whose walls are higher than the partitions and a box whose walls are lower.
+  // test two boxes. In one box, the walls are higher than the partitions; in the other box, they
+  // are lower.
   OneBall ball;
   EXPECT_TRUE(ball.place());
   ball.world.box_height_m = 0.006;
@@ -84,10 +84,10 @@ TEST(Traps, ABallAtRestInABinIsTrappedThere) {
 }
 
 TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
-  // Goal: a bin traps a ball only if the energy of the ball's motion and spin cannot lift it over
-  // the partitions, in any direction. Method: test speeds around v^2 = 2 g 3 mm. At this speed, a
-  // ball 3 mm below the partitions' height just reaches that height. The trap's margin is a tenth
-  // of a millimetre.
+  // Goal: a bin traps a ball only if the energy of motion and spin cannot lift the ball over the
+  // partitions, in any direction. Method: test speeds around v^2 = 2 g 3 mm. At this speed, a ball
+  // 3 mm below the partitions' height just reaches that height. The trap's margin is a tenth of a
+  // millimetre.
   const double height_m = 0.003;
   const double speed_mps = std::sqrt(2 * 9.81 * height_m);
   const double less_mps = std::sqrt(2 * 9.81 * (height_m - 0.00015));
@@ -97,7 +97,8 @@ TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
     EXPECT_TRUE(ball.place());
     ball.twist.velocity_mps = speed_mps * way;
     EXPECT_FALSE(ball.place());
-    // At equal surface speed, a solid ball's spin has 2/5 of the energy of its motion.
+    // If a solid ball's surface speed equals its speed, its spin has 2/5 of the energy of its
+    // motion.
     ball.twist.velocity_mps = Vec3::Zero();
     ball.twist.angular_velocity_radps = less_mps / k_radius_m / std::sqrt(0.4) * way;
     EXPECT_TRUE(ball.place());
@@ -135,10 +136,10 @@ TEST(Traps, WhatIsOverAPartitionOrOutsideIsNot) {
 }
 
 TEST(Traps, LowerAndLeaningPartitionsHoldLess) {
-  // Goal: among the corners around a bin, only the lowest one limits which balls the bin traps.
+  // Goal: among the corners around a bin, only the lowest corner limits which balls the bin traps.
   // Leaning partitions widen the trap's box, and partitions that lean too far trap no ball. The
-  // corners of other bins have no effect. Method: lower each vertex of the box in turn, and move it
-  // sideways by a little and by a lot.
+  // corners of other bins have no effect. Method: lower each vertex of the box in turn. Also move
+  // each vertex sideways, by a little and by a lot.
   OneBall ball;
   const auto& corners = ball.bins.corners(ball.bin);
   ASSERT_EQ(std::ranges::count(corners, k_no_vertex), 0);
@@ -214,7 +215,7 @@ State random_state(const Spelling& world, std::uint64_t n) {
   return state;
 }
 
-/// Bounds on a ball: the intersection of the boxes of its traps so far.
+/// Bounds on a ball: the intersection of the boxes of all the ball's traps so far.
 struct Hold {
   bool any = false;
   Bin bin;
@@ -266,8 +267,8 @@ std::uint64_t expect_held(const Traps& traps, const Bins& bins,
 
 TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
   // Goal: a trapped ball stays in its trap's box until it hits another ball. Method: in recorded
-  // animations, check each segment of a trapped ball at its beginning, end and highest point, and
-  // at a random time.
+  // animations, check a trapped ball in each segment: at the beginning, at the end, at the highest
+  // point and at a random time.
   std::uint64_t held = 0;
   const std::uint64_t animations = animation_count() / 5;
   for (const std::uint64_t n : property::cases(animations)) {
@@ -293,7 +294,7 @@ TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
 
 TEST(Traps, ABallBetweenAnEdgeAndAWallIsDecided) {
   // Goal: a ball comes to rest if friction pulls it from an edge to a wall, and the wall carries no
-  // load. Method: count the events of one animation out of 100,000. In an earlier version, its ball
+  // load. Method: count the events of one animation out of 100,000. The ball of this animation once
   // alternated between edge and wall 80,000 times in 25 microseconds.
   const Spelling world(world_of(4));
   const State state = random_state(world, 35'114);
@@ -351,7 +352,7 @@ TEST(Traps, WhatIsDecidedEarlyIsWhatARunToRestFinds) {
 TEST(Traps, ThreadsSimulateAsOneDoes) {
   // Goal: several threads can simulate with one world at once. Each thread has its own box, and the
   // states that a box simulated before have no effect. Method: compare the outcomes of four threads
-  // with the outcomes of a new world for each state.
+  // with outcomes for which each state gets a new world.
   constexpr std::uint64_t k_states = 48;
   constexpr std::uint64_t k_threads = 4;
   const Spelling world(world_of(2));
