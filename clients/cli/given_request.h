@@ -17,8 +17,8 @@ struct GivenRequest {
 };
 
 /// Reads the file, or standard input if `path` is "-". If `path` is empty, makes the shortest
-/// request for `word`. Throws base::Error(usage) if both are empty, and base::Error(environment) if
-/// the file can't be read.
+/// request for `word`. Throws base::Error(usage) if both are empty, and base::Error(environment)
+/// if the file can't be read.
 GivenRequest given_request(const std::string& path, const std::string& word,
                            const std::optional<request::Asked>& asked);
 

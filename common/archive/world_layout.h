@@ -48,12 +48,12 @@ struct WorldLayout {
   /// One line that users of the samples must read; empty: no warning. Programs print the warning
   /// when a run starts, and the archive stores it.
   std::string warning = {};
-  /// Logarithm of a ratio: P(satisfied) under the prior, divided by P(satisfied) of natural throws.
-  /// A natural throw is one that a person could make blindly. The value is below 0 if only some
-  /// draws are natural throws, but these include all satisfying draws. An example is the log of the
-  /// probability that a draw drops all balls. The value is above 0 if a draw stands for several
-  /// equally likely throws and satisfies the constraint if one of them does. An example is dice
-  /// whose faces are numbered afterwards.
+  /// Logarithm of a ratio: P(satisfied) under the prior, divided by P(satisfied) of natural throws,
+  /// which a person could make blindly. The value is below 0 if only some draws are natural throws,
+  /// and all satisfying draws are among them. For example, it is the log of the probability that a
+  /// draw drops all balls. The value is above 0 if a draw stands for several equally likely
+  /// throws, and one satisfying throw among them is enough. This is so for dice whose faces are
+  /// numbered afterwards.
   double log_natural_throw = 0;
 };
 

@@ -2,8 +2,8 @@
 // it adds seconds to the compilation of a source.
 //
 // Invariants
-//   1. An object has its keys in order of addition, each key once.
-//   2. Integers below 0 are stored as std::int64_t, all others as std::uint64_t. Other numbers are
+//   1. An object keeps its keys in the order of their addition, and has each key once.
+//   2. Integers are stored as std::uint64_t from 0, as std::int64_t below 0. Other numbers are
 //      doubles.
 //   3. Parsed values are nested at most k_depth_max levels deep.
 //   4. Invalid UTF-8 is written as U+FFFD; NaN and infinities are written as null.

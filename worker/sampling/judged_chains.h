@@ -12,8 +12,8 @@
 //
 // Invariants
 //   1. A tour's result is a function of its scans. All chains wait for each other at round ends.
-//   2. No chain is excluded or restarted for its own values. Draws come from the round that passed
-//      the test. So the R-hat of that round is subject to selection.
+//   2. No chain is excluded or restarted for its own values. Draws come from the round that
+//      passed, so its R-hat is subject to selection.
 // Memory: the judged values of a tour's scans, until the tour ends. Not thread-safe.
 #pragma once
 

@@ -25,8 +25,8 @@ template <std::size_t axes>
 using Coefficients = std::array<std::array<double, axes>, GeneralRotation::k_order + 1>;
 
 /// Returns a polynomial order that is high enough for an offset in a step. Term n is at most 2^-2n
-/// x^n times the first term. The terms that a lower order omits stay below 2^-56. Depends only on
-/// the offset.
+/// x^n times the first term, and the terms that a lower order omits stay below 2^-56. Depends only
+/// on the offset.
 std::size_t order_for(double x) {
   if (x <= 0x1p-10) return 4;
   if (x <= 0x1p-5) return 8;

@@ -139,7 +139,7 @@ class World {
   void note_too_much(BodyId body, Tick tick);
   void note_failure(SceneError::Kind kind, const std::string& what, BodyId body, Tick tick);
   std::string message_of(const std::string& what, BodyId body, Tick tick) const;
-  /// Records that a body touched a surface. `arm_m` leads from the body's centre to the touch.
+  /// Records that a body touched a surface at centre_m + arm_m.
   void note_surface(BodyId body, StaticId met, Tick tick, const Vec3& centre_m, const Vec3& arm_m);
 
   // Rest (world_rest.cpp).
