@@ -1,6 +1,6 @@
 // Goal: an archive's odds have an interval if its ladders can be trusted. Otherwise the odds are
 // unknown, and the answer names a request key and a value that would make the odds known. Method:
-// fill an in-memory archive with made-up tables of /tempering.
+// make up the tables of /tempering in an in-memory archive.
 #include "clients/analysis/archive_odds.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Tables of ladders whose estimates are equal within each round.
+/// Made-up tables of /tempering. All ladders have the same estimate in a round.
 struct Tables {
   std::uint64_t chains = 4;
   std::vector<double> scans{64, 128, 256};
@@ -120,8 +120,8 @@ TEST(ArchiveOdds, KeysThatHelpDependOnWhatIsSlow) {
     const Made made = archive_of(tables);
     return odds_of(made.source, made.summary).value().how_to_know.value().besides;
   };
-  // The tables have 8 of the 40 required round trips, so a round needs 5 * 256 scans. The sixth
-  // round (2,048 scans) is the first with enough scans.
+  // The last round (256 scans) has 8 of the 40 required round trips, so a round needs 5 * 256
+  // scans. The sixth round (2,048 scans) is the first that is long enough.
   EXPECT_EQ(json(tables)["to_know"]["rounds"], 6);
   EXPECT_EQ(json(tables)["to_know"]["scans"], 4032);
   EXPECT_THAT(besides(), HasSubstr("iterations_per_scan"));
@@ -148,7 +148,7 @@ TEST(ArchiveOdds, ASingleRoundNeedsASecondOne) {
 
 TEST(ArchiveOdds, ThrowsThatAreNoDrawsAreNamed) {
   // For a word of three balls, one draw in e^6.88 satisfies the constraint. One draw in 8 is a
-  // natural throw, and natural throws satisfy the constraint 8 times as often.
+  // natural throw. A natural throw is 8 times as likely to satisfy the constraint as a draw.
   Tables tables;
   tables.world = "spelling";
   tables.log_natural_throw = 3 * std::log(0.5);
@@ -173,7 +173,7 @@ TEST(ArchiveOdds, WhatNeverSatisfiedIsUnknown) {
   EXPECT_EQ(said["to_know"]["at_least"], true);
 }
 
-/// Islands of chains. In every group of three islands, the first island's estimate is larger.
+/// Islands of chains. The first of every three islands has a larger estimate than the other two.
 struct IslandTables {
   std::uint64_t chains = 4;
   std::uint64_t islands = 60;
@@ -239,7 +239,7 @@ TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
 
 TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
   // Goal: islands before `odds_from` don't count, even if their estimates would dominate the sum.
-  // Method: make the estimates of each chain's first 20 islands e^9 times as large.
+  // Method: multiply the estimates of each chain's first 20 islands by e^9.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 20 ? 9 : 0) + (i % 3 == 0 ? -4.8 : -5.8));
@@ -269,8 +269,8 @@ TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
 }
 
 TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
-  // Earlier islands determined the round's size. One island holds 0.4 of the sum of estimates. Four
-  // times as many islands are needed, which halves the error.
+  // Earlier islands determined the round's size. One island's estimate is 0.4 of the sum of all
+  // estimates. The advice is to use four times as many islands and half the error.
   IslandTables tables;
   tables.values.assign(240, -210);
   tables.values[100] = -210 + std::log(160);
@@ -282,10 +282,11 @@ TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
 }
 
 TEST(ArchiveOdds, WhatIsAdvisedSizesALongerRound) {
-  // Goal: a request with the advised error gets more islands. Method: use 80 pilot islands, a third
-  // of which have larger estimates, and then 160 islands with a heavy tail. The pilot islands
-  // predict an error of sqrt(0.5 * 80 / 79 / 160) = 0.0563. A request for any larger error gives
-  // the same round. The advised error must be below nine tenths of the prediction.
+  // Goal: a request with the advised error gets more islands. Method: use 80 pilot islands and then
+  // 160 islands. A third of the pilot islands have larger estimates. One of the later islands has a
+  // huge estimate. The pilot islands predict an error of sqrt(0.5 * 80 / 79 / 160) = 0.0563. A
+  // request for an error above the prediction gives the same number of islands. The advised error
+  // must be below nine tenths of the prediction.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i) {
     const bool is_large = i % tables.islands < 20 ? (i / 60 * 20 + i % 60) % 3 == 0 : i == 30;
@@ -316,7 +317,7 @@ TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
 
 TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
   // Goal: in a run for solutions, only islands before `odds_until` determine the odds. Method: use
-  // 30 islands per chain, followed by 30 islands with estimates e^9 times as large.
+  // 60 islands per chain, and multiply the estimates of the last 30 by e^9.
   IslandTables tables;
   for (std::uint64_t i = 0; i < tables.chains * tables.islands; ++i)
     tables.values.push_back((i % tables.islands < 30 ? 0 : 9) + (i % 3 == 0 ? -4.8 : -5.8));
@@ -333,7 +334,7 @@ TEST(ArchiveOdds, OfARunForSolutionsTheFirstIslandsCount) {
 
 TEST(ArchiveOdds, WhatElseHelpsIsAdvised) {
   // Goal: if islands have too few particles, the advice names the number of particles too. Method:
-  // use a default request for short words with two particles per island.
+  // use islands of two particles each.
   IslandTables tables;
   tables.sampler = "tour_scans = 16\nparticles = 2\n";
   tables.stop = "independent_solutions = 2\n";
@@ -353,10 +354,9 @@ TEST(ArchiveOdds, IslandsKnowOddsThatNoDoubleHolds) {
 }
 
 TEST(ArchiveOdds, IslandsThatCannotBeAreRefused) {
-  // Goal: an archive with tables that no run writes is refused and causes no crash. Method: use
-  // archives with infinite or NaN estimates, archives with an impossible number of the first
-  // counted island, and an archive with a wrong number of chains. An archive in which no island
-  // counts is valid.
+  // Goal: if a run can't have written an archive's tables, the archive is refused and causes no
+  // crash. Method: write infinite or NaN estimates, an impossible number of the first counted
+  // island, or a wrong number of chains. If no island counts, the archive is valid.
   const auto expect_refused = [](const IslandTables& tables, const char* what) {
     const Made made = islands_archive(tables);
     EXPECT_THROW(odds_of(made.source, made.summary), base::Error) << what;

@@ -36,7 +36,7 @@ using ::testing::IsEmpty;
 
 constexpr std::uint32_t k_chains = 3;
 
-/// A fake run with two levels and rounds that begin at the given scans.
+/// A fake tempered run. The caller gives the first scan of each round.
 class TemperedRun final : public archive::RunView {
  public:
   TemperedRun(const FakeRunOptions& options, std::vector<double> first_scans)
@@ -163,8 +163,8 @@ TEST_F(DiagnosisTest, OfLaddersTheLongestRoundIsJudged) {
 
 TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
   // Goal: a run of tours is never reported as mixed, because independent draws pass all measures
-  // even if tours are too short. Means are still shown. Method: diagnose one run with a judge that
-  // complains about a scalar, and with a judge that accepts all.
+  // even if tours are too short. Means are still shown. Method: diagnose one run twice. One judge
+  // complains about a scalar; the other judge accepts all scalars.
   archive::ArchiveOptions of_tours = archive::testing::options_for(options(201));
   of_tours.request_text = "[sampler]\nmethod = \"sequential\"\ntour_scans = 16\n";
   archive::write_digested(archive_, [&](archive::Sink& sink) {

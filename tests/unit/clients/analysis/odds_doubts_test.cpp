@@ -1,6 +1,6 @@
 // Goal: the error of an estimate is reported only if all conditions hold. Each condition that fails
-// gives its own kind of doubt. Method: start from good tables of two rounds, and change one value
-// at a time to both sides of its limit.
+// gives its own kind of doubt. Method: change one value of a good example at a time, and test it
+// just below and just above its limit.
 #include "clients/analysis/odds_doubts.h"
 
 #include <gmock/gmock.h>
@@ -111,8 +111,8 @@ TEST(OddsDoubts, OneBadLadderIsFarFromTheOthers) {
   facts.judged[3].value = -9;
   // The bad ladder makes the error between ladders so large that the rounds agree.
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::wide, DoubtOf::ladders_disagree));
-  // A bad ladder closer to the others still disagrees with them. The deviations are -0.6, 0.2, 0.2,
-  // 0.2, so the standard deviation is 0.4, four times the ladders' errors.
+  // A bad ladder that is closer to the other ladders still disagrees with them. The deviations are
+  // -0.6, 0.2, 0.2, 0.2, so the standard deviation is 0.4, four times the ladders' errors.
   facts.judged = {{-5.4, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}};
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::ladders_disagree));
   for (LogEstimate& ladder : facts.judged)
@@ -161,7 +161,8 @@ TEST(OddsDoubts, WeightedDrawsHaveToBeWorthEnough) {
   EXPECT_THAT(doubts_of_weights(chains, 100, 100), IsEmpty());
   EXPECT_THAT(kinds(doubts_of_weights(chains, 99, 100)), ElementsAre(DoubtOf::few_draws));
   EXPECT_THAT(kinds(doubts_of_weights(chains, k_nan, 100)), ElementsAre(DoubtOf::few_draws));
-  // With errors of 0.23, each ladder is worth 1 / 0.23^2 = 18.9 draws; 40 are needed.
+  // A ladder with error 0.23 is worth 1 / 0.23^2 = 18.9 draws. The two ladders need 40 draws
+  // together.
   const std::vector<LogEstimate> rough{{-3, 0.23}, {-3.1, 0.23}};
   const std::vector<Doubt> doubts = doubts_of_weights(rough, 100, 100);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_draws));

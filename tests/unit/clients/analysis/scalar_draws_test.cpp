@@ -21,7 +21,7 @@ struct Shape {
   std::vector<archive::Dimension> inner;
 };
 
-/// A source with one variable, whose element number n is the double n.
+/// A source with one variable. The value of element n is n.
 class CountingSource final : public archive::Source {
  public:
   explicit CountingSource(const Shape& shape) {
@@ -68,7 +68,7 @@ TEST(ScalarDraws, EveryValueIsOfItsEntryChainAndDraw) {
   expect_right({.inner = {}}, {.chains = 2, .first = 50, .count = 50, .stride = 1});
   expect_right({.inner = {{"a", 3}, {"b", 5}}},
                {.chains = 2, .first = 1, .count = 33, .stride = 3});
-  // The rows are too far apart to be read together.
+  // The draws' values are too far apart in the dataset to be read together.
   expect_right({.draws = 50, .inner = {{"a", 9000}}},
                {.chains = 2, .first = 2, .count = 5, .stride = 9});
   expect_right({.chains = 1, .draws = 70000, .inner = {{"a", 70}}},

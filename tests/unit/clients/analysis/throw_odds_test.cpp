@@ -1,6 +1,6 @@
-// Goal: estimates of several ladders are combined on the log scale with the largest of three
-// errors. Odds are printed with readable units. Method: compare small cases with known results, and
-// print odds near every change of unit.
+// Goal: estimates of several ladders are combined on the log scale. The combined error is the
+// largest of three errors. Odds are printed with readable units. Method: compare small cases with
+// known results, and print odds near every change of unit.
 #include "clients/analysis/throw_odds.h"
 
 #include <gtest/gtest.h>
@@ -31,8 +31,8 @@ TEST(Combined, TheErrorIsTheLargerOfTheTwo) {
 }
 
 TEST(Combined, ManyLaddersDoNotAverageAwayWhatAMeanOfLogsLacks) {
-  // Sixteen ladders, half with value 1 and half with value 3, have variance 16/15 and a standard
-  // error of 0.26 between ladders. Half the variance, 0.53, bounds the bias of a mean of logs.
+  // If eight ladders have value 1 and eight have value 3, the variance is 16/15 and the standard
+  // error between ladders is 0.26. Half the variance, 0.53, bounds the bias of a mean of logs.
   std::vector<LogEstimate> ladders(16, {1, 0.1});
   for (std::size_t i = 8; i < 16; ++i)
     ladders[i].value = 3;

@@ -1,6 +1,6 @@
 // Goal: groups follow their stated methods, and don't depend on the order of animations. Method:
-// compare medoids with all choices and exchanges, and hierarchies with the plain algorithm. Compare
-// groups of one set in different orders of its animations.
+// compare medoids with all choices and exchanges. Compare hierarchies with the plain algorithm.
+// Group the same animations in different orders.
 #include "clients/browse/groups.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using testing::random_index;
 
 constexpr std::uint64_t k_seed = 28;
 
-/// Returns distances between random points in a plane, in one to four clumps.
+/// Returns distances between random points in a plane. The points form one to four clumps.
 std::vector<float> matrix_of(std::size_t size, random::Stream& stream) {
   std::vector<math::Vec3> points;
   const std::size_t clumps = 1 + below(stream, 4);
@@ -85,7 +85,7 @@ TEST(Groups, NoExchangeOfOneMedoidHelps) {
     ++cases;
     if (cost <= least + 1e-6) ++best;
   }
-  // Exchanges end in a local optimum, usually the global one.
+  // Exchanges end in a local optimum. Usually it is the global optimum.
   if (property::all_cases()) {
     EXPECT_GE(best, cases * 9 / 10);
   }
@@ -142,7 +142,7 @@ TEST(Groups, HierarchyJoinsTheNearest) {
     const std::vector<std::size_t> found = hierarchy_of(matrix, size, k);
     EXPECT_EQ(std::set<std::size_t>(found.begin(), found.end()).size(), k);
     EXPECT_TRUE(is_same_division(found, plain_hierarchy(matrix, size, k)));
-    // Members that share one of k groups also share one of k - 1 groups.
+    // If two members share a group of k groups, they still share a group when there are k - 1.
     if (k == 1) continue;
     const std::vector<std::size_t> wider = hierarchy_of(matrix, size, k - 1);
     std::map<std::size_t, std::size_t> into;
@@ -237,7 +237,7 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
   const NeighbourTest far = test_of(5);
   EXPECT_EQ(far.share, 1);
   EXPECT_NEAR(far.p_value, 1.0 / (k_deals + 1), 1e-12);
-  // If both sets are alike, the p-value is uniformly distributed or slightly larger.
+  // If both sets have the same distribution, p-values are uniform or slightly larger.
   int small = 0;
   for (int i = 0; i < 100; ++i) {
     const NeighbourTest same = test_of(0);
@@ -249,9 +249,9 @@ TEST(Agreement, NeighboursTellTwoSetsFromOne) {
 
 TEST(AlikeSets, AreGroupedAgainAsTheFirstTime) {
   // Goal: the state that an AlikeSet stores between groupings doesn't change the groups. Method:
-  // ask for different numbers of groups by both methods, from a set with a full matrix and from a
-  // sampled set. Compare each grouping with a grouping from scratch, and distances with those of
-  // Sketches.
+  // make different numbers of groups by both methods, for a small set (full matrix) and a large set
+  // (sampled). Compare each grouping with a grouping from scratch. Compare distances with the
+  // distances of Sketches.
   random::Stream stream = testing::stream_of(k_seed, 27);
   for (const std::size_t size : {60UL, 505UL}) {
     const Index index = random_index(size, stream);

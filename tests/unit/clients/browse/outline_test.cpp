@@ -23,8 +23,8 @@ Outline outline_of_many() {
 }
 
 TEST(Outline, IsTheIndexWithoutMotions) {
-  // Goal: an outline has everything of an index's entries except their motions. Method: delete the
-  // motions of a random index's entries, and compare the entries with those of the outline.
+  // Goal: an outline's entries equal the index's entries except for their motions. Method: delete
+  // the motions from a random index, and compare it with its outline.
   random::Stream stream = testing::stream_of(5, 0);
   const Index index = testing::random_index(40, stream);
   const Outline outline = outline_of_many();
@@ -44,8 +44,8 @@ TEST(Outline, IsTheIndexWithoutMotions) {
 
 TEST(Outline, ComesBackFromItsBytesOrNotAtAll) {
   // Goal: the bytes of an outline read back as an equal outline. Damaged bytes and bytes of another
-  // version are rejected. Method: truncate the bytes, flip bits, and write groups of missing
-  // entries with a valid checksum.
+  // version are rejected. Method: truncate the bytes and flip bits. Name missing entries in groups,
+  // with a valid checksum.
   const Outline outline = outline_of_many();
   const base::Bytes bytes = bytes_of(outline, "1.2");
   const auto back = outline_of_bytes(bytes, "1.2");

@@ -1,7 +1,7 @@
-// Goal: a query means what its text states, and the fast answer equals the slow one. Method:
-// compare the answers to random queries about random animations with tests/browse, which tests
-// every segment of every body. Check small cases with known answers, and check that the comparison
-// detects wrong answers.
+// Goal: a query means what its text states, and the fast answer equals the slow one. Method: answer
+// random queries about random animations. Compare the answers with those of tests/browse, which
+// tests every segment of every body. Check small cases with known answers. Check that the
+// comparison detects wrong answers.
 #include "clients/browse/query.h"
 
 #include <gtest/gtest.h>
@@ -132,7 +132,7 @@ TEST(Queries, MeanWhatTheySay) {
   EXPECT_FALSE(is_met("ball 2 touches table"));
   EXPECT_TRUE(is_met("ball 1 touches table during 1..1s"));
   EXPECT_FALSE(is_met("ball 1 touches table during 1001ms.."));
-  // In "a then b", one hit can't be both a and b.
+  // In "a then b", a single hit can't count as both a and b.
   EXPECT_TRUE(is_met("ball 1 touches table then ball 1 touches ball 2"));
   EXPECT_FALSE(is_met("ball 1 touches ball 2 then ball 1 touches table"));
   EXPECT_FALSE(is_met("ball 1 touches table then ball 1 touches table"));

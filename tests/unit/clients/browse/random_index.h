@@ -1,8 +1,9 @@
-// Random animations of a made-up scene with two twin balls, another ball, a table and a wall.
+// Random animations of a made-up scene. The scene has two twin balls, another ball, a table and a
+// wall.
 //
 // As in recordings, segments are parabolas, straight lines and rests. Some segments start where the
-// previous one ended, others elsewhere. A body may enter late or never. Bodies hit fixed features
-// or other bodies; some hits are simultaneous.
+// previous segment ended; the others start elsewhere. A body may enter late or never. Bodies hit
+// fixed features or other bodies; some hits are simultaneous.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Goal: an index agrees with its archive, even if it extends an earlier index. The index's bytes
-// read back equal or are rejected. Method: read in-memory archives of the made-up world, then
+// read back equal or are rejected. Method: read in-memory archives of the made-up world. Then read
 // longer archives of the same run. Change the bytes of an index.
 #include "clients/browse/reading.h"
 
@@ -30,8 +30,8 @@ using archive::testing::FakeRunOptions;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Writes an archive with all animations, so that a longer run's archive begins with the animations
-/// of a shorter run.
+/// Writes an archive that keeps all animations. If a run is longer, its archive begins with the
+/// shorter run's animations.
 void write(archive::MemoryArchive& memory, std::uint64_t scans, std::uint64_t seed = 1,
            std::uint64_t finds = 0) {
   const FakeRunOptions run{.seed = seed, .chains = 1, .scans = scans, .finds = finds};
@@ -176,8 +176,8 @@ TEST(Reading, BeginsAnewWhereDrawsBeginElsewhere) {
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(read.value().taken_over, 0U);
   expect_same(read.value().index, whole);
-  // The reader doesn't reuse an index that belongs to another run, has other numbers, or has
-  // contacts with missing features.
+  // The reader doesn't reuse an index of another run or with other numbers, nor an index whose
+  // contacts name missing features.
   for (int damage = 0; damage < 3; ++damage) {
     Index other = whole;
     if (damage == 0) other.run_id = "another";

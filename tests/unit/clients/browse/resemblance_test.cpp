@@ -1,5 +1,5 @@
 // Goal: the resemblance of two animations is the stated distance. Method: compare known cases with
-// the plain formula, and the cheapest matching of bodies with all permutations.
+// the plain formula. Compare the cheapest matching of bodies with the cheapest of all permutations.
 #include "clients/browse/resemblance.h"
 
 #include <gtest/gtest.h>
@@ -70,7 +70,8 @@ TEST(Resemblance, IsSymmetricAndZeroOfOneself) {
   EXPECT_EQ(one, sketches.matrix(3));
 }
 
-/// Returns animations that differ only in the paths (straight, 1 s) of the scene's two twin balls.
+/// Returns animations that differ only in the paths of the two twin balls. Each path is straight
+/// and takes 1 s.
 Index two_ways(const std::vector<std::vector<math::Vec3>>& ways) {
   Index index{.run_id = "run", .scene = testing::small_scene()};
   for (const std::vector<math::Vec3>& way : ways) {
@@ -96,8 +97,9 @@ Resemblance between(const Index& index) {
 }
 
 TEST(Resemblance, IsWhatTheFormulaSays) {
-  // A ball moves 1 m to the right in one animation and stays in the other. The mean distance over
-  // 64 times from 0 to 1 s and one time at rest is 33/65 m. The other two bodies don't differ.
+  // A ball moves 1 m to the right in one animation and stays in the other. The distance is measured
+  // at 64 moments from 0 to 1 s and once at rest. The mean distance is 33/65 m. The other two
+  // bodies don't differ.
   const Resemblance of_one = between(two_ways({{{0, 0, 0}, {1, 0, 0}}, {{0, 0, 0}, {0, 0, 0}}}));
   EXPECT_NEAR(of_one.greatest_m, 1, 1e-6);
   EXPECT_NEAR(of_one.mean_m, 33.0 / 65.0 / 3, 1e-2);

@@ -29,8 +29,8 @@ void map_file(const fs::path& path) {
   close(file);
 }
 
-/// Maps files as a rank does, and many other files. Then several threads send the signal of the
-/// parent's death.
+/// Maps the files that a rank maps, and many other files. Then several threads raise the signal
+/// that announces the parent's death.
 [[noreturn]] void be_a_rank(const fs::path& folder) {
   for (int i = 0; i < 40; ++i)
     map_file(folder / ("other." + std::to_string(i)));
@@ -52,8 +52,8 @@ void map_file(const fs::path& path) {
 
 TEST(EndWithMpirunDeathTest, TakesItsMemoryAlongAndNothingElse) {
   // Goal: when mpirun dies, a rank removes Open MPI's shared-memory files and no other mapped file,
-  // even if several threads get the signal. Method: repeatedly run a process that maps files, and
-  // let its threads send it the signal of mpirun's death.
+  // even if several threads get the signal. Method: repeatedly run a process that maps files. The
+  // process's threads raise the signal that announces mpirun's death.
   GTEST_FLAG_SET(death_test_style, "fast");
   const fs::path folder = fs::temp_directory_path() / ("sleight-ranks-" + std::to_string(getpid()));
   const fs::path here = fs::read_symlink("/proc/self/exe");

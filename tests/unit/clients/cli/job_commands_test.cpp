@@ -22,7 +22,8 @@ namespace {
 
 using Json = json::Value;
 
-/// A service with jobs 17 (done) and 18 (running) of group g5, 19 (failed) and 20 (cancelled).
+/// A service with four jobs: 17 is done, 18 is running, 19 has failed, and 20 was cancelled. Jobs
+/// 17 and 18 are in group g5.
 class JobCommands : public testing::Test {
  protected:
   JobCommands() {
@@ -43,8 +44,7 @@ class JobCommands : public testing::Test {
             .bytes = 1'500'000};
   }
 
-  /// Returns two numbered events and the change of state. The batch is settled if the job has
-  /// ended.
+  /// Returns a change of state and two numbered events. If the job has ended, the batch is settled.
   base::Result<rpc::Batch, rpc::Refusal> batch_of(const rpc::WatchPoint& point) {
     const auto job = std::ranges::find(handler_.jobs, point.job, &rpc::JobView::id);
     if (job == handler_.jobs.end()) return no_such_job(point.job);
@@ -92,9 +92,9 @@ WatchOptions watched(std::vector<std::string> jobs, bool json = false, std::uint
 const rpc::ChangeAsk k_cancel{.kind = rpc::ChangeKind::cancel};
 
 TEST_F(JobCommands, ListShowsPagesAndFilters) {
-  // Goal: the list command sends filters to the service and joins pages. A limited list prints the
-  // command for the next page. Method: list the jobs of a service that returns two jobs per page,
-  // and a cursor.
+  // Goal: the list command sends filters to the service and joins pages. If the list is limited, it
+  // ends with the command for the next page. Method: use a service that returns a cursor and two
+  // jobs per page.
   std::vector<rpc::ListAsk> asks;
   const std::vector<rpc::JobView> jobs = handler_.jobs;
   handler_.on_list = [&](rpc::ListAsk ask, rpc::Reply<rpc::JobPage> reply) {
@@ -131,8 +131,8 @@ TEST_F(JobCommands, ListShowsPagesAndFilters) {
 }
 
 TEST_F(JobCommands, ListRefusesFiltersThatAreNone) {
-  // Goal: an invalid filter gives exit code 2 before any call to the service. Method: run the
-  // command without a service.
+  // Goal: if a filter is invalid, the command exits with 2 before it calls the service. Method: run
+  // the command without a service.
   for (const ListOptions& options :
        {ListOptions{.states = {"finished"}}, ListOptions{.user = "no such user"},
         ListOptions{.mine = true, .user = "root"}, ListOptions{.group = "17"}}) {
@@ -170,8 +170,8 @@ TEST_F(JobCommands, RefusalsHaveTheirExitCodes) {
 }
 
 TEST_F(JobCommands, NamesReachTheServiceAsTargets) {
-  // Goal: a command makes one call for a group, and one call per job for a range. A range skips
-  // missing jobs.
+  // Goal: a command makes one call for a whole group, but one call for each job of a range. A range
+  // skips missing jobs.
   std::vector<rpc::Target> targets;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     const rpc::Target& target = ask.target;
@@ -220,8 +220,7 @@ TEST_F(JobCommands, StatusOfAGroupIsAList) {
 
 TEST_F(JobCommands, WatchAndWaitEndAsTheJobsDid) {
   // Goal: the exit code is 0 for a done job, 10 for a failed job, 11 for a cancelled job, and the
-  // worst code for several jobs. A missing job is an error, but the others are watched to their
-  // end.
+  // worst code for several jobs. If a job doesn't exist, the code is 2.
   serve();
   const auto code_of = [&](const std::vector<std::string>& jobs) {
     out([&] { return watch(socket_, watched(jobs)); });
@@ -247,9 +246,9 @@ TEST_F(JobCommands, WaitPrintsTheEndAlone) {
 }
 
 TEST_F(JobCommands, WatchTellsEachEventOnALine) {
-  // Goal: a watch prints one line for each change of state, one for each event from the given
-  // number on, and one for the end. Method: print a job with two events as JSON, starting at the
-  // second event.
+  // Goal: a watch prints one line for each change of state and one line for the end. The watch also
+  // prints a line for each event from a given event on. Method: watch a job that has two events.
+  // Start at the second event and print JSON.
   serve();
   const std::string text = out([&] { return watch(socket_, watched({"17"}, true, 2)); });
   std::vector<Json> lines;
@@ -290,7 +289,8 @@ TEST_F(JobCommands, CtrlCLeavesTheJob) {
 
 TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
   // Goal: if one of several jobs is running or pinned, none is deleted. Method: try to delete a
-  // group with a running job, and two jobs of which one is pinned. Then delete ended jobs.
+  // group that has a running job. Then try to delete a pinned job together with another job. Then
+  // delete ended jobs.
   std::vector<rpc::Target> erased;
   handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
     EXPECT_EQ(ask.kind, rpc::ChangeKind::erase);
@@ -351,8 +351,8 @@ TEST(ExtendOptions, TakeOneRule) {
 
 TEST_F(JobCommands, LogsFollowsToTheEnd) {
   // Goal: the bytes of a log are printed once, in whole lines, until the log's end. Method: follow
-  // a growing log that contains an escape sequence. The pieces of the log end inside a line and
-  // inside a character.
+  // a growing log that contains an escape sequence. The service sends pieces of the log that end
+  // inside a line and inside a character.
   const std::string log = "first\nse\x1b[2Jcond ü\nlast without an end";
   std::size_t written = 8;
   handler_.on_logs = [&](rpc::LogAsk ask, rpc::Reply<rpc::LogPiece> reply) {
@@ -371,8 +371,8 @@ TEST_F(JobCommands, LogsFollowsToTheEnd) {
 }
 
 TEST(LogLines, ComeWholeHoweverTheyAreCut) {
-  // Goal: the output doesn't depend on where a log is cut into pieces, and an endless line is
-  // split. Method: print a text byte by byte and at once. Print a long line.
+  // Goal: the output doesn't depend on how a log is cut into pieces. A line without an end is
+  // split. Method: print a text byte by byte, then whole. Print a long line.
   const std::string text = "a\tb\r\nü\xff\n\nrest";
   LogLines at_once;
   LogLines bytewise;
@@ -432,7 +432,7 @@ TEST_F(Fetching, BringsTheFileWhole) {
 }
 
 TEST_F(Fetching, LeavesOtherFilesAlone) {
-  // Goal: without --force, a fetch doesn't replace an existing file of other content, and leaves no
+  // Goal: without --force, a fetch doesn't replace a file whose content differs, and leaves no
   // partial file.
   const std::string path = scratch_ / "hi.h5";
   base::PosixFileSystem files;
@@ -466,8 +466,8 @@ TEST_F(Fetching, DamagedArchivesTakeNoPlace) {
 }
 
 TEST_F(Fetching, AGroupFillsAFolder) {
-  // Goal: each archive of a group gets its own file name. A job without an archive is reported and
-  // doesn't stop the others.
+  // Goal: each archive of a group gets its own file name. A job without an archive is reported, and
+  // the other jobs' archives are still fetched.
   const std::string folder = scratch_ / "deep/g5";
   testing::internal::CaptureStderr();
   const Json json = Json::parse(out(
@@ -489,7 +489,7 @@ TEST_F(Fetching, FailuresGoIntoAFolder) {
 }
 
 TEST(FetchAsk, IdsAreNumbersAndRanges) {
-  // Goal: invalid lists of ids, and lists longer than the service's limit, are refused.
+  // Goal: a list of ids is refused if it is invalid or longer than the service's limit.
   EXPECT_EQ(recording_ids_of("7,3,5..6,3"), (std::vector<std::uint64_t>{3, 5, 6, 7}));
   EXPECT_EQ(recording_ids_of("0"), (std::vector<std::uint64_t>{0}));
   EXPECT_EQ(recording_ids_of("18446744073709551615..18446744073709551615")->size(), 1U);

@@ -1,5 +1,6 @@
 // Goal: lists and views of jobs fit a terminal, show each count separately, and omit nothing.
-// Method: compare the printed lines of jobs that have values of all kinds with the expected lines.
+// Method: make jobs with values of all kinds, and compare their printed lines with the expected
+// lines.
 #include "clients/cli/job_text.h"
 
 #include <gtest/gtest.h>
@@ -69,8 +70,9 @@ rpc::JobView queued_job() {
 }
 
 TEST_F(JobText, TableHasWhatPeopleAskFor) {
-  // Goal: a job table has separate columns for the time left by scans and by solutions, and for
-  // finds and draws. The table shows a queued job's place with the reason, and failures by kind.
+  // Goal: a job table has two columns for the time left, one by scans and one by solutions. Finds
+  // and draws have separate columns. The table shows a queued job's place with the reason, and
+  // failures by kind.
   const std::vector<rpc::JobView> jobs{running_job(), queued_job()};
   EXPECT_EQ(job_table(jobs, {}),
             "ID  NAME    GROUP  STATE    PLACE              SCANS  FOUND  IN PROPORTION  SIMS/S  "
@@ -117,7 +119,7 @@ TEST_F(JobText, StatusOfAFailedJobSaysWhatRepeatsIt) {
 TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
   // Goal: text from other people or programs can't control the terminal. Method: put escape
   // sequences, line ends and bidirectional marks into every field. The output may contain no
-  // bidirectional marks, and no control characters except its own line ends and tabs.
+  // bidirectional marks, and no control characters except line ends and tabs.
   const std::string evil = "a\x1b[2Jb\nc\rd\te\u202ef\u0085g\x7f";
   rpc::JobView job = running_job();
   job.name = job.world = job.reason = job.not_yet = job.digest = job.end_words = evil;

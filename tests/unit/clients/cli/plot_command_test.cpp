@@ -1,6 +1,6 @@
-// Goal: each world's list of its own plots determines which plots a user can ask for, their help,
-// and the trace. The list also determines the error for a plot that an archive lacks. Method: use
-// plots of two made-up worlds, and archives of three worlds.
+// Goal: each world lists its own plots. These lists determine the names and the help of all plots,
+// the trace that is drawn, and the error about a missing plot. Method: use plots of two made-up
+// worlds, and archives of three worlds.
 #include "clients/cli/plot_command.h"
 
 #include <gmock/gmock.h>
@@ -38,8 +38,8 @@ class MadeUpPlots final : public pictures::WorldPlots {
   std::vector<Kind> kinds_;
 };
 
-/// Returns plots "trace" and "smoke" for world "marbles", and "smoke" and "mirrors" for world
-/// "rods".
+/// Returns two worlds. World "marbles" has the plots "trace" and "smoke"; world "rods" has the
+/// plots "smoke" and "mirrors".
 pictures::PlotsOfWorlds two_worlds() {
   pictures::PlotsOfWorlds worlds;
   worlds.push_back(std::make_unique<MadeUpPlots>(

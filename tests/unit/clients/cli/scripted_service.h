@@ -1,7 +1,7 @@
-// A service with a few scripted jobs behind a real socket, for tests of commands. The loop and the
-// server run in a separate thread. Each call is a function that a test may replace before it
-// creates a client. By default `list`, `status` and `info` answer from `jobs`, and all other calls
-// are refused.
+// A service for tests of commands. It has a few scripted jobs and listens on a real socket. The
+// loop and the server run in a separate thread. Each call is a function that a test may replace
+// before it creates a client. By default, the calls `list`, `status` and `info` return data from
+// `jobs`, and all other calls are refused.
 #pragma once
 
 #include <unistd.h>

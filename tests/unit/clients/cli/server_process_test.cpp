@@ -1,5 +1,5 @@
-// Goal: the command that starts a background server returns once the server answers, or reports why
-// the server can't start. Method: start small scripts in place of the server.
+// Goal: the command that starts a background server waits until the server answers. If the server
+// can't start, the command reports the reason. Method: start small scripts in place of the server.
 #include "clients/service_client/server_process.h"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ bool ends(service_client::ServerProcess& process) {
 }
 
 TEST(ServerProcess, LeavesItsWordsInTheLog) {
-  // Goal: if the daemon exits at once, the error has the daemon's exit code and the log lines of
-  // this start. Only the owner can open the state folder. Method: start two shells in place of the
+  // Goal: if the daemon exits at once, the error contains the daemon's exit code and this start's
+  // log lines. Only the owner can open the state folder. Method: start two shells in place of the
   // daemon, one after the other.
   const ScratchFolder scratch;
   const std::string folder = scratch / "deep/state";
@@ -43,8 +43,8 @@ TEST(ServerProcess, LeavesItsWordsInTheLog) {
 }
 
 TEST(ServerProcess, IsASessionOfItsOwnWithNothingInherited) {
-  // Goal: the daemon has its own session and inherits no descriptor. Method: open a pipe, and start
-  // a shell that prints its session and descriptors in place of the daemon.
+  // Goal: the daemon has its own session and inherits no descriptor. Method: open a pipe. In place
+  // of the daemon, start a shell that prints its session and its descriptors.
   const ScratchFolder scratch;
   int ends_of_pipe[2];
   ASSERT_EQ(::pipe(ends_of_pipe), 0);

@@ -1,5 +1,5 @@
-// Goal: JSON about the service has the documented fields and types. Method: convert views that have
-// values of all kinds to JSON, and compare the fields with expected values.
+// Goal: JSON about the service has the documented fields and types. Method: make views with values
+// of all kinds, convert them to JSON, and compare the fields with the expected values.
 #include "clients/cli/service_json.h"
 
 #include "clients/cli/server_commands.h"
@@ -14,8 +14,8 @@ namespace sleight::cli {
 namespace {
 
 TEST(ServiceJson, SubmittedHasTheIdThatCommandsTake) {
-  // Goal: every other command accepts the field `id` of a submission's JSON. The field is a number
-  // for a job, and a text for a group.
+  // Goal: the field `id` of a submission's JSON is accepted by every other command. The field is a
+  // number for a job, and a text for a group.
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}}})),
             R"({"id":17,"group":null,"ids":[17]})");
   EXPECT_EQ(on_one_line(to_json(rpc::Submitted{.jobs = {rpc::JobId{17}, rpc::JobId{18}},
@@ -24,7 +24,8 @@ TEST(ServiceJson, SubmittedHasTheIdThatCommandsTake) {
 }
 
 TEST(ServiceJson, AJobTellsWhatIsNotKnownAsNull) {
-  // Goal: missing times and queue places are null, not zero. Each count has its own key.
+  // Goal: if a time or a queue place is missing, its value is null, not zero. Each count has its
+  // own key.
   const Json json = to_json(
       rpc::JobView{.id = {17},
                    .state = rpc::JobState::queued,

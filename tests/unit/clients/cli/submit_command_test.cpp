@@ -1,5 +1,6 @@
-// Goal: a submission contains the request's text once for each combination of `--set` values.
-// Refusals read like errors of `sleight check`. Method: call a real server with a scripted handler.
+// Goal: a submission contains the request's text once for each combination of `--set` values. If
+// the service refuses a request, the error looks like an error of `sleight check`. Method: call a
+// real server with a scripted handler.
 #include "clients/cli/submit_command.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Returns fake functions. The normalised text that they return lists their inputs.
+/// Returns fake functions. The normalised text lists the function's inputs.
 RequestTexts texts() {
   return {.normalised = [](std::string_view text, std::string_view file,
                            std::span<const request::KeySet> sets,
@@ -83,8 +84,9 @@ TEST(Submit, SetsAndNumberAreApplied) {
 }
 
 TEST(Submit, ARangeMakesAGroup) {
-  // Goal: each value of a range gives one job, which is named after its value. Even a range of one
-  // value is a group. Method: submit a range of a key together with a single value of another key.
+  // Goal: each value of a range gives one job, and the job's name contains the value. A range of
+  // one value gives a group too. Method: submit a range of values for one key and a single value
+  // for another key.
   const rpc::Submission group = made(
       {.request_path = "hi.toml", .sets = {"sampler.seed=1..3", "stop.scans=9"}, .name = "try"},
       {"hi.toml", "text"});
@@ -110,7 +112,7 @@ TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
 
 TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
   // Goal: a `--set` that contradicts an option is refused. Method: combine --word and -n with
-  // settings that conflict, and with settings that don't.
+  // conflicting settings and with other settings.
   const auto is_taken = [](const SubmitOptions& options) {
     return submission_of(options, {"x", "text"}, texts()).ok();
   };
@@ -146,7 +148,7 @@ TEST(Submit, MoreThanASubmissionTakesIsRefused) {
 TEST(Submit, NamesFitTheService) {
   // Goal: a job's default name is printable and within the service's limit, for any name of the
   // file. An explicit name that is too long is refused, never cut. Method: use a long name of
-  // two-byte characters, both as a file name and as an explicit name. Use a file name with an
+  // two-byte characters, first as a file name, then as an explicit name. Use a file name with an
   // escape character.
   std::string name;
   for (int i = 0; i < 200; ++i)
@@ -177,9 +179,9 @@ Printed submit_to(const std::string& socket, const SubmitOptions& options) {
 }
 
 TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
-  // Goal: if the service refuses a request, the command exits with 3 and prints lines that name the
-  // file, whatever name the service uses. Method: let the service refuse a request with two
-  // diagnostics, one of which has control characters.
+  // Goal: if the service refuses a request, the command exits with 3. Each line of the error names
+  // the user's file, even if the service uses another name. Method: let the service return two
+  // diagnostics. The second diagnostic contains control characters.
   const ScratchFolder scratch;
   const std::string file = scratch / "hi.toml";
   std::ofstream(file) << "text";
@@ -197,7 +199,8 @@ TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
   EXPECT_EQ(printed.err, file + ":12:9: unknown key 'lamda'\n" + file + ":13:1: \\u{1b}[2J\n");
 }
 
-/// A server process that the first submission kills. The submission's key can be read later.
+/// A server process that dies when it gets its first submission. key() returns the submission's
+/// key.
 class DyingServer {
  public:
   explicit DyingServer(const std::string& socket) {
@@ -247,8 +250,8 @@ class DyingServer {
 
 TEST(Submit, ALostAnswerSubmitsNothingTwice) {
   // Goal: if a server dies before it answers a submission, the client repeats the call with the
-  // same key. Method: use a first server that dies at the submission, and a second server that
-  // takes its place.
+  // same key. Method: use a server that dies when it gets the submission. Then start a second
+  // server at the same socket.
   const ScratchFolder scratch;
   const std::string socket = scratch / "socket";
   const DyingServer first(socket);

@@ -132,7 +132,7 @@ TEST_F(TokenCommands, OnlyIdsAreRevoked) {
   EXPECT_NE(
       out([&] { return revoke_tokens(socket(), {.ids = {"0123456789"}}); }).find("is revoked"),
       std::string::npos);
-  // A whole token given by mistake is neither sent nor shown.
+  // If a user gives a whole token by mistake, the command neither sends nor shows it.
   const std::string token = access::text_of(access::draw_token());
   EXPECT_EQ(failure([&] { revoke_tokens(socket(), {.ids = {token}}); }), base::ExitCode::usage);
   handler_.tokens.push_back({.id = "1123456789", .name = "other"});

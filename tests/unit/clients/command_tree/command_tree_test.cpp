@@ -38,7 +38,8 @@ TEST(CommandTree, CutsFooters) {
   const Command& run = tree.commands[0];
   EXPECT_THAT(run.paragraphs, ElementsAre(".Goes on where it stopped. Twice."));
   EXPECT_THAT(run.examples, ElementsAre("toy run x.toml -o 'a b.h5'", "toy run \\ -o x.h5"));
-  // A command without a footer has none in the tree, although its help shows the program's footer.
+  // If a command has no footer, the tree has no footer for it, although its help shows the
+  // program's footer.
   EXPECT_EQ(tree.commands[1].exit_codes, "");
 }
 

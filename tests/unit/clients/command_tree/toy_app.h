@@ -1,4 +1,4 @@
-// A toy command line with every kind of option and with words that scripts must quote.
+// A toy command line. It has every kind of option, and words that scripts must quote.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -1,6 +1,6 @@
-// Goal: exported files are sound glTF and match their documents. A document gives the same bytes
-// each time. Hostile names and texts do no harm. Method: export small scenes, and read the files
-// back with read_glb.h.
+// Goal: exported files are sound glTF and match their documents. If a document is exported twice,
+// both files have the same bytes. Hostile names and texts do no harm. Method: export small scenes,
+// and read the files back with read_glb.h.
 #include "clients/export/document.h"
 
 #include <gmock/gmock.h>
@@ -27,8 +27,8 @@ using ::testing::HasSubstr;
 using namespace std::string_literals;
 using testing::Json;
 
-/// Returns a scene with two equal dice, a ball, a goal, and a table whose heights differ by
-/// animation.
+/// Returns a scene of two equal dice, a ball, a goal and a table. The table's height differs
+/// between animations.
 scene::Scene table_scene() {
   scene::Scene scene;
   scene.features = {{.name = "die 1"},
@@ -117,7 +117,7 @@ TEST(Document, HoldsBodiesSceneAndMotion) {
 TEST(Document, HoldsClipsTogether) {
   const File file = file_of(two_clips());
   ASSERT_EQ(file.json["animations"].size(), 2U);
-  // Equal dice share a mesh; the table has one node per animation.
+  // Equal dice share a mesh. The table has one node for each animation.
   EXPECT_EQ(file.json["nodes"][testing::node_named(file, "die 1")]["mesh"],
             file.json["nodes"][testing::node_named(file, "die 2")]["mesh"]);
   EXPECT_FALSE(testing::has_node(file, "table"));
@@ -225,7 +225,8 @@ TEST(Document, HoldsAHundredBodies) {
       EXPECT_LT(math::norm(Vec3(testing::z_up(testing::played(places, t_s)) - true_m)), 1e-4);
     }
   }
-  // Balls of different colours have different meshes, which share their vertices.
+  // If two balls have different colours, they have different meshes, but the meshes share their
+  // vertices.
   EXPECT_EQ(file.json["meshes"].size(), 100U);
   EXPECT_EQ(file.json["meshes"][0]["primitives"][0]["attributes"],
             file.json["meshes"][99]["primitives"][0]["attributes"]);
@@ -240,8 +241,7 @@ TEST(Document, SaysWhyThereIsNone) {
   ASSERT_FALSE(glb.ok());
   EXPECT_THAT(glb.error(), HasSubstr("keys"));
 
-  // If each clip has its own table, the number of channels grows with the square of the number of
-  // clips.
+  // If each of n clips has its own table, the number of channels grows as n^2.
   document = only(two_clips(), 0);
   const Clip clip = document.clips[0];
   document.clips.clear();

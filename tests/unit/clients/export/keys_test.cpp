@@ -1,6 +1,6 @@
-// Goal: between keys, players show the archive's motion to 0.1 mm and 0.2 degrees, for every kind
-// of motion. Method: play random motions at random times with both interpolations of players, and
-// compare the poses with the closed forms. Coarse keys must fail.
+// Goal: between keys, a player shows every kind of motion to within 0.1 mm and 0.2 degrees of the
+// archive. Method: interpolate the keys of random motions at random times, with both interpolations
+// that players use. Compare the poses with the closed forms. Coarse keys must fail.
 #include "clients/export/keys.h"
 
 #include <gmock/gmock.h>
@@ -80,7 +80,7 @@ struct Off {
   double turn_rad = 0;
 };
 
-/// Returns a player's largest error at `times` random times.
+/// Returns the largest error of the shown pose at `times` random moments.
 Off most_off(const motion::Path& path, const BodyKeys& keys, double end_s, int times,
              random::Stream& stream) {
   const Track places = track_of(keys.translation);
@@ -128,7 +128,7 @@ TEST(Keys, KeepPlacesAndTurnsWithinTheTolerance) {
     const Off off = most_off(path, keys.value(), end_s, 100, stream);
     EXPECT_LT(off.place_m, k_place_m);
     EXPECT_LT(off.turn_rad, k_turn_off);
-    // Negative control: keys at film frames are too coarse.
+    // Negative control: one key per film frame is too coarse.
     if (end_s < 0.5) continue;
     const Off of_frames = most_off(path, keys_of(path, end_s, 10).value(), end_s, 100, stream);
     EXPECT_GT(of_frames.place_m, k_place_m);

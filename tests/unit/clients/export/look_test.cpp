@@ -1,6 +1,6 @@
 // Goal: each shape is at its place in the scene, is closed, and has outward normals. Goals follow
 // the table's surface. Method: count the triangles of each shape. Compare the stored normals with
-// the triangles' normals, and heights and slopes with the surface in common/scene.
+// the triangles' normals. Compare heights and slopes with the surface in common/scene.
 #include "clients/export/look.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ Look look_of_part(scene::Part part, FeatureKind kind = FeatureKind::body,
   return look_of(scene, 0, own, {});
 }
 
-/// A triangle's middle, and its normal, whose length is twice the triangle's area.
+/// Middle and normal of a triangle. The normal's length is twice the triangle's area.
 struct Face {
   Vec3 middle_m;
   Vec3 normal;
@@ -55,7 +55,7 @@ std::vector<Face> faces_of(const Primitive& primitive) {
   return faces;
 }
 
-/// Returns the volume within closed faces, by the divergence theorem.
+/// Returns the volume that the faces enclose, by the divergence theorem.
 double volume_m3(const std::vector<Face>& faces) {
   double sum = 0;
   for (const Face& face : faces)
@@ -91,7 +91,8 @@ TEST(Look, DiceHavePipsAboveTheirFaces) {
   ASSERT_EQ(die.size(), 2U);
   EXPECT_EQ(die[0].material.name, "ivory");
   EXPECT_NEAR(volume_m3(faces_of(die[0])), 8e-6, 1e-11);
-  // A pip has ten triangles. Opposite faces add up to 7, with 1, 2, 3 on +x, +y, +z.
+  // A pip has ten triangles. The numbers of opposite faces add up to 7. Faces 1, 2, 3 are on +x,
+  // +y, +z.
   EXPECT_EQ(die[1].material.name, "ink");
   std::map<std::pair<int, bool>, int> corners;
   for (const Float3& place : die[1].places) {
@@ -127,7 +128,7 @@ TEST(Look, SurfacesHaveTheHeightsAndSlopesOfTheirPoints) {
     const Vec3 at = back(look[0].places[i]);
     constexpr double k_step_m = 1e-6;
     const auto height_m = [&](double x_m, double y_m) {
-      // At the rim, the surface exists on one side only.
+      // Beyond the rim, the surface has no height.
       const auto found = surface.height_m(x_m, y_m);
       return found ? *found : std::nan("");
     };
@@ -142,7 +143,6 @@ TEST(Look, SurfacesHaveTheHeightsAndSlopesOfTheirPoints) {
     const Vec3 normal = math::normalized(Vec3(-along_x, -along_y, 1));
     EXPECT_LT(math::norm(Vec3(back(look[0].normals[i]) - normal)), 1e-3);
   }
-  // look_of_part() returns nothing for an invalid spacing.
   EXPECT_TRUE(look_of_part({.shape = Shape::surface, .size_m = {1, 1, 0}}, FeatureKind::fixed, own)
                   .empty());
 }

@@ -1,5 +1,5 @@
-// Reads .glb files and plays their animations, for tests, following the specification (Khronos
-// Group, "glTF 2.0 Specification") without any of the exporter's code.
+// Reads .glb files and plays their animations, for tests. The code follows the specification
+// (Khronos Group, "glTF 2.0 Specification") and uses none of the exporter's code.
 //
 // All functions are pure and report faults as GoogleTest failures.
 #pragma once
@@ -156,7 +156,7 @@ struct Track {
   std::string interpolation{};
 };
 
-/// Returns an empty track if the clip has no such channel.
+/// Returns an empty track if the clip has no channel of `node` and `path`.
 inline Track track_of(const File& file, std::size_t clip, std::size_t node,
                       const std::string& path) {
   const Json& animation = file.json["animations"].at(clip);
@@ -208,7 +208,7 @@ inline std::vector<double> played(const Track& track, double t_s,
   return between;
 }
 
-// Converts from glTF's axes (y up, z towards the viewer) to the scene's.
+// Converts from glTF's axes (y up, z towards the viewer) to the scene's axes.
 inline math::Vec3 z_up(const std::vector<double>& place) {
   return {place[0], -place[2], place[1]};
 }

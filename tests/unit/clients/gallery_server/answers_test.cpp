@@ -1,5 +1,5 @@
-// Goal: answers agree with the archive, and addresses name archives by number and animations by
-// name only. Any other request is refused with a message. Method: request each address of an
+// Goal: answers agree with the archive. An address names an archive by its number and an animation
+// by its name. Any other request is refused with a message. Method: request each address of an
 // archive of the made-up world. Request wrong addresses, and send malformed questions.
 #include "clients/gallery_server/answers.h"
 
@@ -64,8 +64,8 @@ class AnswersTest : public archive::testing::Scratch {
 };
 
 TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
-  // Goal: answers about table, scene, looks and animations agree with each other. Method: take
-  // names from the table, and fetch animations one by one and together.
+  // Goal: the answers about the table, the scene, the looks and the animations agree with each
+  // other. Method: take names from the table, and fetch animations one by one and together.
   const web::Answer table_answer = get("/api/archives/0/table");
   const Unpacked table = unpacked(table_answer.content.text());
   const auto entries = table.head["entries"].get<std::size_t>();
@@ -99,7 +99,7 @@ TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
 }
 
 TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
-  // Goal: the server finds the same animations as the functions in `browse`. Groups and likeness
+  // Goal: the server finds the animations that the functions in `browse` find. Groups and likeness
   // cover all animations.
   const browse::Index& index = snapshot->index();
   const std::string query = "bounces >= 2";
@@ -197,7 +197,7 @@ TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
 }
 
 TEST_F(AnswersTest, PlotsAreTheChainsNumbers) {
-  // Goal: traces show /sample_stats and mark the chain's changes, and histograms cover all draws.
+  // Goal: traces show /sample_stats and mark changes of the chain. Histograms cover all draws.
   // Method: compare the columns of the answers with the archive's columns.
   const Json titles = Json::parse(get("/api/archives/0/series").content.text());
   EXPECT_GT(titles.size(), 5U);
@@ -261,7 +261,7 @@ class Damaged final : public archive::Source {
   const std::vector<archive::Group>& groups() const override { return groups_; }
   archive::Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
                        std::uint64_t count) const override {
-    // With a real file, the archive reader would end the program if these checks failed.
+    // If the file were real and these checks failed, the archive reader would end the program.
     const archive::Group* found = archive::find_group(*this, group);
     const archive::DatasetSpec* spec =
         found == nullptr ? nullptr : archive::find_dataset(*found, dataset);
@@ -277,9 +277,9 @@ class Damaged final : public archive::Source {
 
 TEST_F(AnswersTest, AnArchiveThatLacksSomethingIsRefusedInWords) {
   // Goal: the server reads only existing data, so a foreign file never crashes it. Method: remove
-  // or shorten one column of draws or of the prior. Some of these archives must be refused. For the
-  // others, the server must answer every offered plot, and must not offer the damaged column's
-  // plot.
+  // or shorten one column of draws or of the prior. Some of these archives must be refused. If an
+  // archive isn't refused, the server must answer each plot that it offers, and must not offer the
+  // damaged column's plot.
   int refused = 0;
   int answered = 0;
   for (const std::string_view group : {archive::k_sample_stats, archive::k_sample_stats_prior}) {

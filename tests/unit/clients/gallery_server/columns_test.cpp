@@ -1,5 +1,6 @@
-// Goal: packed answers contain each column bit for bit, where the page expects it. Method: unpack
-// the answers, and compare the columns with the motions in an archive of the made-up world.
+// Goal: a packed answer contains each column bit for bit, at the place where the page expects it.
+// Method: unpack the answers, and compare the columns with the motions in an archive of the made-up
+// world.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -95,7 +96,7 @@ TEST(Columns, HoldEachSegment) {
 }
 
 TEST(Columns, FeaturesAreAllCommonOrAnAnimationsOwn) {
-  // Goal: each feature of a scene is either common to all animations or an animation's own.
+  // Goal: each feature of a scene belongs either to all animations or to one animation.
   const archive::MemoryArchive memory = made_up(101, 3);
   const auto scene = archive::scene_of(memory);
   ASSERT_TRUE(scene.ok());

@@ -1,5 +1,6 @@
-// Goal: the page always has all available data. Data that was read stays when archives grow,
-// vanish, are damaged or return. Method: change, delete and damage files that a gallery shows.
+// Goal: the page always has all available data. Once data is read, it stays, even if the archive
+// grows, vanishes, is damaged or returns. Method: change, delete and damage files that a gallery
+// shows.
 #include "clients/gallery_server/gallery.h"
 
 #include <gmock/gmock.h>
@@ -37,7 +38,7 @@ class GalleryTest : public archive::testing::Scratch {
             .changed = [this] { ++changes; },
             .open = files.opener()};
   }
-  /// Waits for an archive's state to satisfy `is` and returns the state.
+  /// Waits until an archive's state satisfies `is`. Returns the state.
   static json::Value waited(const Gallery& gallery, std::size_t archive,
                             const std::function<bool(const json::Value&)>& is) {
     for (int i = 0; i < 2000; ++i) {
@@ -84,9 +85,9 @@ TEST_F(GalleryTest, AGrowingArchiveIsReadAnew) {
 }
 
 TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
-  // Goal: the first 500 animations of a large archive appear early, marked as incomplete. All
-  // animations appear later under a higher generation. A small archive appears at once. Method:
-  // record the state at each change.
+  // Goal: the first 500 animations of a large archive appear early, marked as incomplete. Later,
+  // all its animations appear under a higher generation. A small archive appears whole at once.
+  // Method: record the state at each change.
   const std::string archive = path("a.h5");
   std::vector<json::Value> said;
   std::atomic<Gallery*> telling = nullptr;
@@ -169,7 +170,7 @@ TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
 
 TEST_F(GalleryTest, AFolderShowsWhatLiesInItAndNothingElse) {
   // Goal: a folder's archives are shown, including archives that are added later. A damaged archive
-  // affects no other archive, and a link that leads outside the folder is reported and not opened.
+  // affects no other archive. If a link leads outside the folder, it is reported and not opened.
   // Method: show a folder with a sound archive, a damaged archive and a link.
   std::filesystem::create_directories(path("runs"));
   std::filesystem::create_directories(path("elsewhere"));

@@ -9,8 +9,8 @@
 
 namespace sleight::gallery::testing {
 
-/// Returns one chain's archive with all animations, so a longer run's archive begins with the
-/// animations of a shorter run.
+/// Returns an archive that keeps all animations of one chain. If a run is longer, its archive
+/// begins with the shorter run's animations.
 inline archive::MemoryArchive made_up(std::uint64_t scans, std::uint64_t finds = 0) {
   using namespace archive::testing;
   const FakeRunOptions run{.seed = 1, .chains = 1, .scans = scans, .finds = finds};

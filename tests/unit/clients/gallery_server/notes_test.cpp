@@ -92,8 +92,8 @@ TEST_F(NotesTest, NothingElseGetsIn) {
 
 TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   // Goal: a bulk change is stored whole or not at all. Method: change thousands of notes at once.
-  // Then try a change with one invalid note, and a change with too many notes. A change of the
-  // maximum number of notes takes seconds, or half a minute with sanitizers.
+  // Then try a change that contains one invalid note, and a change that contains too many notes. A
+  // change of as many notes as allowed takes seconds, or half a minute with sanitizers.
   Notes notes(path("notes"));
   Json stars = Json::object();
   for (int i = 0; i < 5000; ++i)
@@ -137,9 +137,9 @@ TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
 }
 
 TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
-  // Goal: notes that can't be stored work until the gallery ends, and a message reports this. An
-  // invalid file stays unchanged. Method: use three places for notes: a file in place of the
-  // folder, a folder with an invalid file, and no folder.
+  // Goal: if notes can't be stored, they last until the gallery ends, and a message says so. An
+  // invalid file stays unchanged. Method: use a path that isn't a folder, then a folder that has an
+  // invalid file, then no path at all.
   std::ofstream(path("taken")) << "a file";
   Notes notes(path("taken/notes"));
   changed(notes, run, "c0.250", starred);
@@ -163,8 +163,8 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
 }
 
 TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
-  // Goal: an unreadable file affects only its own run. Method: write nonsense for one run and a
-  // note for another run, then read both.
+  // Goal: an unreadable file affects only its own run. Method: write nonsense into one run's file
+  // and a note into another run's file. Read both.
   fs::create_directories(path("notes"));
   std::ofstream(path("notes/3f2a9c01.json")) << "[]";
   Notes notes(path("notes"));
@@ -181,7 +181,6 @@ TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
   EXPECT_EQ(notes_folder(path("a.h5")), path("data/sleight/notes"));
   fs::create_directories(path("sleight-notes"));
   EXPECT_EQ(notes_folder(path("a.h5")), path("sleight-notes"));
-  // Shared notes are stored beside their archive, other notes in the person's folder.
   Notes notes(path("data/own"));
   notes.keep_in(run, path("sleight-notes"));
   notes.keep_in(run, path("elsewhere"));

@@ -1,7 +1,7 @@
-// Goal: an archive that was browsed before is shown at once from its outline, which agrees with the
-// whole archive. Questions about motions wait for the archive. Method: show an archive with a
-// stored outline. Delay the second reading of the file, or damage or replace the file before the
-// second reading.
+// Goal: if an archive was browsed before, its outline is shown at once and agrees with the whole
+// archive. Questions about motions wait for the whole archive. Method: show an archive with a
+// stored outline. Delay the gallery's second reading of the file. Damage or replace the file before
+// the second reading.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -55,8 +55,8 @@ class OutlinesTest : public archive::testing::Scratch {
         browse::bytes_of(browse::outline_of(whole.index(), whole.first_groups()), base::version()));
   }
 
-  /// Starts a gallery. The first opening of a file succeeds at once; later openings wait for
-  /// let_go().
+  /// Starts a gallery. The gallery's first opening of the file succeeds at once. Later openings
+  /// wait for let_go().
   std::unique_ptr<Gallery> begun() {
     opened_ = 0;
     held_ = true;
@@ -160,9 +160,9 @@ TEST_F(OutlinesTest, AQuestionDoesNotWaitForEver) {
 }
 
 TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
-  // Goal: if the archive can't be read, the outline stays visible, questions about motions are
-  // refused at once, and everything works once the archive is back. Method: damage or remove the
-  // file before the second reading.
+  // Goal: if the archive can't be read, the outline stays visible, and questions about motions are
+  // refused at once. Once the archive is back, everything works. Method: damage or remove the file
+  // before the second reading.
   for (const bool is_removed : {false, true}) {
     const auto gallery = begun();
     ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
@@ -179,7 +179,7 @@ TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
     const Answers answers(*gallery, notes_, rules_, "1.2");
     EXPECT_EQ(asked(answers, "/api/groups", groups_of(*outline, 12)).status, 200U);
     EXPECT_EQ(answers({.path = "/api/archives/0/table"}).status, 200U);
-    // A question that waits in vain would get the status 503.
+    // If the question had waited in vain, its status would be 503.
     EXPECT_EQ(asked(answers, "/api/groups", groups_of(*outline, 5)).status, 502U);
     files_.put(archive_, made_up(101, 30));
     ASSERT_TRUE(holds_soon([&] { return !gallery->snapshot(0)->is_outline(); }));
@@ -190,8 +190,8 @@ TEST_F(OutlinesTest, StayWhereTheArchiveGoesOrIsDamaged) {
 }
 
 TEST_F(OutlinesTest, WhatCannotBeHadIsNotLookedForWithoutPause) {
-  // Goal: a damaged archive keeps no thread busy. Method: compare the processor time of this
-  // process with the elapsed time.
+  // Goal: while an archive is damaged, no thread is busy. Method: compare the processor time of
+  // this process with the elapsed time.
   const auto gallery = begun();
   ASSERT_TRUE(holds_soon([&] { return gallery->snapshot(0) != nullptr; }));
   files_.damage(archive_);
@@ -205,7 +205,7 @@ TEST_F(OutlinesTest, WhatCannotBeHadIsNotLookedForWithoutPause) {
 }
 
 TEST_F(OutlinesTest, AreOfOneStateOfOneFile) {
-  // The archive is read whole if the file was replaced or if the outline has another digest.
+  // If the file was replaced or the outline has another digest, the whole archive is read first.
   files_.put(archive_, made_up(60, 10));
   {
     const auto gallery = begun();

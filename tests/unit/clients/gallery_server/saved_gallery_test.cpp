@@ -1,6 +1,6 @@
 // Goal: a saved gallery contains exactly the server's answers, and is complete or absent. Method:
 // save an archive of the made-up world, and compare each file with the answer. Put other files in
-// the gallery's place, and interrupt saves.
+// the gallery's place. Interrupt saves.
 #include "clients/gallery_server/saved_gallery.h"
 
 #include <fcntl.h>
@@ -39,8 +39,8 @@ namespace fs = std::filesystem;
 using Json = json::Value;
 
 TEST(Base64, IsThatOfTheStandard) {
-  // Goal: base64 texts follow the standard that browsers decode. Method: encode vectors of RFC
-  // 4648, section 10, and bytes that give the digits + and /.
+  // Goal: base64 texts follow the standard that browsers decode. Method: encode the test vectors of
+  // RFC 4648, section 10. Encode bytes that give the digits + and /.
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");
@@ -57,7 +57,7 @@ std::string text_of_file(const fs::path& path) {
   return text.str();
 }
 
-/// Returns the three arguments of sleightSaved("path", "kind", "text").
+/// Returns the three arguments of the call sleightSaved("path", "kind", "text") in a file.
 Json call_of(const fs::path& path) {
   const std::string script = text_of_file(path);
   const std::string begin = "sleightSaved(";
@@ -111,7 +111,7 @@ class SavedGallery : public archive::testing::Scratch {
   }
 
   testing::ShownFiles files;
-  // The diagnosis calls `judge`; the made-up world's plots don't.
+  // Only the diagnosis calls `judge`.
   analysis::Rules rules{
       .draws_min = 4,
       .ess_wanted = [](std::size_t) { return 400.0; },
@@ -154,7 +154,8 @@ TEST_F(SavedGallery, HoldsWhatAServerAnswers) {
   EXPECT_TRUE(fs::exists(path("saved/data/0/series-trace.lp-0.js")));
 }
 
-/// Returns the exit code and message of the error that `work` throws, or code `ok`.
+/// Returns the exit code and the message of the error that `work` throws. If it throws nothing, the
+/// code is `ok`.
 template <typename Work>
 std::pair<base::ExitCode, std::string> refusal_of(const Work& work) {
   try {
@@ -192,8 +193,8 @@ class Spoilt final : public archive::Source {
 };
 
 TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
-  // Goal: if one of several archives can't be read, the error names it, and the save leaves nothing
-  // behind. Method: make the second of two archives unreadable after it was opened.
+  // Goal: if one of several archives can't be read, the error names that archive, and the save
+  // leaves no files behind. Method: make the second of two archives unreadable after it was opened.
   files.put(path("b.h5"), testing::made_up(102, 3));
   bool is_spoilt = false;
   const auto second = std::make_shared<const Snapshot>(
@@ -213,9 +214,9 @@ TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
 }
 
 TEST_F(SavedGallery, TakesNothingElsesPlace) {
-  // Goal: a save replaces only a saved gallery or an empty place. Method: save over a file, a
-  // folder with another file, an empty folder, and a saved gallery. Save to names with a final
-  // slash, and to a link, which must stay.
+  // Goal: a save replaces nothing except an empty folder or a saved gallery. Method: save over a
+  // file, a folder with another file, an empty folder, and a saved gallery. Save to a path that
+  // ends in a slash. Save to a link; the link must stay.
   fs::create_directories(path("mine"));
   std::ofstream(path("mine/letter.txt")) << "dear";
   EXPECT_EQ(refusal_of([&] { save(options("mine")); }).first, base::ExitCode::conflict);
@@ -238,8 +239,8 @@ TEST_F(SavedGallery, TakesNothingElsesPlace) {
 
 TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
   // Goal: a save never deletes files that people put into a saved gallery, and the error names
-  // these files. Method: save over galleries that contain a foreign file, a foreign folder, or a
-  // link in a file's place.
+  // these files. Method: save over a gallery after adding a foreign file or folder, or after
+  // replacing one of its files by a link.
   const std::map<std::string, std::string> others = {{"hi.h5", "hi.h5"},
                                                      {"CNAME", "CNAME"},
                                                      {".git/HEAD", ".git"},
@@ -267,7 +268,8 @@ TEST_F(SavedGallery, IsReplacedWhereNothingElseIsInIt) {
 
 TEST_F(SavedGallery, IsKnownByWhatItsManifestSays) {
   // Goal: the name of a file alone doesn't identify a folder as a saved gallery. Method: save over
-  // a folder with a foreign data/gallery.js and with manifests of other content or names.
+  // a folder whose data/gallery.js is foreign. Save over a folder whose manifest is invalid, or
+  // names files of other folders.
   fs::create_directories(path("photos/data"));
   std::ofstream(path("photos/data/gallery.js")) << "mine";
   EXPECT_EQ(refusal_of([&] { save(options("photos")); }).first, base::ExitCode::conflict);
@@ -288,8 +290,8 @@ TEST_F(SavedGallery, IsKnownByWhatItsManifestSays) {
 }
 
 TEST_F(SavedGallery, LeavesNoFileOfTheOneBefore) {
-  // Goal: the manifest names all files, and files that a new gallery lacks are removed. Method:
-  // save a gallery of two archives, then of one.
+  // Goal: the manifest names all files. If a new gallery lacks a file of the earlier gallery, the
+  // file is removed. Method: save two archives, then save only one of them.
   const SavedArchive archive{.name = "a.h5", .snapshot = snapshot};
   save_gallery({archive, archive}, options("saved"), rules);
   const Json manifest = Json::parse(text_of_file(path("saved/sleight-gallery.json")));
@@ -304,9 +306,9 @@ TEST_F(SavedGallery, LeavesNoFileOfTheOneBefore) {
 }
 
 TEST_F(SavedGallery, KeepsTheFolderItself) {
-  // Goal: a save keeps the folder itself, so a mount point, the current folder or a link's target
-  // can be replaced in place. Method: save as "." and through a link, and check that the folder's
-  // inode stays the same.
+  // Goal: a save replaces a folder's content and keeps the folder itself. So a gallery can be saved
+  // to a mount point, the current folder or a link's target. Method: save as "." and through a
+  // link, and check that the folder's inode stays the same.
   save(options("saved"));
   struct stat before {};
   ASSERT_EQ(::stat(path("saved").c_str(), &before), 0);
@@ -338,9 +340,9 @@ fs::path work_in(const fs::path& folder) {
 }
 
 TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
-  // Goal: an interrupted save leaves nothing but the earlier gallery. Method: save three times with
-  // a progress callback. The first callback throws halfway. The second callback removes a file, so
-  // that a rename fails halfway. The third callback puts a file into the gallery.
+  // Goal: an interrupted save leaves nothing but the earlier gallery. Method: save with three
+  // progress callbacks. The first callback throws halfway. The second callback removes a file, so a
+  // rename fails halfway. The third callback puts a file into the gallery.
   save(options("saved"));
   std::ofstream(path("saved/index.html")) << "the first";
   const auto before = files_in(path("saved"));
@@ -374,8 +376,8 @@ TEST_F(SavedGallery, IsThereAsAWholeOrNotAtAll) {
 
 TEST(NamedArchives, AbandonedFoldersAreRemoved) {
   // Goal: a killed gallery's temporary folder is removed, and a running gallery's stays. Method:
-  // make two folders with names of temporary folders, one of them with a lock. Add other folders, a
-  // file and a link, which must stay.
+  // make two folders whose names are those of temporary folders, and lock the second. Add folders,
+  // a file and a link that must stay.
   std::string form = (fs::temp_directory_path() / "sleight-test-XXXXXX").string();
   const fs::path temporary = ::mkdtemp(form.data());
   for (const char* name : {"sleight-gallery-aaaaaa", "sleight-gallery-bbbbbb", "sleight-gallery-c",
@@ -402,8 +404,7 @@ TEST(NamedArchives, AbandonedFoldersAreRemoved) {
 }
 
 TEST(NothingToShow, IsSaidWhereNothingIsOrMayCome) {
-  // Goal: the message that there is nothing to show appears only if no archive is shown and none is
-  // being read.
+  // Goal: the page says that there is nothing to show only if no archive is shown or being read.
   using Ordered = json::Value;
   const auto is_said = [](const std::string& archives) {
     return !gallery::nothing_to_show(

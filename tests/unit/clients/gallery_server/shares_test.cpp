@@ -1,6 +1,6 @@
-// Goal: shares of satisfying draws by group are right, with errors computed from lineages. Method:
-// compare small cases with known results, and random cases with a count draw by draw. Compare the
-// errors with the scatter of shares over many sets of random lineages.
+// Goal: each group's share of the satisfying draws is right, and so is its error, which is computed
+// from lineages. Method: compare small cases with known results. In random cases, count draw by
+// draw. Compare the errors with the scatter of shares over many random runs.
 #include "clients/gallery_server/shares.h"
 
 #include <gmock/gmock.h>
@@ -18,8 +18,9 @@ namespace {
 using Groups = std::vector<std::optional<std::size_t>>;
 
 TEST(Shares, ADrawGoesToWhatWasKeptLastOfItsLineage) {
-  // Goal: each draw counts for its lineage's latest animation kept at or before the draw, or else
-  // for the lineage's first. Draws of lineages without kept animations are counted separately.
+  // Goal: each draw counts for an animation of its lineage: the latest animation at or before the
+  // draw, or else the first animation. If a lineage has no kept animation, its draws are counted
+  // separately.
   const std::vector<LineageDraw> kept{{.chain = 0, .lineage = 5, .draw = 10},
                                       {.chain = 0, .lineage = 5, .draw = 20},
                                       {.chain = 1, .lineage = 5, .draw = 3}};
@@ -43,8 +44,8 @@ TEST(Shares, ADrawGoesToWhatWasKeptLastOfItsLineage) {
 }
 
 TEST(Shares, NoDrawsAndOneLineage) {
-  // Goal: without draws there are no shares, and with one lineage there is no error. An animation
-  // in no group adds to no share.
+  // Goal: if there are no draws, there are no shares. If there is one lineage, the error is
+  // unknown. If an animation is in no group, it adds to no share.
   EXPECT_TRUE(shares_of({}, Groups{}, 2).empty());
   const std::vector<LineageDraw> kept{{.chain = 0, .lineage = 1, .draw = 1}};
   const std::vector<LineageDraw> twice{kept[0], {.chain = 0, .lineage = 1, .draw = 2}};
@@ -56,8 +57,7 @@ TEST(Shares, NoDrawsAndOneLineage) {
 }
 
 TEST(Shares, AreWhatCountingDrawByDrawSays) {
-  // Goal: shares equal a slow count draw by draw. Method: compare both for 300 random runs (seed
-  // 27).
+  // Goal: shares equal those of a slow count. Method: count 300 random runs draw by draw (seed 27).
   random::Stream stream({.seed = 27, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   for (int run = 0; run < 300; ++run) {
@@ -95,9 +95,10 @@ TEST(Shares, AreWhatCountingDrawByDrawSays) {
 }
 
 TEST(Shares, ErrorsAreHowSharesScatter) {
-  // Goal: the reported error equals the scatter of the share over runs. Method: simulate 2,000 runs
-  // of 60 lineages of 1 to 12 draws. Each lineage is in the group with probability 0.3 (seed 28).
-  // The mean error must equal the shares' standard deviation to within a tenth.
+  // Goal: a share's reported error equals the share's scatter between runs. Method: make 2,000
+  // random runs. Each run has 60 lineages, and each lineage has 1 to 12 draws. Each lineage is in
+  // the group with probability 0.3 (seed 28). The mean error must equal the shares' standard
+  // deviation to within a tenth.
   random::Stream stream({.seed = 28, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   double sum = 0;

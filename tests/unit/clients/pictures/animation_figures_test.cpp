@@ -1,5 +1,5 @@
 // Goal: pictures of any world's animations show bodies and goals at their places and inside the
-// panel. Method: count and measure the drawn shapes for few and many bodies.
+// panel. Method: draw few bodies and many bodies. Count and measure the drawn shapes.
 #include "clients/pictures/animation_figures.h"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ using scene::FeatureKind;
 using scene::Shape;
 using ::testing::HasSubstr;
 
-/// Two dice over a surface, with a disc as the goal of the first die.
+/// Two dice over a surface. The goal of the first die is a disc.
 scene::Scene dice_scene() {
   return {.features = {{.name = "die 1", .twin_of = 0},
                        {.name = "die 2", .twin_of = 1},
@@ -44,8 +44,8 @@ scene::Scene dice_scene() {
           .has_own_points = true};
 }
 
-/// Die 1 flies for half a second and rests at (50, 0) mm. A quarter turn about y brings the 6 of
-/// die 1 up. Die 2 rests at (0, y) with its 3 up.
+/// Die 1 flies for half a second and rests at (50, 0) mm. Die 1 makes a quarter turn about y, so
+/// its face 6 is up. Die 2 rests at (0, y), and its face 3 is up.
 ShownAnimation throw_of(double y_m = 0.04) {
   const double half_root = std::sqrt(0.5);
   const std::vector<motion::Segment> segments{
@@ -111,8 +111,8 @@ std::vector<plot::Polygon> squares_of(const plot::Panel& panel) {
 }
 
 TEST(AnimationFigures, ShowBodiesAtRestFromAbove) {
-  // Goal: dice are drawn where they rest, with the upper face's pips and a ring at the goal.
-  // Method: draw only the view from above, which is in millimetres.
+  // Goal: each die is drawn where it rests and shows the pips of its upper face. A ring marks the
+  // goal. Method: draw only the view from above, which is in millimetres.
   const plot::Figure figure = animation_figure("dice", dice_scene(), {throw_of()}, false);
   ASSERT_EQ(figure.panels.size(), 1U);
   const plot::Panel& panel = figure.panels.front();
@@ -183,8 +183,8 @@ TEST(AnimationFigures, ManyBodiesAreShownAtInstants) {
 
 TEST(AnimationFigures, FitTheirPanels) {
   // Goal: nothing is cut off, animations are side by side, and a panel's units are pixels. Method:
-  // draw one to three animations of flat and deep scenes. Check that all shapes are inside the
-  // panel, and that the layout's frame has the panel's size.
+  // draw scenes of different depths, with one to three animations each. Check that all shapes are
+  // inside the panel, and that the layout's frame has the panel's size.
   for (const double y_m : {0.0, 0.04, 0.4, 4.0}) {
     for (const std::size_t count : {1U, 2U, 3U}) {
       const plot::Figure figure =
@@ -217,8 +217,8 @@ class MovingReader final : public archive::testing::FakeReader {
 };
 
 TEST(AnimationFigures, AreDrawnFromAnArchiveAlone) {
-  // Goal: an unknown world is drawn from its archive alone, and an animation without motion is
-  // refused. Method: draw the made-up world of the archive's tests.
+  // Goal: if a world is unknown, its animations are drawn from the archive alone. If an animation
+  // has no motion, it is refused. Method: draw the made-up world of the archive's tests.
   const archive::testing::FakeRunOptions options;
   archive::ArchiveOptions archive_options = archive::testing::options_for(options);
   archive_options.request_text = "[world]\nname = \"fake\"\n[sampler]\nchains = 3\n";

@@ -1,6 +1,7 @@
-// Goal: a film shows bodies where their motion puts them, whole and at the same scale in all
-// frames. Files are complete or absent. Method: measure frames of made-up motions, write frames
-// into folders, and run scripts in place of ffmpeg. Run ffmpeg too if it is installed.
+// Goal: a film's frames show bodies where their motion puts them. Bodies are not cut off, and all
+// frames have the same scale. Files are complete or absent. Method: measure frames of made-up
+// motions. Write frames into folders. Run scripts in place of ffmpeg. If ffmpeg is installed, run
+// it too.
 #include "clients/pictures/animation_frames.h"
 
 #include <gmock/gmock.h>
@@ -37,7 +38,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Two balls above a bin to fill, whose middle is at (30, 10, 0) mm.
+/// Two balls above a bin; the bin is the goal. The bin's middle is at (30, 10, 0) mm.
 scene::Scene two_balls() {
   scene::Scene scene;
   for (std::uint32_t ball = 0; ball < 2; ++ball) {
@@ -53,7 +54,7 @@ scene::Scene two_balls() {
   return scene;
 }
 
-/// Ball 1 flies for half a second; ball 2 enters at 0.2 s, and rests.
+/// Ball 1 flies for half a second, then rests. Ball 2 enters at 0.2 s and rests.
 ShownAnimation falling(double y_mps = 0.05) {
   const std::vector<motion::Segment> segments{
       {.body = 0,
@@ -68,7 +69,7 @@ ShownAnimation falling(double y_mps = 0.05) {
   return {.title = "chain 1, scan 3", .motion = motion::Animation::of(segments, 2).value()};
 }
 
-/// Returns a frame's balls in the order of views and depths.
+/// Returns a frame's balls in the order in which they are drawn.
 std::vector<plot::Disc> balls_of(const plot::Figure& frame) {
   std::vector<plot::Disc> balls;
   for (const plot::Disc& disc : all_of<plot::Disc>(frame.panels.front())) {
@@ -123,7 +124,7 @@ class OtherPath {
 
 class Frames : public archive::testing::Scratch {
  protected:
-  /// Returns a PATH whose first folder contains only this script as ffmpeg.
+  /// Returns a PATH that begins with a new folder. The folder contains the script, named ffmpeg.
   std::string path_with_ffmpeg(const std::string& script) const {
     const fs::path folder = path("bin");
     fs::create_directories(folder);
@@ -139,7 +140,7 @@ class Frames : public archive::testing::Scratch {
 
 TEST_F(Frames, ShowBodiesWhereTheirMotionHasThem) {
   // Goal: each ball is drawn at its place at any time, and not drawn before it enters. All frames
-  // have the same size and scale. Method: measure each ball's distance from the bin's middle in
+  // have the same size and scale. Method: measure how far each ball is from the bin's middle, in
   // units of the ball's radius.
   const plot::Figure first = frame_figure(scene, animation, 0);
   const plot::Point bin = bin_in(first);
@@ -231,8 +232,8 @@ TEST_F(Frames, AreCounted) {
 }
 
 TEST_F(Frames, AreWrittenAsPngFiles) {
-  // Goal: each file shows the frame of its time, the new folder contains nothing else, and progress
-  // is reported. Method: compare each file byte by byte with a frame that is drawn separately.
+  // Goal: each file contains its frame, the new folder contains no other file, and progress is
+  // reported. Method: compare each file byte by byte with a frame that is drawn separately.
   const std::string folder = path("frames");
   std::vector<std::pair<std::size_t, std::size_t>> told;
   const std::size_t count = write_png_frames(
@@ -254,8 +255,8 @@ TEST_F(Frames, AreWrittenAsPngFiles) {
 }
 
 TEST_F(Frames, NothingOfOthersIsOverwritten) {
-  // Goal: a folder with files stays unchanged, and a failure leaves nothing behind. Method: write
-  // into a folder that has a file, and write with a progress callback that throws.
+  // Goal: if a folder has files, it stays unchanged. If writing fails, no file is left behind.
+  // Method: write into a folder that has a file. Then write with a progress callback that throws.
   const fs::path folder = path("mine");
   fs::create_directory(folder);
   std::ofstream(folder / "frame-0001.png") << "dear";
@@ -275,8 +276,8 @@ TEST_F(Frames, NothingOfOthersIsOverwritten) {
 }
 
 TEST_F(Frames, GoToFfmpegAsPixels) {
-  // Goal: ffmpeg gets the right arguments and all bytes. The film gets its final name once it is
-  // complete. Method: run a script that records its arguments and counts bytes.
+  // Goal: ffmpeg gets the right arguments and all bytes of the frames. The film gets its final name
+  // once it is complete. Method: run a script that records its arguments and counts bytes.
   const std::string output = path("a film.mp4");
   {
     const OtherPath path(
@@ -306,9 +307,9 @@ TEST_F(Frames, GoToFfmpegAsPixels) {
 }
 
 TEST_F(Frames, FfmpegsFailureIsShown) {
-  // Goal: the messages of ffmpeg are shown without control characters, and no file is left. Method:
-  // run scripts that fail at once, at the end, by a signal, or silently. Run scripts that leave an
-  // incomplete file. Write a film without ffmpeg.
+  // Goal: if ffmpeg fails, its messages are shown without control characters, and no file is left.
+  // Method: run scripts that fail in different ways: at once, at the end, by a signal, or without a
+  // message. Run scripts that leave an incomplete file. Write a film without ffmpeg.
   const std::string output = path("film.mp4");
   const auto refused = [&](const std::string& programs, const std::string& words) {
     const OtherPath other(programs);
@@ -321,8 +322,8 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
   refused(path_with_ffmpeg("cat > /dev/null; echo 'disk full' >&2; exit 3\n"),
           "video:\n  disk full");
   refused(path_with_ffmpeg("cat > /dev/null; kill -9 $$\n"), "printed no reason");
-  // As on a full disk, "ffmpeg" succeeds but leaves a file that ends inside a box or before the
-  // index.
+  // The script succeeds but leaves a file that ends inside a box or before the index, as on a full
+  // disk.
   for (const char* film : {"\\0\\0\\0\\010moov\\0\\0\\0\\020mdat", "\\0\\0\\0\\010mdat"}) {
     refused(path_with_ffmpeg(fmt::format("cat > /dev/null; for last; do :; done\n"
                                          "printf '{}' > \"${{last#file:}}\"\n",
@@ -343,7 +344,8 @@ TEST_F(Frames, TheRealFfmpegMakesAFilm) {
   ASSERT_EQ(write_mp4(scene, animation, output, {}), 13U);
   const std::string film = text_of(output);
   EXPECT_EQ(film.substr(4, 4), "ftyp");
-  // Box stsz has a version, the sample size (0: it varies) and the number of samples.
+  // The box stsz contains a version, the sample size (0: the size varies) and the number of
+  // samples.
   const std::size_t sizes = film.find("stsz");
   ASSERT_NE(sizes, std::string::npos);
   EXPECT_EQ(film.substr(sizes + 12, 4), std::string("\0\0\0\x0d", 4));

@@ -1,4 +1,4 @@
-// Access to the series of a drawn panel.
+// Gives tests access to the series of a drawn panel.
 #pragma once
 
 #include <variant>

@@ -55,9 +55,9 @@ double area_of(const auto& corners) {
 }
 
 TEST(SceneView, ADieThatIsNotTurnedShowsItsThree) {
-  // Goal: a die without rotation has the 3 on top and the 5 in front (1 on +x, 2 on +y). Method:
-  // view the die from above and from the front. The corners of the upper face must be half a side
-  // from its centre.
+  // Goal: a die without rotation has face 3 on top and face 5 in front (face 1 on +x, face 2 on
+  // +y). Method: view the die from above and from the front. Each corner of the upper face must be
+  // half a side from the face's centre along x and along y.
   const motion::Pose pose{.centre_m = {0.010, 0.020, 0.008}};
   const auto above = seen_faces(pose, 16, Seen::from_above);
   ASSERT_THAT(numbers_of(above), ElementsAre(3));
@@ -73,8 +73,8 @@ TEST(SceneView, ADieThatIsNotTurnedShowsItsThree) {
 }
 
 TEST(SceneView, EveryFaceComesUp) {
-  // Goal: each face is on top in its pose and shows its number of pips. Opposite faces add up to 7.
-  // Method: make quarter turns about x and y.
+  // Goal: each face of a die can be turned up and shows its number of pips. The numbers of opposite
+  // faces add up to 7. Method: make quarter turns about x and y.
   const std::vector<std::pair<Quat, std::uint32_t>> poses{
       {turned({0, 1, 0}, -90), 1}, {turned({1, 0, 0}, 90), 2},  {turned({1, 0, 0}, 0), 3},
       {turned({1, 0, 0}, 180), 4}, {turned({1, 0, 0}, -90), 5}, {turned({0, 1, 0}, 90), 6}};
@@ -89,8 +89,8 @@ TEST(SceneView, EveryFaceComesUp) {
 }
 
 TEST(SceneView, OneTwoThreeGoRoundAnticlockwise) {
-  // Goal: the numbering is not mirrored. Method: turn the corner of faces 1, 2 and 3 up. From
-  // above, the faces' middles must be in anticlockwise order.
+  // Goal: the numbering is not mirrored. Method: turn the die so that the corner of faces 1, 2 and
+  // 3 points up. From above, the middles of these faces must be in anticlockwise order.
   const Vec3 axis = Vec3(1, -1, 0) / std::sqrt(2.0);
   const Quat corner_up = turned(axis, std::acos(1 / std::sqrt(3.0)) * 180 / M_PI);
   const auto seen = seen_faces({.orientation = corner_up}, 16, Seen::from_above);
@@ -105,7 +105,7 @@ TEST(SceneView, OneTwoThreeGoRoundAnticlockwise) {
 
 TEST(SceneView, OutlineOfATiltedDie) {
   // Goal: a tilted die shows two faces, each foreshortened by the cosine of its tilt. Method: turn
-  // about y, so that the 6 (on -x) appears beside the 3.
+  // the die about y, so that face 6 (on -x) appears beside face 3.
   for (const double angle_deg : {20.0, 45.0, 70.0}) {
     const double angle = angle_deg * M_PI / 180;
     const auto seen =
@@ -117,8 +117,8 @@ TEST(SceneView, OutlineOfATiltedDie) {
 }
 
 TEST(SceneView, PipsLieApartWithinTheirFace) {
-  // Goal: the pips of a face are within the face, apart from each other, and symmetric about the
-  // face's middle.
+  // Goal: a face's pips are inside the face, don't overlap, and are symmetric about the face's
+  // middle.
   for (std::uint32_t face = 1; face <= 6; ++face) {
     const Quat up = face == 1   ? turned({0, 1, 0}, -90)
                     : face == 6 ? turned({0, 1, 0}, 90)

@@ -1,5 +1,5 @@
-// Goal: long traces are thinned in bounded memory without losing a spike. Datasets of a wrong shape
-// are refused with an error that names them. Method: read a source that computes its values and
+// Goal: long traces are thinned in bounded memory, and no spike is lost. If a dataset has a wrong
+// shape, it is refused, and the error names it. Method: read a source that computes its values and
 // records its longest read.
 #include "clients/pictures/trace.h"
 #include "clients/analysis/archive_rows.h"
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t k_chains = 2;
 
-/// /sample_stats with one variable `lp`, whose values a function of (chain, draw) computes.
+/// A source of /sample_stats. A function of (chain, draw) computes the values.
 class ComputedSource final : public archive::Source {
  public:
   using Value = std::function<double(std::uint64_t chain, std::uint64_t draw)>;

@@ -12,7 +12,8 @@ namespace sleight::plot {
 namespace {
 
 TEST(Ticks, AreOneTwoFiveMultiples) {
-  // Goal: ticks are multiples of 1, 2 or 5 times a power of ten, and have readable labels.
+  // Goal: ticks have readable labels and are whole multiples of a step. The step is 1, 2 or 5 times
+  // a power of ten.
   const Ticks ticks = nice_ticks({0.4, 1.8}, 8);
   EXPECT_EQ(ticks.values, (std::vector<double>{0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8}));
   EXPECT_EQ(ticks.labels.front(), "0.4");
@@ -28,9 +29,9 @@ TEST(Ticks, AreOneTwoFiveMultiples) {
 }
 
 TEST(Ticks, StayInsideDifferAndAreFew) {
-  // Goal: for any range, ticks ascend inside the range and have different labels. There are at most
-  // as many ticks as requested, and at least two if five or more are requested. Method: use 20,000
-  // random ranges over 60 powers of ten, some far from zero.
+  // Goal: for any range, ticks ascend inside the range and have different labels. There are never
+  // more ticks than requested. If five or more are requested, there are at least two. Method: use
+  // 20,000 random ranges over 60 powers of ten, some far from zero.
   MadeUp made_up(3);
   for (int i = 0; i < 20000; ++i) {
     const double span = std::pow(10.0, -30 + 60 * made_up.uniform());
@@ -54,8 +55,8 @@ TEST(Ticks, StayInsideDifferAndAreFew) {
 }
 
 TEST(Ranges, FollowTheFinitePoints) {
-  // Goal: gaps and infinities don't affect an axis, shapes get a margin, and a trace fills the
-  // width.
+  // Goal: gaps and infinities don't affect an axis. A trace fills the width of its panel. Other
+  // shapes get a margin.
   Panel panel{
       .series = {Line{.points = {{0, 1}, {5, k_nan}, {10, k_infinity}, {8, 3}, {k_nan, 99}}}}};
   PanelRanges ranges = ranges_of(panel);
@@ -71,8 +72,8 @@ TEST(Ranges, FollowTheFinitePoints) {
 }
 
 TEST(Ranges, OfNothingOneAndConstantCanBeDrawn) {
-  // Goal: any points give an axis with low < high and distinct ticks. Method: use no points,
-  // constants of all magnitudes, neighbouring doubles, and only NaN.
+  // Goal: any points give an axis with low < high and distinct ticks. Method: use panels that
+  // contain no point, a constant, two neighbouring doubles, or only NaN.
   for (const double value : {0.0, 1.0, -7e8, 1e-300, -1e149, 3e-9}) {
     for (const double other : {value, std::nextafter(value, k_infinity)}) {
       const PanelRanges ranges =
@@ -92,8 +93,8 @@ TEST(Ranges, OfNothingOneAndConstantCanBeDrawn) {
 }
 
 TEST(Ranges, EqualAspectGrowsTheOneWithRoom) {
-  // Goal: with equal aspect, a unit has the same length on both axes. The axis with more room gets
-  // a larger range, so nothing is cut off.
+  // Goal: with equal aspect, a unit has the same length on both axes. If an axis has room to spare,
+  // its range grows, so nothing is cut off.
   const PanelRanges square{{0, 1}, {0, 1}};
   const PanelRanges wide = with_equal_aspect(square, 400, 100);
   EXPECT_EQ(wide.y, (Range{0, 1}));

@@ -12,9 +12,9 @@ namespace sleight::plot {
 namespace {
 
 TEST(Decimation, KeepsTheExtremesOfEachColumn) {
-  // Goal: thinning keeps the lowest and the highest value of each pixel column, in order, with at
-  // most four points per column. Method: thin a million random points with rare spikes on 800
-  // columns. Compare the extremes of each column before and after.
+  // Goal: thinning keeps the lowest and the highest value of each pixel column, in order. At most
+  // four points of a column remain. Method: thin a million random points on 800 columns. A few
+  // points are spikes. Compare each column's extremes before and after thinning.
   MadeUp made_up(5);
   std::vector<Point> points;
   constexpr std::size_t k_count = 1'000'000;
@@ -41,8 +41,8 @@ TEST(Decimation, KeepsTheExtremesOfEachColumn) {
 }
 
 TEST(Decimation, LeavesShortLinesAndPathsThatTurnBack) {
-  // Goal: thinning keeps all points of a sparse line and of a path that turns back. A vertical
-  // stroke keeps only its ends and extremes.
+  // Goal: thinning keeps all points of a sparse line, and all points of a path that turns back. A
+  // vertical stroke keeps only its ends and extremes.
   const std::vector<Point> sparse = {{0, 0}, {1, 5}, {2, -5}, {3, 0}};
   EXPECT_EQ(decimated_line(sparse, 1.0), sparse);
   const std::vector<Point> back = {{0, 0}, {3, 1}, {0, 2}, {3, 3}};
@@ -56,7 +56,7 @@ TEST(Decimation, LeavesShortLinesAndPathsThatTurnBack) {
 }
 
 TEST(Decimation, BoundsMarkersByTheArea) {
-  // Goal: a million dots on 100 x 50 pixels are thinned to one dot per pixel.
+  // Goal: if a million dots lie on 100 x 50 pixels, one dot per pixel remains.
   MadeUp made_up(9);
   std::vector<Point> points;
   for (int i = 0; i < 1'000'000; ++i)

@@ -9,8 +9,7 @@ namespace sleight::plot {
 
 namespace {
 
-// A path of arcs that starts at height 4.5, bounces on the table, and drifts towards the target at
-// x = 1.
+// A path that starts at height 4.5, bounces on the table, and drifts towards the target at x = 1.
 struct Path {
   std::vector<Point> points;
   std::vector<Arrow> normals;

@@ -1,4 +1,4 @@
-// Figures of made-up data, similar to Sleight's, for the tests and for viewing.
+// Figures of made-up data, for the tests and for viewing. They resemble Sleight's figures.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace sleight::plot {
 
-/// A linear congruential generator, the same on every machine.
+/// A linear congruential generator, which gives the same numbers on every machine.
 class MadeUp {
  public:
   explicit MadeUp(std::uint64_t seed) : state_(seed) {}
@@ -16,7 +16,7 @@ class MadeUp {
     state_ = state_ * 6364136223846793005U + 1442695040888963407U;
     return static_cast<double>(state_ >> 11) * 0x1p-53;
   }
-  /// Roughly normal: a sum of twelve uniforms.
+  /// Returns a sum of twelve uniform numbers, minus 6. The distribution is almost normal.
   double normal() {
     double sum = -6;
     for (int i = 0; i < 12; ++i)
@@ -28,14 +28,16 @@ class MadeUp {
   std::uint64_t state_;
 };
 
-/// Returns a figure like the thesis's figure 2.4: the landing position with its band over
-/// iterations, and log p below.
+/// Returns a figure like figure 2.4 of the thesis. The upper panel shows the landing position and
+/// its band over iterations. The lower panel shows log p.
 Figure landing_figure();
 
-/// Returns a figure like the thesis's figure 2.3: three bouncing paths with normals and a target.
+/// Returns a figure like figure 2.3 of the thesis: three bouncing paths, their normals and a
+/// target.
 Figure paths_figure();
 
-/// Hostile input: gaps, infinities, huge and constant values, markup in labels.
+/// Returns a figure of hostile input: gaps, infinities, huge and constant values, and labels that
+/// contain markup.
 Figure hostile_figure();
 
 }  // namespace sleight::plot

@@ -42,8 +42,8 @@ TEST(Png, RefusesWhatIsNoPicture) {
 }
 
 TEST(Save, ExplainsWhatIsWrong) {
-  // Goal: an unknown file ending, notes in a PNG file and a missing folder are refused, each with
-  // the right exit code.
+  // Goal: a save is refused if the file's ending is unknown, if a PNG file should have notes, or if
+  // the folder is missing. Each refusal has the right exit code.
   const Figure figure{.panels = {Panel{}}};
   try {
     save(figure, "trace.jpeg");

@@ -1,6 +1,6 @@
-// Goal: a film's frame shows the still picture and the current moving series, without remains of
-// the previous frame. Raw frames and PNGs have the same pixels. Method: draw small figures as raw
-// frames and as PNGs, and compare the pixels.
+// Goal: a film's frame shows the still picture and the current moving series. Nothing of the
+// previous frame remains. Raw frames and PNGs have the same pixels. Method: draw small figures as
+// raw frames and as PNGs, and compare the pixels.
 #include "clients/plot/film.h"
 
 #include <cairo.h>
@@ -27,7 +27,7 @@ Figure with_disc_at(double x, Color color) {
                       .series = {Disc{.center = {x, 5}, .radius_x = 2, .color = color}}}}};
 }
 
-/// Returns the blue, green and red byte of each pixel, row by row.
+/// Returns three bytes for each pixel (blue, green, red), row by row.
 std::vector<std::byte> colors_of(base::BytesView pixels) {
   std::vector<std::byte> colors;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -89,8 +89,8 @@ TEST(Film, SidesAreEvenAndBothFormsAreThoseOfAPicture) {
     EXPECT_EQ(image.columns, static_cast<int>(film.columns()));
     EXPECT_EQ(image.rows, static_cast<int>(film.rows()));
     EXPECT_EQ(image.colors, colors_of(film.pixels()));
-    // The frame equals the figure's picture, but may add a white row and a white column to make its
-    // sides even.
+    // The frame equals the figure's picture. If the picture's width or height is odd, the frame has
+    // one more white column or row.
     const Image picture = read_png(to_png(figure, scale));
     ASSERT_LE(picture.columns, image.columns);
     for (int row = 0; row < picture.rows; ++row) {

@@ -58,7 +58,7 @@ TEST(Layout, SeparatesTickLabels) {
 
 TEST(Layout, NarrowPanelsStillHaveAScale) {
   // Goal: the x axis of a narrow panel has at least two ticks, and the labels of the ticks don't
-  // overlap. Method: use ranges in which a coarse step would have only one tick.
+  // overlap. Method: use ranges in which a coarse step gives only one tick.
   for (const double width_px : {250.0, 360.0}) {
     for (const Range range : {Range{-4, 4}, Range{-3.75, 3.75}, Range{-0.9, 0.9}, Range{1, 9}}) {
       const Figure figure{.width_px = width_px, .panels = {Panel{.x_range = range}}};
@@ -85,7 +85,7 @@ TEST(Layout, LinesUpPanelsOfAColumn) {
 }
 
 TEST(Layout, DrawingsWithoutAxesFillTheirCell) {
-  // Goal: a panel without axes fills its cell below the title and has no ticks.
+  // Goal: if a panel has no axes, it fills its cell below the title and has no ticks.
   const Panel panel{.title = "a drawing", .x_label = "x", .y_label = "y", .axes = false};
   const PanelLayout layout = layout_of({.panels = {panel}}).panels[0];
   EXPECT_DOUBLE_EQ(layout.frame.left, layout.cell.left);
@@ -97,8 +97,8 @@ TEST(Layout, DrawingsWithoutAxesFillTheirCell) {
 }
 
 TEST(Layout, LegendNamesEachLabelOnceAndWraps) {
-  // Goal: arrows with the same label share one legend entry. Many entries wrap into rows within the
-  // frame's width.
+  // Goal: arrows with the same label share one legend entry. Many entries fill several rows, and no
+  // row is wider than the frame.
   Panel panel;
   for (int i = 0; i < 3; ++i)
     panel.series.push_back(Arrow{.label = "normal"});

@@ -41,9 +41,9 @@ std::string svg_of(Series series) {
 }
 
 TEST(Svg, IsWellFormedXml) {
-  // Goal: the SVG of any figure is well-formed XML without NaN or infinity. Method: parse the SVG
-  // of the examples, of an empty figure and of an empty panel with GLib. GLib must refuse broken
-  // XML.
+  // Goal: the SVG of any figure is well-formed XML without NaN or infinity. Method: let GLib parse
+  // the SVG of the example figures, of an empty figure and of an empty panel. GLib must refuse
+  // broken XML.
   for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure(), Figure{},
                                Figure{.panels = {Panel{}}}}) {
     const std::string svg = to_svg(figure);
@@ -67,7 +67,7 @@ TEST(Svg, EscapesWhatPeopleWrite) {
 }
 
 TEST(Svg, SaysWhereItComesFrom) {
-  // Goal: the metadata of an SVG contains each note on its own line, with special characters
+  // Goal: the metadata of an SVG contains each note on its own line. Special characters are
   // escaped. Notes change nothing else in the SVG. Method: remove the metadata from an SVG with
   // notes, and compare the rest with an SVG without notes.
   const Notes notes =
@@ -85,7 +85,7 @@ TEST(Svg, SaysWhereItComesFrom) {
 }
 
 TEST(Notes, RefusesWhatIsNone) {
-  // Goal: a note without a valid, unique name or without a one-line value is refused.
+  // Goal: a note is refused unless its name is valid and unique and its value is one line.
   using Texts = std::vector<std::string>;
   EXPECT_EQ(notes_of(Texts{"a_b=c=d"}), (Notes{{.name = "a_b", .value = "c=d"}}));
   for (const Texts& bad : {Texts{""}, Texts{"a"}, Texts{"=b"}, Texts{"a="}, Texts{"A=b"},
@@ -94,8 +94,8 @@ TEST(Notes, RefusesWhatIsNone) {
 }
 
 TEST(Svg, StaysSmallForAMillionPoints) {
-  // Goal: a figure of a million points makes a small file that still shows the only spike. Method:
-  // draw a million random points with one spike. Check the file's size, and find the spike's height
+  // Goal: the SVG of a million points is a small file that still shows the only spike. Method: draw
+  // a million random points with one spike. Check the file's size, and find the spike's height
   // among the coordinates.
   MadeUp made_up(2);
   Line line;
@@ -113,8 +113,8 @@ TEST(Svg, StaysSmallForAMillionPoints) {
 
 TEST(Svg, LeavesGapsAndMarksInfinities) {
   // Goal: a NaN splits a line, a lone point is drawn as a dot, and a point at minus infinity is
-  // drawn as a triangle. Method: count the elements in the SVG of small figures. Each SVG has one
-  // more polyline for the axes.
+  // drawn as a triangle. Method: count the elements in the SVG of small figures. Each SVG also has
+  // one polyline for the axes.
   EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, 1}, {2, k_nan}, {3, 1}, {4, 0}}}),
                         "<polyline"),
             3U);

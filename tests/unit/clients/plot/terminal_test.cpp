@@ -20,9 +20,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 TEST(Terminal, NeverExceedsItsSize) {
-  // Goal: a picture in the terminal never has more lines or columns than requested, down to a
-  // minimum size. Method: draw all example panels at many sizes, with and without Unicode. Count
-  // the lines and their characters.
+  // Goal: a terminal picture is never larger than requested, or than the minimum size if less is
+  // requested. Method: draw all example panels at many sizes, with and without Unicode. Count the
+  // lines and their characters.
   for (const Figure& figure : {landing_figure(), paths_figure(), hostile_figure()}) {
     for (const Panel& panel : figure.panels) {
       for (const std::size_t columns : {1U, 24U, 40U, 80U, 200U}) {
@@ -52,7 +52,8 @@ TEST(Terminal, IsPureAsciiWhereAsked) {
 }
 
 TEST(Terminal, DrawsARisingLine) {
-  // Goal: a diagonal line on the smallest canvas gives exactly the expected ASCII picture.
+  // Goal: the ASCII picture of a diagonal line on the smallest canvas has exactly the expected
+  // characters.
   const Panel panel{.x_range = Range{0, 10},
                     .y_range = Range{0, 1},
                     .series = {Line{.points = {{0, 0}, {10, 1}}}}};
@@ -98,8 +99,8 @@ TEST(Terminal, MarksInfinitiesAndSurvivesNothing) {
 }
 
 TEST(Terminal, ColorsAndResets) {
-  // Goal: the picture has colours only on request, and each coloured line ends by resetting the
-  // terminal's colour.
+  // Goal: the picture has colours only on request. Each coloured line ends with the code that
+  // resets the terminal's colour.
   const Panel panel{.series = {Line{.points = {{0, 0}, {1, 1}}}}};
   EXPECT_EQ(to_terminal(panel, {}).find('\x1b'), std::string::npos);
   const std::string colored = to_terminal(panel, {.color = true});
@@ -120,8 +121,8 @@ TEST(Terminal, KnowsUtf8Locales) {
 }
 
 TEST(Terminal, TakesAFileForNoTerminal) {
-  // Goal: output that doesn't go to a terminal gets the default size and no colours. Method: use an
-  // invalid file descriptor.
+  // Goal: if output doesn't go to a terminal, it has the default size and no colours. Method: use
+  // an invalid file descriptor.
   const TerminalOptions options = detect_terminal(-1);
   EXPECT_EQ(options.columns, 80U);
   EXPECT_EQ(options.rows, 24U);

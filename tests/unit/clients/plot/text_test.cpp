@@ -24,7 +24,7 @@ TEST(Text, IsRepairedToPrintableUtf8) {
 }
 
 TEST(Text, IsCountedAndCutByCodePoints) {
-  // Goal: text is counted and cut by whole characters, whatever their length in bytes.
+  // Goal: text is counted and cut in whole characters, even if a character has several bytes.
   EXPECT_EQ(length_of("±σ1"), 3U);
   EXPECT_EQ(first_of("±σ1", 2), "±σ");
   EXPECT_EQ(first_of("±σ1", 9), "±σ1");
@@ -32,7 +32,7 @@ TEST(Text, IsCountedAndCutByCodePoints) {
 }
 
 TEST(Text, FitsItsWidth) {
-  // Goal: a text that is cut to a width fits the width and keeps its beginning.
+  // Goal: if a text is cut to a width, the rest fits the width and begins as the text does.
   const std::string long_text = "The horizontal resting position of each sample";
   EXPECT_EQ(fitted(long_text, 12, 1000), long_text);
   for (const double width : {200.0, 90.0, 30.0}) {

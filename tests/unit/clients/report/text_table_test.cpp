@@ -30,8 +30,8 @@ std::size_t longest_line(const std::string& text) {
 }
 
 TEST(TextTable, AlignsColumnsAndLeavesEmptyOnesOut) {
-  // Goal: a table aligns numbers to the right and texts to the left, counts characters instead of
-  // bytes, and omits empty columns.
+  // Goal: a table aligns numbers to the right and texts to the left, and omits empty columns.
+  // Widths are counted in characters, not bytes.
   EXPECT_EQ(to_text(example(), std::nullopt),
             "  ID  NAME    RATE  WHY\n"
             "   7  hi    85,200  waits for four cores that others have\n"

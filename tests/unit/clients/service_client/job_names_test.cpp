@@ -9,7 +9,8 @@ namespace sleight::service_client {
 namespace {
 
 TEST(JobNames, AreNumbersRangesAndGroups) {
-  // Goal: a number, a range and a group are parsed as job names, and each prints as the same text.
+  // Goal: a number, a range and a group are parsed as job names. Each name prints as the text that
+  // was parsed.
   const std::vector<std::string> texts{"17", "3..8", "g5"};
   const auto names = job_names_of(texts);
   ASSERT_TRUE(names);

@@ -28,7 +28,7 @@ TEST(ProgressPrinter, WritesPlainLinesNowAndThen) {
 
 TEST(ProgressPrinter, WritesPhasesThatLast) {
   // Goal: a message is written to a log file only if no line was written for a minimum time.
-  // Method: print a message at once, with a minimum time of 0 s and with the default minimum time.
+  // Method: print a message at once. Set the minimum time first to 0 s, then to its default.
   for (const double every_s : {0.0, k_plain_line_every_s}) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
     ASSERT_NE(file, nullptr);

@@ -28,8 +28,8 @@ std::string trimmed(std::string_view text) {
   return std::string(text);
 }
 
-/// Returns the lines before the first empty line, and advances `bytes` past the empty line. Returns
-/// nothing if there is no empty line.
+/// Removes all lines up to the first empty line from `bytes`, and returns them without the empty
+/// line. Returns nothing if there is no empty line.
 std::optional<std::vector<std::string>> take_lines(std::string_view& bytes) {
   std::vector<std::string> lines;
   while (true) {
@@ -207,8 +207,8 @@ bool is_same(const Ask& a, const Ask& b) {
 
 Outcome checked_exchange(std::string_view bytes, std::size_t piece) {
   Outcome whole = exchange_in_pieces(bytes, bytes.size() + 1);
-  // Don't compare the refusals: if two heads are damaged, the size of the pieces may determine
-  // which head is refused.
+  // Refusals are not compared: if two heads are damaged, the size of the pieces may determine which
+  // head is refused.
   const Outcome in_pieces = exchange_in_pieces(bytes, piece);
   CHECK_EQ(whole.taken.size(), in_pieces.taken.size());
   std::string_view rest = bytes;

@@ -1,12 +1,12 @@
 // Passes a connection's bytes through the server's parts (intake.h, guard.h, reply.h) and checks
 // properties that hold for any bytes. Tests and the fuzzer use it.
 //
-//   - A slow, plain second reader finds the same method, path and body in every accepted request.
-//     The second reader also finds a single Host header, which names this server, and the secret in
-//     a Cookie or a token in the target.
+//   - If the server accepts a request, a slow and plain second reader finds the same method, path
+//     and body. The second reader also finds one Host header, which names this server, and the
+//     secret in a Cookie or a token in the target.
 //   - The result doesn't depend on the pieces in which bytes arrive.
-//   - Buffered bytes never exceed their limits, and none are left at the end.
-//   - Answers have the right header lines and contain nothing of the request.
+//   - The number of buffered bytes never exceeds its limits, and is 0 at the end.
+//   - Answers have the right header lines and repeat no part of the request.
 #pragma once
 
 #include <cstddef>

@@ -148,8 +148,8 @@ TEST_F(Guarding, RefusesWhatABrowserSaysComesFromElsewhere) {
   for (const std::string site : {"cross-site", "same-site", "", "anything"}) {
     EXPECT_EQ(refused(with(good(), "Sec-Fetch-Site", site)), 403U) << site;
     EXPECT_EQ(refused(with(post(), "Sec-Fetch-Site", site)), 403U) << site;
-    // A request that follows a link on another site is refused too, unless the link contains a
-    // token.
+    // If the user followed a link on another site, the request is refused too, unless the link
+    // contains a token.
     const Request led =
         with(with(with(to(good(), "/"), "Sec-Fetch-Site", site), "Sec-Fetch-Mode", "navigate"),
              "Sec-Fetch-Dest", "document");

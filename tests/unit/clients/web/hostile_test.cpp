@@ -122,7 +122,7 @@ TEST(HostilePeers, SlowHeadsAndBodiesAreEnded) {
   slow_body.send(browser.post_head("/a", 100) + "{");
   RawClient waiting(served.port());
   EXPECT_EQ(waiting.ask(browser.post_head("/a", 100, "Expect: 100-continue\r\n")).status, 100);
-  // Sending a byte now and then doesn't extend the deadline.
+  // The client sends a byte now and then, which doesn't extend the deadline.
   RawClient dripping(served.port());
   std::thread drops([&] {
     while (dripping.send("G"))
@@ -222,7 +222,7 @@ TEST(HostilePeers, AboveTheLimitAreToldSo) {
   Served served(options);
   const Browser browser(served.server());
   EXPECT_TRUE(comes_true([&] { return served.server().counts().connections == 0; }));
-  // Connections that have sent the cookie stay open when many others arrive.
+  // If a connection has sent the cookie, it stays open when many other connections arrive.
   std::vector<std::unique_ptr<RawClient>> known;
   for (int i = 0; i < 8; ++i) {
     known.push_back(std::make_unique<RawClient>(served.port()));
@@ -269,7 +269,7 @@ std::size_t resident_bytes() {
   return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// Goal: the server survives random requests and uses limited memory (random_request.h).
+// Goal: random requests (random_request.h) neither crash the server nor use unlimited memory.
 TEST(HostilePeers, SendAnything) {
   constexpr std::uint64_t k_seed = 28;
   Served served({}, Patience::of_limits);

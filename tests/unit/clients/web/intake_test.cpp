@@ -1,6 +1,6 @@
-// Goal: from any bytes, the server takes the same requests as a second, simple reader, or refuses
-// the bytes. Method: send known bytes with known outcomes. Compare random and hostile requests with
-// the second reader in checked_exchange.h. Check that the second reader refuses ambiguous bytes.
+// Goal: the server refuses bytes or reads the same requests from them as a second, simple reader.
+// Method: send known bytes with known outcomes. Compare random and hostile requests with the second
+// reader in checked_exchange.h. Check that the second reader refuses ambiguous bytes.
 #include "clients/web/intake.h"
 
 #include <fmt/format.h>

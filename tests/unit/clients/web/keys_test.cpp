@@ -1,6 +1,6 @@
 // Goal: generated secrets differ, and each token works only once. Method: compare a hundred
-// secrets. Use a token twice, use a token that newer tokens have displaced, and use one token in
-// two threads.
+// secrets. Use a token twice. Use a token that newer tokens have displaced. Use one token in two
+// threads.
 #include "clients/web/keys.h"
 
 #include <gtest/gtest.h>

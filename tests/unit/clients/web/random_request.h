@@ -1,4 +1,5 @@
-// Random requests and connections. Most requests resemble a browser's; some are hostile or damaged.
+// Random requests and connections. Most requests resemble a browser's requests. Some are hostile or
+// damaged.
 #pragma once
 
 #include <fmt/format.h>

@@ -19,7 +19,7 @@
 
 namespace sleight::web::testing {
 
-/// A server that doesn't answer within this time fails a test.
+/// If a server doesn't answer within this time, the test fails.
 inline constexpr int k_wait_s = 60;
 
 struct Received {
@@ -37,7 +37,8 @@ struct Received {
 
 class RawClient {
  public:
-  /// `receive_buffer` above 0 limits the unread bytes, as far as the system allows.
+  /// If `receive_buffer` is above 0, it limits the number of unread bytes, as far as the system
+  /// allows.
   explicit RawClient(std::uint16_t port, int receive_buffer = 0)
       : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     const timeval wait{.tv_sec = k_wait_s, .tv_usec = 0};
@@ -90,7 +91,7 @@ class RawClient {
     send(bytes);
     return receive(is_head);
   }
-  /// Returns a stream up to and including `text`, or up to its end if `text` doesn't occur.
+  /// Returns the stream's bytes up to and including `text`, or all bytes if `text` doesn't occur.
   std::string receive_until(std::string_view text) {
     while (buffer_.find(text) == std::string::npos)
       if (!read_more()) return std::exchange(buffer_, {});
@@ -99,8 +100,8 @@ class RawClient {
     buffer_.erase(0, end);
     return received;
   }
-  /// Waits until the other end closes the connection. Returns false after a timeout or more than
-  /// `bytes_max` bytes.
+  /// Waits until the other end closes the connection. Returns false after a timeout, or if more
+  /// than `bytes_max` bytes arrive.
   bool is_closed(std::size_t bytes_max = 0) {
     while (buffer_.size() <= bytes_max)
       if (!read_more()) return !has_waited_in_vain_;

@@ -1,4 +1,4 @@
-// A server for tests. Its handler answers with the text of the request.
+// A server for tests. The server's handler answers with the text of the request.
 #pragma once
 
 #include <atomic>
@@ -54,8 +54,8 @@ inline bool comes_true(const std::function<bool()>& is_so) {
   return true;
 }
 
-/// Time that clients may take: practically unlimited, so that tests pass on busy machines, or the
-/// server's limits.
+/// How long clients may take: an hour, so that tests pass on busy machines, or the server's own
+/// limits.
 enum class Patience : std::uint8_t { endless, of_limits };
 
 class Served {

@@ -65,7 +65,7 @@ TEST(Servers, LetInByALinkOnce) {
   EXPECT_EQ(outside.field("Content-Type"), "application/json");
   EXPECT_EQ(served.asks(), 0);
 
-  // The server's link is now a new link, not the used one.
+  // The server replaces its used link by a new link.
   const std::string second = served.server().new_link();
   EXPECT_EQ(served.server().link(), second);
   EXPECT_NE(second, link);
@@ -133,7 +133,7 @@ TEST(Servers, AnswerFilesByThemselves) {
                 .status,
             304);
   EXPECT_EQ(served.asks(), 0);
-  // Requests for other names, and POST requests, reach the handler.
+  // A request reaches the handler if its path names no file or if it is a POST request.
   EXPECT_EQ(client.ask(browser.get("/other.js")).content, "GET /other.js ");
   EXPECT_EQ(client.ask(browser.post("/", "x")).content, "POST / x");
   EXPECT_EQ(

@@ -21,7 +21,7 @@ TEST(Targets, PlainOnesAreDecodedOnce) {
   EXPECT_EQ(path_of("/die%201"), "/die 1");
   EXPECT_EQ(path_of("/a+b"), "/a+b");
   EXPECT_EQ(path_of("/%C3%A9"), "/\xc3\xa9");
-  // A text that was encoded twice is decoded once.
+  // If a text was encoded twice, it is still decoded only once.
   EXPECT_EQ(path_of("/%2525"), "/%25");
   EXPECT_EQ(path_of("/%252e%252e/"), "/%2e%2e/");
   // Names may contain dots; only "." and ".." are refused.

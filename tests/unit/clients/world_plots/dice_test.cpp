@@ -1,6 +1,6 @@
 // Goal: the plausibility of kept animations is computed correctly from their starts, their table
-// heights and the prior. Method: use a small archive with known values, and an archive of
-// animations that are drawn from the prior.
+// heights and the prior. Method: use two archives. The first archive is small and has known values.
+// The animations of the second archive are drawn from the prior.
 #include "clients/world_plots/dice.h"
 
 #include <gmock/gmock.h>
@@ -27,8 +27,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using tests::failure_of;
 
-/// Returns the counts of all bins. The first bin has `below`, the last bin has `above`, and the
-/// bins at -1 and 0 standard deviations have the other two counts.
+/// Returns the counts of all bins. The first bin's count is `below`, and the last bin's count is
+/// `above`. The bins at -1 and 0 standard deviations have the other two counts.
 std::vector<double> in_bins(double below, double at_minus_one, double at_zero, double above) {
   std::vector<double> counts(k_offset_bins);
   counts.front() = below;
@@ -66,8 +66,8 @@ DicePrior small_prior() {
           .is_table_random = true};
 }
 
-/// Contents of a small archive. Each animation has x, y and z of die 0, then of die 1, and the
-/// counts of table heights by bin.
+/// Contents of a small archive. For each animation, positions and velocities list x, y and z of die
+/// 0, then of die 1.
 struct Contents {
   double animations = 2;
   std::vector<double> position_m{1, 7, 7, 3, 7, 7, -1, 7, 7, 5, 7, 7};
@@ -128,8 +128,9 @@ TEST(DicePlausibility, AreScoresAndCosts) {
   EXPECT_DOUBLE_EQ(all.start_cost.spread, std::sqrt(1.5));
   EXPECT_DOUBLE_EQ(all.table_cost.mean, 0.5 * (5 - 4));
   EXPECT_DOUBLE_EQ(all.table_cost.spread, std::sqrt(2));
-  // The two animations' costs are -1/2 and 3 for the start, and -1 and 2 for the table. The sums
-  // are -3/2 and 5. The error of a mean of two values is half their difference.
+  // The two animations' costs are -1/2 and 3 for the start, and -1 and 2 for the table. Each
+  // animation's sum of costs is -3/2 or 5. The error of a mean of two values is half their
+  // difference.
   EXPECT_DOUBLE_EQ(all.start_cost.error, 1.75);
   EXPECT_DOUBLE_EQ(all.table_cost.error, 1.5);
   EXPECT_DOUBLE_EQ(all.cost.mean, 1.75);
@@ -165,8 +166,8 @@ TEST(DicePlausibility, WordsSayNoMoreThanIsKnown) {
 }
 
 TEST(DicePlausibility, OfThePriorItselfIsNothing) {
-  // Goal: the mean cost of animations drawn from the prior is 0. Method: draw 4,000 animations, and
-  // allow an error of 5 standard errors.
+  // Goal: if animations are drawn from the prior, their mean cost is 0. Method: draw 4,000
+  // animations, and allow an error of 5 standard errors.
   constexpr std::size_t k_animations = 4000;
   random::Stream stream({.seed = 20261122, .purpose = random::Purpose::prior}, 0);
   const auto normal = [&](double mean, double sd) {
@@ -198,8 +199,8 @@ TEST(DicePlausibility, OfThePriorItselfIsNothing) {
   for (const PlausibilityCost& cost : {found.start_cost, found.table_cost, found.cost}) {
     EXPECT_NEAR(cost.mean, 0, 5 * cost.spread / root);
     // Each animation is its own lineage, so the mean's error is the spread divided by the root of
-    // the number of animations. The table's spread is that of half a chi-square variable with 30
-    // degrees of freedom.
+    // the number of animations. The table's cost is half a chi-square variable with 30 degrees of
+    // freedom, minus 15.
     EXPECT_NEAR(cost.error, cost.spread / root, 0.1 * cost.spread / root);
   }
   EXPECT_DOUBLE_EQ(found.table_cost.spread, std::sqrt(15));
@@ -264,9 +265,9 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
 }
 
 TEST(DicePlausibility, ThePriorIsTheArchives) {
-  // Goal: dice_prior_of() finds which start components in an archive are random, and whether the
-  // table is random. Method: read an archive with known priors, an archive without priors, and
-  // archives with invalid priors.
+  // Goal: dice_prior_of() finds which start components of an archive are random, and whether the
+  // table is random. Method: read one archive whose priors are known, one that has no priors, and
+  // several whose priors are invalid.
   const DicePrior prior = dice_prior_of(SmallArchive({.has_prior = true}));
   EXPECT_EQ(prior.dice, 2U);
   EXPECT_TRUE(prior.is_table_random);

@@ -27,9 +27,9 @@ class SmallArchive final : public archive::StoredArchive {
 };
 
 TEST(SpellingTrace, CountsIterations) {
-  // Goal: the trace plots the number of filled bins over iterations instead of scans, and marks the
-  // total number with a line. Method: draw the trace of a small archive, for one chain and for all
-  // chains.
+  // Goal: the trace shows the number of filled bins. The x axis counts iterations, not scans. A
+  // line marks the total number of bins. Method: draw the trace of a small archive, for one chain
+  // and for all chains.
   const Spelling spelling;
   const SmallArchive source;
   const plot::Figure one =

@@ -1,6 +1,7 @@
-// Goal: Sleight makes valid certificates with unique fingerprints. Texts that are not certificates,
-// and keys that belong to another certificate, are refused. Method: make certificates and read them
-// back. The test common/rpc/tls_test.cpp makes connections with such certificates.
+// Goal: Sleight makes valid certificates, and each has its own fingerprint. A text that isn't a
+// certificate is refused. A key that belongs to another certificate is refused. Method: make
+// certificates and read them back. The test common/rpc/tls_test.cpp makes connections with such
+// certificates.
 #include "common/access/certificates.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Goal: a CSV table has a named column for each variable, and its numbers read back equal. Method:
-// export the tables of an in-memory archive, parse the CSV, and compare the values with the
-// archive.
+// export the tables of an in-memory archive. Parse the CSV, and compare its values with the
+// archive's values.
 #include "common/archive/csv.h"
 
 #include <gtest/gtest.h>

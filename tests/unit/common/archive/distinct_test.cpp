@@ -1,6 +1,6 @@
-// Goal: the selector keeps the animations that distinct.h defines. Method: on random runs, compare
-// the selector with a slow reference that applies the four conditions to each draw, in order of
-// scan and chain.
+// Goal: the selector keeps the animations that distinct.h defines. Method: compare the selector
+// with a slow reference on random runs. The reference takes the draws in order of scan and chain,
+// and applies the four conditions to each.
 #include "common/archive/distinct.h"
 
 #include <gtest/gtest.h>
@@ -86,7 +86,7 @@ TEST(Distinct, EqualsTheDefinitionOnRandomRuns) {
   EXPECT_GT(truncated, runs / 20) << "the runs hardly ever meet keep_max";
 }
 
-/// Returns a draw that satisfies the constraint and has the state of this key.
+/// Returns a draw that satisfies the constraint, in the state of `key`.
 plan::ScanRecord satisfied(std::uint64_t key) {
   return {.satisfied = true,
           .lineage = 4,
@@ -109,9 +109,9 @@ class CountedLikenesses final : public FakeReader {
 };
 
 TEST(Distinct, AsksOfEachAnimationOnceWhatIsCompared) {
-  // Goal: the likeness of each animation is computed once. With too little memory, some likenesses
-  // are computed again, but the same animations are kept. Method: offer a long lineage of different
-  // states, first with memory for all likenesses and then with memory for five.
+  // Goal: the likeness of each animation is computed once. If there is too little memory, some
+  // likenesses are computed again, but the same animations are kept. Method: offer a long lineage
+  // of different states, first with memory for all likenesses, then with memory for five.
   constexpr std::uint64_t k_scans = 300;
   DistinctOptions options{.keep_max = 1000, .keep_per_lineage = 1000, .min_distance = 1e-3};
   const auto kept_by = [&](const StateReader& reader) {

@@ -1,8 +1,8 @@
 // A made-up world and run for the archive's tests. Every value is a function of (seed, chain,
-// scan), so tests, processes and file formats can be compared value by value.
+// scan), so every test, process and file format can be compared value by value.
 //
-// The state is an 8-byte key, from which its variables, likeness and recording are computed. The
-// three variables have zero, one and two dimensions; some entries are NaN.
+// The state is an 8-byte key. The variables, the likeness and the recording are computed from the
+// key. The three variables have zero, one and two dimensions. Some entries are NaN.
 #pragma once
 
 #include <bit>
@@ -23,7 +23,7 @@
 
 namespace sleight::archive::testing {
 
-/// Returns arbitrary bits computed from x (the finaliser of SplitMix64).
+/// Computes arbitrary bits from x (the finaliser of SplitMix64).
 inline std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
@@ -87,7 +87,7 @@ class FakeReader : public StateReader {
     return std::abs(a[0] - b[0]);
   }
 
-  /// Returns zero to four segments that alternate between two bodies.
+  /// Returns up to four segments, which belong to two bodies in turn.
   Motion play(base::BytesView state) const override {
     const std::uint64_t key = key_of(state);
     Motion motion;
@@ -224,7 +224,7 @@ class FakeRun : public RunView {
     record.accepted = {record.proposed[0] / 2, record.proposed[1] / 2};
     record.outcome = {unit_of(key + 4), static_cast<double>(key % 9)};
     record.state.clear();
-    // Use few different keys, so that some animations are equal and some only look alike.
+    // There are few different keys, so some animations are equal and others only look alike.
     if (record.satisfied || scan % options_.thin == 0) {
       record.state = FakeReader::state_of(mixed(key) % 64);
     }
@@ -233,8 +233,8 @@ class FakeRun : public RunView {
   FakeRunOptions options_;
 };
 
-/// A FakeRun that is tempered with two replicas and has a method's tables. In chain 0, replica 1
-/// has no state.
+/// A tempered FakeRun of two replicas. Its report has two tables. In chain 0, replica 1 has no
+/// state.
 class FakeTemperedRun final : public FakeRun {
  public:
   explicit FakeTemperedRun(const FakeRunOptions& options) : FakeRun(options) {}

@@ -1,6 +1,6 @@
 // Goal: an archive returns scenes and motions as they were written, and reports damage as an error.
-// Method: write archives of a made-up world. Read all values of a sound archive, and damage one
-// value in each of the other archives.
+// Method: write archives of a made-up world. Read all values of a sound archive. Damage one value
+// in each of the other archives.
 #include "common/archive/kept_motions.h"
 
 #include <gmock/gmock.h>
@@ -120,8 +120,8 @@ TEST(KeptMotions, DamageIsNamed) {
   EXPECT_EQ(findings([](MemoryArchive&) {}), "");
   for (const std::string_view group : {k_animations, k_finds}) {
     const auto says = [&](const std::function<void(MemoryArchive&)>& damage) {
-      // Read every motion instead of calling verify(), which checks rows only if everything else is
-      // sound, including the digest.
+      // Read every motion, because verify() checks rows only if everything else is sound, including
+      // the digest.
       MemoryArchive archive;
       write(archive);
       damage(archive);
@@ -143,7 +143,7 @@ TEST(KeptMotions, DamageIsNamed) {
                 HasSubstr("invalid segment"));
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "mode")[0] = 4; }),
                 HasSubstr("invalid segment"));
-    // 256 would become 0, a valid mode, if it were cut to one byte.
+    // If 256 were cut to one byte, it would become 0, which is a valid mode.
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "mode")[0] = 256; }),
                 HasSubstr("invalid segment"));
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "cause")[0] = 1; }),

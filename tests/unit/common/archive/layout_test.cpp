@@ -43,7 +43,7 @@ std::vector<std::string> dims_of(const Source& source, std::string_view group,
 
 TEST(Layout, HoldsWhatATemperedRunLearntAndEachReplicasState) {
   // Goal: the archive of a tempered run holds the method's tables, the method's warning, and the
-  // newest state of each replica. Replicas without a state have NaN.
+  // newest state of each replica. If a replica has no state, its values are NaN.
   const FakeRunOptions options;
   const testing::FakeTemperedRun run(options);
   MemoryArchive archive;
@@ -158,9 +158,9 @@ std::string bits_of(const Values& values) {
 }
 
 TEST(Layout, FindsLieBesideDraws) {
-  // Goal: finds are stored in their own group and don't change draws or animations. Method: compare
-  // two archives of a run: one with finds, and one without finds. Also write the archive of a
-  // search, which has no chains.
+  // Goal: finds are stored in their own group and don't change draws or animations. Method: write
+  // the archive of a run twice, with finds and without finds, and compare both. Also write the
+  // archive of a search; a search has no chains.
   const FakeRunOptions options{.finds = 6};
   const FakeRun run(options);
   MemoryArchive archive;
@@ -242,8 +242,8 @@ class FailedRun : public FakeRun {
 };
 
 TEST(Layout, FailuresAreCountedByKindAndOnlyWhereThereAreSome) {
-  // Goal: the archive contains the number of failures of each kind, and the digest depends on these
-  // numbers. A run without failures has no such attribute.
+  // Goal: the archive has an attribute with the number of failures of each kind, and the digest
+  // depends on these numbers. If a run has no failures, the attribute is missing.
   const FakeRunOptions options;
   const auto archived = [&](MemoryArchive& archive, const plan::FailureCounts& failures) {
     return write_digested(archive, [&](Sink& sink) {
@@ -279,8 +279,8 @@ class StuckReader : public FakeReader {
 };
 
 TEST(Layout, AnimationsThatFailAreCounted) {
-  // Goal: satisfying animations that can't be simulated to their end are counted but not kept.
-  // Method: use a reader that fails for half of the motions, and a reader that never fails.
+  // Goal: if a satisfying animation can't be simulated to its end, it is counted but not kept.
+  // Method: use a reader that fails for half of the motions. Then use a reader that never fails.
   const FakeRunOptions options;
   MemoryArchive stuck;
   write_digested(stuck, [&](Sink& sink) {

@@ -1,6 +1,6 @@
-// Goal: ReadAhead returns the values and errors of its source, and combines many small sequential
-// reads into few reads of the source. Method: compare random reads with the source. Count the
-// source's reads, and damage one element.
+// Goal: ReadAhead returns the values and errors of its source. If many small reads follow each
+// other, ReadAhead makes only a few reads of the source. Method: compare random reads with the
+// source. Count the source's reads, and damage one element.
 #include "common/archive/read_ahead.h"
 
 #include <gtest/gtest.h>
@@ -78,7 +78,7 @@ TEST_F(ReadAheadTest, GivesWhatTheSourceHas) {
   random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, 0);
   std::uint64_t first = 0;
   for (int i = 0; i < 20'000; ++i) {
-    // Mostly continue after the last read, but sometimes jump to a random place.
+    // Most reads begin where the last read ended; a few begin at a random place.
     if (stream.uniform() < 0.02 || first >= elements())
       first = static_cast<std::uint64_t>(stream.uniform() * static_cast<double>(elements()));
     const auto wanted = static_cast<std::uint64_t>(stream.uniform() * 40);
@@ -103,7 +103,7 @@ TEST_F(ReadAheadTest, AsksSeldomInARow) {
   for (std::uint64_t first = 0; first + 10 <= elements(); first += 10)
     static_cast<void>(ahead.read(k_group, "lp", first, 10));
   EXPECT_LE(asked_, 2 + elements() / k_read_ahead);
-  // Scattered reads cause no additional reads.
+  // If reads are scattered, each causes at most one read of the source.
   asked_ = 0;
   for (const std::uint64_t first : {5000U, 100U, 9000U, 40U})
     static_cast<void>(ahead.read(k_group, "lp", first, 10));

@@ -51,9 +51,9 @@ class MapOfMotions final : public Motions {
 };
 
 TEST(RememberingReader, SimulatesEachMotionOnce) {
-  // Goal: writing two archives of a run simulates each motion once, even a motion that fails, and
-  // gives the same archives as a plain reader. Method: count the simulations and compare the
-  // digests. A plain reader must simulate some motions more than once.
+  // Goal: if two archives of a run are written, each motion is simulated once, even a motion that
+  // fails. The archives equal those of a plain reader. Method: count the simulations and compare
+  // the digests. The plain reader must simulate some motions more than once.
   const FakeRunOptions options;
   const auto digest_by = [&](const StateReader& reader) {
     MemoryArchive archive;
@@ -74,8 +74,8 @@ TEST(RememberingReader, SimulatesEachMotionOnce) {
 }
 
 TEST(RememberingReader, CanBeStoppedBeforeAMotionOrAComparison) {
-  // Goal: a callback that throws stops the reader before a new motion or a comparison. Motions in
-  // memory stay available.
+  // Goal: if the callback throws, the reader stops before it simulates a new motion or makes a
+  // comparison. Motions in memory stay available.
   const FakeReader reader;
   MapOfMotions motions;
   bool is_stopped = false;

@@ -17,8 +17,8 @@ std::optional<T> read_one(BytesView bytes) {
 
 TEST(Bytes, ComeBackAsTheyWerePut) {
   // Goal: numbers of every size read back in the order in which they were written, and doubles keep
-  // all bits. Method: use doubles whose bits are easily lost: a NaN with a payload, negative zero
-  // and infinity.
+  // all bits. Method: use doubles that easily lose bits: a NaN with a payload, negative zero and
+  // infinity.
   const double payload = std::bit_cast<double>(std::uint64_t{0x7ff4'0000'dead'beef});
   ByteWriter writer;
   writer.put(std::uint8_t{200});
@@ -51,8 +51,8 @@ TEST(Bytes, AreLittleEndian) {
 }
 
 TEST(Bytes, EndWithoutAValue) {
-  // Goal: no read goes beyond the end, and a failed read consumes no bytes. Method: for each length
-  // up to two words, read whole words first and then single bytes.
+  // Goal: no read goes beyond the end, and a failed read consumes no bytes. Method: use each length
+  // up to two words. Read as many words as possible, then single bytes.
   for (std::size_t size = 0; size <= 16; ++size) {
     const Bytes bytes(size, std::byte{9});
     ByteReader reader(bytes);

@@ -48,7 +48,7 @@ TEST_F(CheckDeathTest, PrintsTextIdsAndWhatHasNoFormat) {
 }
 
 TEST_F(CheckDeathTest, PrintsHowToRepeatTheRun) {
-  // Goal: a check that fails in any thread prints the notes on how to repeat the run, in order.
+  // Goal: if a check fails in any thread, the notes on how to repeat the run are printed in order.
   // Method: add two notes, then fail a check in the main thread and in another thread.
   const auto note = [] {
     add_repeat_note("to repeat: sleight direct hi.toml");
@@ -86,8 +86,8 @@ TEST_F(CheckDeathTest, PrintsExceptionsThatNobodyCatches) {
 }
 
 TEST(RepeatNotes, AreKeptInOrderFromAllThreads) {
-  // Goal: notes that several threads add at the same time are all kept, in the order of each
-  // thread.
+  // Goal: if several threads add notes at the same time, all notes are kept. The notes of one
+  // thread stay in order.
   const std::string before = repeat_notes();
   std::vector<std::thread> threads;
   for (const char name : {'a', 'b', 'c'}) {
@@ -119,7 +119,7 @@ TEST(CommandLine, IsWhatAShellReadsBack) {
 }
 
 TEST(Check, EvaluatesEachOperandOnce) {
-  // Goal: a check that holds evaluates each operand once.
+  // Goal: if a check holds, it evaluates each operand once.
   int calls = 0;
   const auto next = [&] { return ++calls; };
   CHECK_EQ(next(), 1);
@@ -129,8 +129,8 @@ TEST(Check, EvaluatesEachOperandOnce) {
 }
 
 TEST(Check, StandsWhereAStatementStands) {
-  // Goal: a check macro is a single statement. Method: use checks as the branches of an `if`
-  // without braces.
+  // Goal: a check macro is a single statement. Method: use checks as both branches of an `if` that
+  // has no braces.
   const bool yes = true;
   if (yes)
     CHECK_EQ(1, 1);

@@ -21,8 +21,8 @@ class Cores : public archive::testing::Scratch {
 };
 
 TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
-  // Goal: core_quota() returns the lowest quota of a control group and its ancestors, in both
-  // versions of control groups. Method: write files in the kernel's format to a folder.
+  // Goal: core_quota() returns the lowest of the quotas of a control group and its ancestors. Both
+  // versions of control groups work. Method: write files in the kernel's format to a folder.
   const auto quota = [&](const char* groups) { return core_quota(groups, path("")); };
   EXPECT_EQ(quota("0::/a/b\n"), std::nullopt);
   say("cpu.max", "max 100000\n");
@@ -50,7 +50,7 @@ TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
 }
 
 TEST(CoresHere, AreThoseOfTheAffinity) {
-  // Goal: cores_here() returns 1 for a process that is bound to one core.
+  // Goal: if a process is bound to one core, cores_here() returns 1.
   cpu_set_t all;
   ASSERT_EQ(::sched_getaffinity(0, sizeof(all), &all), 0);
   int first = 0;

@@ -1,4 +1,4 @@
-// The real file system, which fails at a chosen call.
+// The real file system, except that chosen calls fail.
 //
 // A FaultyFileSystem counts the calls of all its files. Not thread-safe.
 #pragma once
@@ -43,14 +43,14 @@ struct Fault {
 
 class FaultyFileSystem final : public FileSystem {
  public:
-  /// Starts counting calls for this fault.
+  /// Sets the fault and starts counting calls for it.
   void fail(const Fault& fault);
   std::uint64_t failures() const { return failures_; }
 
   bool exists(const std::string& path) const override;
   bool is_directory(const std::string& path) const override;
   std::vector<std::string> names_in(const std::string& folder) const override;
-  /// The file must not outlive this object. A failing write still writes half of its bytes.
+  /// The file must not outlive this object. If a write fails, it still writes half of its bytes.
   Result<std::unique_ptr<File>, std::error_code> create(const std::string& path) override;
   void sync_file(const std::string& path) override;
   void sync_directory_of(const std::string& path) override;

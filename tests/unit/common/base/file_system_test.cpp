@@ -35,7 +35,7 @@ class FileSystemOfPosix : public archive::testing::Scratch {
 };
 
 TEST_F(FileSystemOfPosix, KnowsWhatExists) {
-  // Goal: exists() tells whether a path exists, and throws an error if the system can't tell.
+  // Goal: exists() tells whether a path exists. If the system can't tell, exists() throws an error.
   put_bytes(path("file"), "x");
   EXPECT_TRUE(files_.exists(path("file")));
   EXPECT_TRUE(files_.exists(path("")));
@@ -62,8 +62,8 @@ TEST_F(FileSystemOfPosix, TellsFoldersAndWhatIsInThem) {
 }
 
 TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
-  // Goal: a file returns bytes at the offsets at which they were written, and zeros elsewhere.
-  // Creating an existing file empties the file.
+  // Goal: bytes are read at the offsets where they were written. Bytes that were never written are
+  // zero. Creating an existing file empties the file.
   const auto bytes = [](std::string_view text) { return std::as_bytes(std::span(text)); };
   auto file = std::move(files_.create(path("file"))).value();
   EXPECT_FALSE(file->write_at(3, bytes("defg")));
@@ -79,7 +79,8 @@ TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
 }
 
 TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
-  // Goal: create() doesn't follow a link at the new file's path, and returns the system's errors.
+  // Goal: if the new file's path is a link, create() doesn't follow the link. create() returns the
+  // system's errors.
   put_bytes(path("target"), "kept");
   std::filesystem::create_symlink(path("target"), path("link"));
   EXPECT_EQ(files_.create(path("link")).error(), std::errc::too_many_symbolic_link_levels);

@@ -25,8 +25,8 @@ class Outputs : public archive::testing::Scratch {
 };
 
 TEST_F(Outputs, GoWhereLinksLead) {
-  // Goal: writing to a link writes the link's target, even if the target doesn't exist yet, and
-  // keeps the link. Writing to a circular link is an error.
+  // Goal: if an output's path is a link, the link's target is written, and the link stays. The
+  // target need not exist before. If the link is circular, the write fails.
   fs::create_directory(path("real"));
   fs::create_symlink("real/a", path("near"));
   fs::create_symlink(path("near"), path("far"));
@@ -45,8 +45,8 @@ TEST_F(Outputs, GoWhereLinksLead) {
 }
 
 TEST_F(Outputs, AreWholeOrAsBefore) {
-  // Goal: a failed write leaves the old file and no other file. The mode of a new file follows the
-  // umask.
+  // Goal: if a write fails, the old file stays, and no other file is left. The mode of a new file
+  // follows the umask.
   write("a", "old");
   const auto throwing = [](std::ostream& file) {
     file << "new";

@@ -22,8 +22,8 @@ TEST(Result, KeepsSidesApartWhenTypesAreClose) {
 }
 
 TEST(ResultDeathTest, ReadingTheOtherSideIsABug) {
-  // Goal: reading the value of a Result that holds an error, or the error of a Result that holds a
-  // value, ends the program.
+  // Goal: if a Result holds an error, reading its value ends the program. If a Result holds a
+  // value, reading its error ends the program.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const Number good(7);
   EXPECT_DEATH((void)good.error(), "check failed: .*\\(0 against 1\\)");

@@ -63,7 +63,7 @@ TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
 
 TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
   // Goal: a log never exceeds its size limit and keeps the newest events without a gap. A long log
-  // uses about half of the limit or more.
+  // is not much smaller than half of the limit.
   constexpr std::uint64_t k_bytes_max = 10'000;
   EventLog log(folder(), k_bytes_max);
   for (std::uint64_t number = 1; number <= 2000; ++number) {
@@ -111,7 +111,7 @@ TEST_F(EventLogTest, ReadersSeeNoGapWhileItTurnsOver) {
   EXPECT_EQ(complaint, std::nullopt);
 }
 
-/// While an object of this class exists, files can't grow beyond a limit, as on a full disk.
+/// While a FullDisk exists, no file can grow beyond a limit, as on a full disk.
 class FullDisk {
  public:
   explicit FullDisk(std::uint64_t bytes) {
@@ -130,9 +130,9 @@ class FullDisk {
 };
 
 TEST_F(EventLogTest, GoesOnWhenThereIsRoomAgain) {
-  // Goal: on a full disk, the log loses events but never keeps part of a line. After somebody frees
-  // space or deletes the log, writing resumes about a second later. Method: limit the size of files
-  // for a while, with a manual clock.
+  // Goal: on a full disk, the log loses events but never keeps part of a line. About a second after
+  // somebody frees space or deletes the log, writing resumes. Method: limit the size of files for a
+  // while. Move a manual clock.
   base::ManualClock clock;
   EventLog log(folder(), k_event_log_bytes_max, clock);
   log.append(numbered(1));
@@ -160,8 +160,8 @@ TEST_F(EventLogTest, GoesOnWhenThereIsRoomAgain) {
 }
 
 TEST_F(EventLogTest, ADiskThatFailsEndsNothing) {
-  // Goal: if a log can't be written, its events are lost and the run continues. Method: use a
-  // missing folder, and a folder that occupies the name of the rotated log.
+  // Goal: if a log can't be written, its events are lost and the run continues. Method: write a log
+  // into a missing folder. Put a folder in the place of the rotated log.
   EventLog nowhere(path("nowhere"));
   nowhere.append(numbered(1));
   EventLog log(folder(), 1'000);

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// Returns a line's numbers in order, with their signs and separators.
+/// Returns the numbers in a line, in order. A number includes its signs and separators.
 std::vector<std::string> numbers_of(const std::string& line) {
   constexpr std::string_view k_signs = "0123456789,.:%+-";
   std::vector<std::string> numbers;
@@ -44,7 +44,7 @@ TEST(Grouped, GroupsByThousands) {
 }
 
 TEST(ClockTime, ShowsMinutesAndHours) {
-  // Goal: a time is printed as minutes and seconds, with hours if needed, and is rounded up.
+  // Goal: a time is rounded up and printed as minutes and seconds, and hours if there are any.
   // Invalid times are printed as 0:00 or as the longest time.
   EXPECT_EQ(clock_time(0), "0:00");
   EXPECT_EQ(clock_time(0.2), "0:01");
@@ -79,8 +79,8 @@ TEST(ProgressLine, IsAsItsHeaderShows) {
 
 TEST(ProgressLine, TellsTheOddsSoFar) {
   // Goal: a run that estimates odds shows the estimate, its error and the remaining time. Method:
-  // print the line before the first island, after one island, after 41 of 132 islands, and at the
-  // end.
+  // print the progress of four moments: no island is done, 1 island is done, 41 of 132 are done,
+  // and the run has ended.
   Progress progress{.odds = {.are_asked = true}, .workers = 2, .elapsed_s = 1};
   EXPECT_THAT(numbers_of(progress_line("x", progress)), ElementsAre("0", "0", "2"));
   progress.odds = {.are_asked = true, .islands = 1, .log_p = -39.14};
@@ -103,14 +103,16 @@ TEST(ProgressLine, TellsTheOddsSoFar) {
 }
 
 TEST(ProgressLine, TellsFailures) {
-  // Goal: the total number of failures stands early in the line, so that narrow terminals show it.
+  // Goal: the total number of failures is near the line's beginning, so that narrow terminals show
+  // it.
   const Progress progress{.scans_done = 10, .failures = {.by_kind = {1200, 0, 0, 0, 34, 0}}};
   EXPECT_THAT(progress_line("x", progress), ::testing::StartsWith("x  10 scans  1,234 FAILED  0"));
 }
 
 TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
-  // Goal: the line omits numbers that are not known yet. Method: print the line before the first
-  // scan, without a total number of scans, and at the end.
+  // Goal: the line omits numbers that are not known yet. Method: print four lines: nothing has
+  // happened, the total number of scans is unknown, all scans are done, and no scan of this session
+  // is done.
   EXPECT_THAT(numbers_of(progress_line("x", {})), ElementsAre("0", "0", "0", "0", "0%", "0%", "0"));
   EXPECT_THAT(numbers_of(progress_line("x", {.scans_done = 1500,
                                              .session_scans = 1000,
@@ -129,7 +131,8 @@ TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
 
 TEST(ProgressLine, CountsWhatASearchDoes) {
   // Goal: the line of a search counts finds, relaxed finds, simulations and draws of the prior.
-  // Method: print the line before the first find, after two finds, and while finds are relaxed.
+  // Method: print the line three times: nothing is found, two of five finds are found, and one find
+  // has been relaxed.
   Progress search{.finds = {.wanted = 5, .is_all = true}, .workers = 2, .elapsed_s = 12};
   EXPECT_THAT(numbers_of(progress_line("x", search)), ElementsAre("0", "5", "0.0", "0:12", "2"));
   search.session_simulations = 600;

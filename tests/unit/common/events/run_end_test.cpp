@@ -41,9 +41,9 @@ TEST(RunEnd, IsOneLineThatComesBack) {
 }
 
 TEST(RunEnd, FitsAPipe) {
-  // Goal: a record is short enough for one atomic write to a pipe, because a long text is
-  // shortened. Method: use texts of many lengths, whose characters take one to six bytes in JSON or
-  // are invalid UTF-8. A shortened text must keep its beginning and its end.
+  // Goal: a long text is shortened, so a record is short enough for one atomic write to a pipe.
+  // Method: use texts of many lengths. A text repeats one character, which takes one to six bytes
+  // in JSON or is invalid UTF-8. A shortened text must keep its beginning and its end.
   for (const char* character : {"x", "\n", "\x01", "\xff", "\u20ac"}) {
     for (const std::size_t count : {1U, 700U, 3900U, 4096U, 5000U, 100'000U}) {
       RunEnd end = example();
@@ -66,8 +66,8 @@ TEST(RunEnd, FitsAPipe) {
 }
 
 TEST(RunEnd, NothingElseIsOne) {
-  // Goal: a damaged line never reads as the original record. Method: replace each byte of a line,
-  // and cut the line at each byte. Remove and add keys, and change the types of values.
+  // Goal: a damaged line never reads as the original record. Method: replace each byte of a line in
+  // turn. Cut the line at each byte. Remove and add keys. Change the types of values.
   const std::string line = to_line(example());
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     std::string other = line;

@@ -41,8 +41,9 @@ std::vector<RunEvent> examples() {
 }
 
 TEST(RunEvent, ComesBackFromItsLine) {
-  // Goal: each kind of event is written as one line that reads back with every field. Method: write
-  // an example of each kind, read its line, and write the event again. Both lines must be equal.
+  // Goal: each kind of event is written as one line, and the line reads back with every field.
+  // Method: write an example of each kind, read its line, and write the event again. Both lines
+  // must be equal.
   for (const RunEvent& event : examples()) {
     const std::string line = to_line(event);
     EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
@@ -61,8 +62,8 @@ TEST(RunEvent, ComesBackFromItsLine) {
 
 TEST(RunEvent, NothingElseIsOne) {
   // Goal: a damaged line is refused or reads as a different event. Method: change each byte of a
-  // line, and cut the line at each byte. Use lines with missing fields, wrong types and numbers out
-  // of range.
+  // line in turn. Cut the line at each byte. Use lines with missing fields, wrong types and numbers
+  // out of range.
   for (const RunEvent& event : examples()) {
     const std::string line = to_line(event);
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {

@@ -28,8 +28,8 @@ FailureFile example() {
 }
 
 TEST(FailureFile, ComesBack) {
-  // Goal: a failure file reads back equal. Method: write every kind of failure, with large numbers
-  // and a message that contains quotes, brackets and line ends.
+  // Goal: a failure file reads back equal. Method: write every kind of failure. Each failure has
+  // large numbers, and a message that contains quotes, brackets and line ends.
   for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
     FailureFile file = example();
     file.failed.failure.kind = static_cast<plan::FailureKind>(kind);
@@ -77,7 +77,7 @@ TEST(FailureFile, ChangedFilesAreRefused) {
     std::string text = good;
     text[at] = text[at] == 'e' ? 'f' : 'e';
     const auto back = read(text, "x.toml");
-    // A file whose key `checksum` was renamed has no checksum and is accepted.
+    // If the key `checksum` was renamed, the file has no checksum and is accepted.
     const std::size_t key = good.find("checksum");
     if (at >= key && at <= key + std::string_view("checksum").size()) continue;
     EXPECT_FALSE(back.ok()) << text;
@@ -95,7 +95,7 @@ TEST(FailureFile, ChangedFilesAreRefused) {
 }
 
 TEST(FailureFile, AnyBytesAreReadOrRefused) {
-  // Goal: no bytes crash the reader of failure files. Method: change, remove and copy random bytes
+  // Goal: the reader of failure files never crashes. Method: change, remove and copy random bytes
   // of a file. The file has no checksum, so that the other checks run.
   std::string good = to_text(example());
   const std::size_t line = good.find("checksum");

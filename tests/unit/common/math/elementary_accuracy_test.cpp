@@ -1,6 +1,6 @@
 // Goal: the errors of the elementary functions stay within the bounds that elementary.h states.
-// Method: compare with MPFR, for arguments known to be hard and for random arguments from the whole
-// domain. The random arguments include denormals, huge angles and numbers near zeros, and their
+// Method: compare with MPFR. Use arguments that are known to be hard, and random arguments from the
+// whole domain. The random arguments include denormals, huge angles and numbers near zeros. Their
 // seed is fixed.
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ random::Stream arguments() {
       {.seed = k_seed, .chain = {}, .replica = {}, .purpose = random::Purpose::prior}, 0);
 }
 
-/// Magnitudes from 2^exponent_min to 2^exponent_max, with every power of two equally likely.
+/// Draws magnitudes from 2^exponent_min to 2^exponent_max. Every power of two is equally likely.
 struct Magnitudes {
   int exponent_min = 0;
   int exponent_max = 0;
@@ -90,8 +90,8 @@ std::vector<Range> all_reals() {
           {"huge", Magnitudes{990, 1024, true}},        {"ten", Interval{-10, 10}}};
 }
 
-// Returns doubles near multiples of pi/2, where the sine or the cosine nearly vanishes. The doubles
-// include the one closest to such a multiple (Muller, "Elementary functions", 2006, chapter 11).
+// Returns doubles near multiples of pi/2, where the sine or the cosine is almost 0. The first
+// double is the closest to such a multiple (Muller, "Elementary functions", 2006, chapter 11).
 std::vector<double> near_quarter_turns() {
   std::vector<double> result = {std::ldexp(6381956970095103, 797),
                                 std::ldexp(-6381956970095103, 797)};
@@ -243,10 +243,11 @@ TEST(ElementaryAccuracyOfTwo, pow_for_any_base_and_any_size_of_result) {
     EXPECT_LE(error, 1) << std::hexfloat << x << ", " << y;
   };
   for (std::uint64_t i = 0; i < of_tier(2 * k_arguments_per_range); ++i) {
-    // Choose y so that the exponent of the result is uniform and includes denormals.
+    // Choose y so that the result's exponent is uniform. Some results are denormals.
     const double x = Magnitudes{-1074, 1024}(stream);
     judge(x, Interval{-1080, 1030}(stream) / std::log2(x));
-    // Bases near 1 with huge exponents suffer most from an imprecise logarithm.
+    // If the base is near 1 and the exponent is huge, an imprecise logarithm has the largest
+    // effect.
     const double near_one = 1 + Magnitudes{-50, -2, true}(stream);
     judge(near_one, Interval{-1080, 1030}(stream) / std::log2(near_one));
     const double whole = std::floor(Interval{-40, 40}(stream));

@@ -1,6 +1,6 @@
-// Goal: the functions return the values that Annex F of the C standard requires for zeros,
-// infinities and NaN (elementary.h, invariant 3). Method: compare each function with a table. The
-// sign of a zero must match, and any NaN equals any other NaN.
+// Goal: for zeros, infinities and NaN, the functions return the values that Annex F of the C
+// standard requires (elementary.h, invariant 3). Method: compare each function with a table. Zeros
+// must have the same sign. All NaNs count as equal.
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -21,9 +21,10 @@ std::vector<double> logs_of(const std::vector<double>& estimates, double shift =
 }
 
 TEST(IslandOdds, AreMeanErrorAndShare) {
-  // Goal: the mean, its error and the largest share have their textbook values in any order of
-  // islands, even if the estimates underflow a double. Method: use the estimates 1, 2, 3 and 6,
-  // whose mean is 3 and whose variance is 14/3. Multiply them by very small and very large factors.
+  // Goal: the mean, its error and the largest share have their textbook values, even if the
+  // estimates underflow a double. The order of islands doesn't matter. Method: use the estimates 1,
+  // 2, 3 and 6, whose mean is 3 and whose variance is 14/3. Multiply the estimates by very small
+  // and very large factors.
   for (const double shift : {0.0, -207.0, -5000.0, 5000.0}) {
     for (const std::vector<double>& estimates :
          {std::vector{1.0, 2.0, 3.0, 6.0}, std::vector{6.0, 3.0, 1.0, 2.0}}) {
@@ -39,8 +40,9 @@ TEST(IslandOdds, AreMeanErrorAndShare) {
 }
 
 TEST(IslandOdds, IslandsWithoutASolutionCount) {
-  // Goal: islands with an estimate of 0 count in the mean and in the error. Method: use the
-  // estimates 0, 1, 0 and 1, whose mean is 1/2 and whose variance is 1/3. Then use four zeros.
+  // Goal: if an island's estimate is 0, the island still counts in the mean and in the error.
+  // Method: use the estimates 0, 1, 0 and 1, whose mean is 1/2 and whose variance is 1/3. Then use
+  // four zeros.
   const IslandOdds half = island_odds(logs_of({0, 1, 0, 1}, -300));
   EXPECT_NEAR(half.log_mean, std::log(0.5) - 300, 1e-11);
   EXPECT_NEAR(half.relative_sd, 2 / std::sqrt(3.0), 1e-12);
@@ -69,7 +71,7 @@ TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
 }
 
 TEST(IslandOdds, EqualIslandsHaveNoError) {
-  // Goal: equal estimates have an error of 0, because rounding can't make the variance negative.
+  // Goal: if all estimates are equal, the error is 0. Rounding can't make the variance negative.
   for (const double log_estimate : {0.0, -0.1, -207.3, 1e300, -1e300}) {
     const IslandOdds odds = island_odds(std::vector<double>(177, log_estimate));
     EXPECT_TRUE(odds.known());
@@ -79,8 +81,8 @@ TEST(IslandOdds, EqualIslandsHaveNoError) {
 }
 
 TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
-  // Goal: the odds are known only with enough islands, none of which has too large a share. Method:
-  // test both sides of each limit, with estimates that are all 1 except for one.
+  // Goal: the odds are known only if there are enough islands and no island has too large a share.
+  // Method: test both sides of each limit. All estimates but one are 1.
   const auto odds = [](std::size_t count, double largest) {
     std::vector<double> estimates(count, 1);
     estimates[count / 2] = largest;
@@ -93,8 +95,9 @@ TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
 }
 
 TEST(IslandSums, AreThoseOfAllAtOnce) {
-  // Goal: the running sums give the same odds as sums in long double, wherever the largest estimate
-  // occurs. Method: add normally distributed logarithms in random, ascending and descending order.
+  // Goal: the running sums give the odds that sums in long double give, wherever the largest
+  // estimate occurs. Method: add normally distributed logarithms in random, ascending and
+  // descending order.
   random::Stream stream({.seed = 40417, .purpose = random::Purpose::prior}, 0);
   std::vector<double> logs;
   for (int i = 0; i < 500; ++i)

@@ -1,4 +1,4 @@
-// Measures a double's error against a function's exact value, with MPFR at 256 bits.
+// Measures the error of a double. MPFR computes the exact value with 256 bits.
 #pragma once
 
 #include <mpfr.h>
@@ -23,10 +23,9 @@ class Exact {
   mpfr_t value_;
 };
 
-/// Returns |result - exact| in units of `k` ulp + 2 * 2^-1074 (elementary.h, invariant 2), so that
-/// 1 is the bound.
-/// An infinite result counts as 2^1024, the first number that is not a double.
-/// Two NaNs differ by 0; a NaN and a number differ by infinity.
+/// Returns |result - exact| divided by its bound, `k` ulp + 2 * 2^-1074 (elementary.h, invariant
+/// 2). An infinite result counts as 2^1024, the first number that is not a double. Two NaNs differ
+/// by 0; a NaN and a number differ by infinity.
 inline double error_in_bounds(double result, Exact& exact, double k) {
   if (std::isnan(result) || mpfr_nan_p(exact.get())) {
     return std::isnan(result) && mpfr_nan_p(exact.get()) ? 0 : INFINITY;
@@ -36,14 +35,14 @@ inline double error_in_bounds(double result, Exact& exact, double k) {
   Exact difference(std::isinf(result) ? std::copysign(1.0, result) : result);
   if (std::isinf(result)) {
     mpfr_mul_2si(difference.get(), difference.get(), 1024, MPFR_RNDN);
-    // If the exact value is above 2^1024, infinity is right, however large the difference.
+    // If the exact value is above 2^1024, infinity is right, even if the difference is large.
     if (mpfr_cmpabs(exact.get(), difference.get()) >= 0 &&
         mpfr_signbit(exact.get()) == static_cast<int>(std::signbit(result))) {
       return 0;
     }
   }
   mpfr_sub(difference.get(), difference.get(), exact.get(), MPFR_RNDN);
-  // Scale the error and its bound by 2^-(exponent of an ulp), so that neither underflows.
+  // Multiply the error and its bound by 2^-(exponent of an ulp), so that neither underflows.
   const mpfr_exp_t ulp_exponent =
       mpfr_zero_p(exact.get()) ? k_smallest : std::max(mpfr_get_exp(exact.get()) - 53, k_smallest);
   mpfr_mul_2si(difference.get(), difference.get(), -ulp_exponent, MPFR_RNDN);

@@ -1,6 +1,6 @@
 // Goal: the normal quantile has a relative error below 1e-15 for every probability between 0 and 1.
-// Method: compare with Boost.Math for common probabilities, near each change of formula, and for
-// tiny probabilities.
+// Method: compare with Boost.Math. Use common probabilities, tiny probabilities, and probabilities
+// where the formula changes.
 #include "common/math/normal_quantile.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Goal: quaternions rotate vectors correctly for tiny to huge angles. Method: compare with
+// Goal: quaternions rotate vectors correctly by any angle, tiny or huge. Method: compare with
 // Rodrigues' formula in long double. Check compositions, inverses and rotation matrices.
 #include "common/math/rotation.h"
 
@@ -48,7 +48,7 @@ TEST(QuaternionOfRotationVector, rotates_as_rodrigues_formula) {
   for (const Vec3& w : rotation_vectors()) {
     const Quat q = quaternion_of_rotation_vector(w);
     EXPECT_NEAR(quaternion_norm(q), 1, 0x1p-50);
-    // Most of the error comes from rounding the angle: up to 2^-53 of 100 rad.
+    // Most of the error comes from rounding the angle, by up to 2^-53 of 100 rad.
     EXPECT_LT((rotated(q, v) - rodrigues(w, v)).cwiseAbs().maxCoeff(), 4e-14) << w.transpose();
     if (norm(w) < 10) {
       EXPECT_LT((rotated(q, v) - rodrigues(w, v)).cwiseAbs().maxCoeff(), 5e-15) << w.transpose();
@@ -57,8 +57,7 @@ TEST(QuaternionOfRotationVector, rotates_as_rodrigues_formula) {
 }
 
 TEST(QuaternionOfRotationVector, is_accurate_in_the_vector_part_of_tiny_rotations) {
-  // For |w| below 1e-8, the vector part equals w/2 except for rounding, even if the squares of w
-  // underflow.
+  // If |w| is below 1e-8, the vector part is w/2, rounded, even if the squares of w underflow.
   for (const double size : {1e-300, 1e-160, 1e-20, 1e-9}) {
     const Quat q = quaternion_of_rotation_vector(Vec3(size, -2 * size, 0));
     EXPECT_EQ(q.w(), 1);
@@ -114,7 +113,7 @@ TEST(Normalized, restores_a_long_chain_of_compositions) {
   EXPECT_NEAR(quaternion_norm(q), 1, 1e5 * 0x1p-52);
   EXPECT_NEAR(quaternion_norm(normalized(q)), 1, 0x1p-51);
   const Quat whole = quaternion_of_rotation_vector(Vec3(1000, -2000, 500));
-  // Each step rounds the angle by up to 2^-53 of its size. These errors add up over 100,000 steps.
+  // Each step rounds the angle by up to 2^-53 of its size. The errors of 100,000 steps add up.
   EXPECT_LT(distance(normalized(q), whole), 1e-11);
   EXPECT_DEATH(normalized(Quat(0, 0, 0, 0)), "check failed");
 }

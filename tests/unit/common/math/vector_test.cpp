@@ -21,7 +21,8 @@ TEST(Dot, adds_from_left_to_right) {
 }
 
 TEST(Dot, rounds_each_product_once) {
-  // A fused multiply-add would keep the 2^-60 in the square of x, and return 2^-60 instead of 0.
+  // Rounding removes the term 2^-60 of x^2. A fused multiply-add would keep this term and return
+  // 2^-60 instead of 0.
   const double x = 1 + 0x1p-30;
   EXPECT_EQ(dot(Vec2(x, 1 + 0x1p-29), Vec2(x, -1)), 0);
 }

@@ -1,5 +1,5 @@
 // Goal: an animation returns each body's position at any time, and refuses unsound segments.
-// Method: use a small motion of two bodies, and break one property of a segment at a time.
+// Method: use a small motion of two bodies. Break one property of a segment at a time.
 #include "common/motion/path.h"
 
 #include <gmock/gmock.h>

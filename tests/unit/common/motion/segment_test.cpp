@@ -1,6 +1,6 @@
 // Goal: a segment's positions, velocities and rotations follow from its initial values and
-// accelerations. Method: compare with difference quotients, with many small rotations, and with
-// known rotations.
+// accelerations. Method: compare with difference quotients, with sequences of small rotations, and
+// with known rotations.
 #include "common/motion/segment.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TEST(Segment, MovesOnAParabola) {
         (2 * k_step_s);
     EXPECT_LT(math::norm(Vec3(rate - velocity_at(segment, t_s))), 1e-8);
     EXPECT_EQ(position_at(segment, segment.start_s), segment.position_m);
-    // Compare bow_m() with the distance between the path and its chord over 0.2 s.
+    // bow_m() must be the distance between the path of 0.2 s and its chord.
     const Vec3 middle = 0.5 * (position_at(segment, t_s) + position_at(segment, t_s + 0.2));
     EXPECT_NEAR(math::norm(Vec3(middle - position_at(segment, t_s + 0.1))), bow_m(segment, 0.2),
                 1e-12);
@@ -57,8 +57,8 @@ TEST(Segment, MovesOnAParabola) {
 }
 
 TEST(Segment, TurnsByItsAngularVelocity) {
-  // Goal: rotations follow the angular velocity. Method: compare with 100,000 small rotations, each
-  // by the angular velocity in the middle of its step.
+  // Goal: rotations follow the angular velocity. Method: compare with 100,000 small rotations. A
+  // small rotation uses the angular velocity in the middle of its step.
   random::Stream stream({.seed = 2, .purpose = random::Purpose::scene}, 0);
   for (int i = 0; i < 20; ++i) {
     const Segment segment = any_segment(stream);

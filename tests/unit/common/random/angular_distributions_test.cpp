@@ -1,5 +1,6 @@
 // Goal: directions and rotations are drawn uniformly, and their densities are right. Method: test
-// draws with chi-square tests, against the geometry of the circle, the sphere and rotations.
+// draws with chi-square tests. The expected counts follow from the geometry of the circle, the
+// sphere and rotations.
 #include "common/random/angular_distributions.h"
 
 #include <gtest/gtest.h>
@@ -29,8 +30,8 @@ TEST(UniformDirection2, covers_the_circle_evenly) {
   expect_plausible(chi_square_p_value(counts), "direction in the plane");
 }
 
-// Returns the chi-square p-value of random unit vectors on 8 x 8 cells of equal area (height by
-// azimuth).
+// Counts random unit vectors in 8 x 8 cells of equal area (height by azimuth), and returns the
+// chi-square p-value.
 template <class Draw>
 double sphere_p_value(const Draw& draw) {
   Stream stream = test_stream();
@@ -55,7 +56,8 @@ TEST(UniformDirection3, covers_the_sphere_evenly_about_every_axis) {
                      return math::Vec3(v.y(), v.z(), v.x());
                    }),
                    "about x");
-  // Negative control: normalised random points of a cube are denser towards the cube's corners.
+  // Negative control: if random points of a cube are normalised, they are denser towards the cube's
+  // corners.
   EXPECT_LT(sphere_p_value([&](Stream& s) {
               const Uniform side{.low = -1, .high = 1};
               const double x = side.draw(s);

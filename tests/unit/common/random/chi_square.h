@@ -1,15 +1,15 @@
 // Pearson's chi-square test of draws against exact probabilities.
 //
-// A test draws k_draws values from a printed seed and counts them in cells. For a continuous
-// distribution, the cells' edges are sample quantiles of a pilot run with another seed, so that all
-// cells are about equally likely. An oracle that shares no code with the sampler computes their
-// probabilities.
+// A test draws k_draws values from a printed seed and counts them in cells. If a distribution is
+// continuous, the cells' edges are sample quantiles of a pilot run with another seed. So all cells
+// are about equally likely. An oracle computes the cells' probabilities and shares no code with the
+// sampler.
 //
-// Bounds: for a right sampler, p is uniform on (0, 1), and this folder computes fewer than 200 such
-// p. With k_p_min = 1e-6 on either side, the chance of refusing a right sampler is below 4e-4 when
-// the seeds are first chosen (then they stay fixed). A mean off by a fiftieth of the sd, or an sd
-// off by a fiftieth, gives p below 1e-12 (see chi_square_test.cpp). A p too near 1 is refused too,
-// because such draws are more regular than chance, as on a grid.
+// Bounds: if a sampler is right, p is uniform on (0, 1). This folder's tests compute fewer than 200
+// such p. A test refuses p below k_p_min = 1e-6 and p above 1 - k_p_min. So the chance of refusing
+// a right sampler is below 4e-4 when the seeds are first chosen (then they stay fixed). If the mean
+// is wrong by a fiftieth of the sd, or the sd by a fiftieth, p is below 1e-12 (see
+// chi_square_test.cpp). If p is too near 1, the draws are more regular than chance, as on a grid.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -37,8 +37,8 @@ inline Stream test_stream(std::uint64_t seed = k_test_seed) {
 }
 
 /// Returns the probability that a right sampler's counts deviate at least as much as `counts`.
-/// REQUIRES: as many probabilities as counts, adding up to 1, each with an expected count of 10 or
-/// more.
+/// REQUIRES: there are as many probabilities as counts; they add up to 1; each expected count is at
+/// least 10.
 inline double chi_square_p_value(const std::vector<int>& counts,
                                  const std::vector<double>& probabilities) {
   double total = 0;
@@ -67,8 +67,8 @@ inline void expect_plausible(double p_value, const std::string& what) {
   EXPECT_LT(p_value, 1 - k_p_min) << what << ", seed " << k_test_seed;
 }
 
-/// Returns p for draws of a continuous distribution on the line. `mass(a, b)` is the oracle's
-/// probability of the interval; the outermost edges are infinite.
+/// Tests draws of a continuous distribution on the line, and returns p. `mass(a, b)` is the
+/// oracle's probability of the interval from a to b. The outermost edges are infinite.
 inline double p_value_of_draws(const std::function<double(Stream&)>& draw,
                                const std::function<double(double, double)>& mass) {
   Stream pilot_stream = test_stream(k_pilot_seed);

@@ -1,6 +1,6 @@
 // Goal: the chi-square test refuses wrong samplers and accepts right samplers. Method: use samplers
-// with a wrong scale, a shifted mean or missing tails. For a right sampler, check that the p-values
-// of 200 seeds are uniform.
+// with a wrong scale, a shifted mean or missing tails. Test a right sampler with 200 seeds; the
+// p-values must be uniform.
 #include "tests/unit/common/random/chi_square.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Goal: the discrete distributions draw with their exact probabilities. Method: test draws with
-// chi-square tests, even for ranges in which scaling a random word would be biased. Test extreme
-// and invalid parameters.
+// chi-square tests. In some ranges, scaling a random word would be biased. Test extreme and invalid
+// parameters.
 #include "common/random/discrete_distributions.h"
 
 #include <gtest/gtest.h>
@@ -20,8 +20,7 @@ TEST(Bernoulli, is_true_with_its_probability) {
     std::vector<int> counts(2);
     for (int i = 0; i < k_draws; ++i)
       ++counts[Bernoulli{p}.draw(stream) ? 1 : 0];
-    // Two counts can equal their expected values exactly, which gives p = 1. So only the lower
-    // bound is checked.
+    // If both counts equal their expected values, p is 1, so only the lower bound is checked.
     EXPECT_GT(chi_square_p_value(counts, {1 - p, p}), k_p_min) << p << ", seed " << k_test_seed;
     EXPECT_NEAR(Bernoulli{p}.log_density(true), std::log(p), 1e-15);
     EXPECT_NEAR(Bernoulli{p}.log_density(false), std::log1p(-p), 1e-15 * (1 - std::log1p(-p)));
@@ -54,8 +53,8 @@ TEST(UniformInteger, draws_every_value_as_often) {
 }
 
 TEST(UniformInteger, is_unbiased_where_scaling_a_word_is_not) {
-  // With 3 * 2^62 values, scaling 2^64 words would draw every third value twice as often as the
-  // others.
+  // If 2^64 words were scaled to 3 * 2^62 values, every third value would be drawn twice as often
+  // as the other values.
   constexpr std::uint64_t k_count = std::uint64_t{3} << 62;
   const UniformInteger d{k_count};
   Stream stream = test_stream();
@@ -86,7 +85,8 @@ TEST(UniformInteger, handles_the_largest_and_smallest_counts) {
     for (int i = 0; i < k_draws; ++i) {
       const std::uint64_t x = UniformInteger{count}.draw(stream);
       ASSERT_LT(x, count);
-      // The last cell has at most 15 values more than each other cell, which has at least 2^59.
+      // Each cell has at least 2^59 values. The last cell has at most 15 values more than the other
+      // cells.
       ++sizes[std::min<std::uint64_t>(15, x / (count / 16))];
     }
     expect_plausible(chi_square_p_value(sizes), "count " + std::to_string(count));
@@ -97,9 +97,9 @@ TEST(UniformInteger, handles_the_largest_and_smallest_counts) {
 }
 
 TEST(DrawByShare, draws_each_by_its_share) {
-  // Goal: an index is drawn with the probability of its share in the sum of shares, whatever the
-  // sum. An index with a share of zero is never drawn, even in last place. Method: test the
-  // positive shares with a chi-square test, and count the draws with a share of zero.
+  // Goal: an index's probability is its share divided by the sum of shares, whatever the sum. If an
+  // index's share is zero, the index is never drawn, even if it is the last. Method: test the
+  // positive shares with a chi-square test. Count the draws whose share is zero.
   for (const double total : {1.0, 1e-300, 7e100}) {
     const std::vector<double> shares{0, 0.5 * total, 0, 0.125 * total, 0.375 * total, 0};
     Stream stream = test_stream();

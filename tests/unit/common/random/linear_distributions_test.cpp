@@ -19,7 +19,7 @@ namespace {
 
 constexpr double k_largest = std::numeric_limits<double>::max();
 
-// Returns the probability of an interval according to Boost.Math, computed from the smaller tail.
+// Returns the probability of an interval. Boost.Math computes it from the smaller tail.
 template <class Oracle>
 double mass(const Oracle& oracle, double a, double b) {
   const auto [low, high] = boost::math::support(oracle);
@@ -107,8 +107,8 @@ TEST(Normal, density_holds_far_out) {
 }
 
 TEST(Normal, neighbouring_draws_are_independent) {
-  // Goal: successive normal numbers are independent. Method: test pairs of successive draws with a
-  // chi-square test on 8 x 8 equally likely cells.
+  // Goal: successive normal numbers are independent. Method: count pairs of successive draws in 8 x
+  // 8 equally likely cells. Use a chi-square test.
   const boost::math::normal_distribution<double> normal;
   Stream stream = test_stream();
   std::vector<int> counts(64);

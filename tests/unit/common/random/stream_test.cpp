@@ -1,7 +1,6 @@
-// Goal: a stream returns the words of Philox4x64-10 at its address, as stream.h states, and depends
-// on nothing else. Method: compare with the known answers of Random123, and with a reference
-// written from the paper. Change each bit of the address, and test statistics across neighbouring
-// addresses.
+// Goal: a stream returns the words of Philox4x64-10 at its address (see stream.h), and depends on
+// nothing else. Method: compare with the known answers of Random123. Compare with a reference that
+// follows the paper. Change each bit of the address. Test statistics over neighbouring addresses.
 #include "common/random/stream.h"
 
 #include <Random123/philox.h>
@@ -19,8 +18,8 @@ using Counter = std::array<std::uint64_t, 4>;
 using Key = std::array<std::uint64_t, 2>;
 __extension__ using Wide = unsigned __int128;
 
-// Computes Philox4x64-10 as the paper describes: ten rounds, with Weyl constants added to the key
-// between rounds.
+// Computes Philox4x64-10 as the paper describes. There are ten rounds, and Weyl constants are added
+// to the key between rounds.
 Counter reference_philox(Counter counter, Key key) {
   for (int round = 0; round < 10; ++round) {
     const Wide even = Wide{0xD2E7470EE14C6C93} * counter[0];
@@ -41,7 +40,7 @@ struct KnownAnswer {
   Counter answer;
 };
 
-// The "philox4x64 10" lines of Random123's published examples/kat_vectors.
+// The "philox4x64 10" lines of the file examples/kat_vectors, which Random123 publishes.
 const std::vector<KnownAnswer> k_known_answers = {
     {{0, 0, 0, 0},
      {0, 0},
@@ -113,7 +112,7 @@ TEST(Stream, depends_on_every_bit_of_every_field) {
 }
 
 TEST(Stream, is_uniform_across_neighbouring_addresses) {
-  // Take one word from each of many streams, because samplers take few words from each stream.
+  // Samplers take few words from each stream, so take one word from each of many streams.
   const auto judge = [](const char* name, auto stream_at) {
     std::vector<int> high(256);
     std::vector<int> low(256);

@@ -1,5 +1,5 @@
 // Goal: truncated normal numbers and their densities are accurate, from the centre to the farthest
-// tails. Method: for each interval below, test draws with a chi-square test, and compare log
+// tails. Method: test the draws of each interval below with a chi-square test. Compare log
 // densities with MPFR at 1,500 bits. Integrate the densities, to find faults that the comparison
 // misses.
 #include "common/random/truncated_normal.h"
@@ -34,10 +34,10 @@ class Number {
   mpfr_t value_;
 };
 
-// Sets `mass` to the probability of a standard normal number between a and b, which may lie on
-// either side of 0.
+// Sets `mass` to the probability that a standard normal number is between a and b. Both a and b may
+// have either sign.
 void set_mass(Number& mass, double a, double b) {
-  // Use the side where erfc is small, so that a difference of tails is exact.
+  // Use the side where erfc is small, so that the difference of the tails is exact.
   const double sign = a > 0 ? 1 : -1;
   Number near(sign > 0 ? a : -b);
   Number far(sign > 0 ? b : -a);
@@ -102,7 +102,7 @@ std::string name_of(const Bounds& bounds) {
 
 TEST(TruncatedNormal, draws_as_mpfr_says) {
   for (const Bounds& bounds : k_intervals) {
-    // Near 1e8, doubles are too coarse to show the distribution; see the next test.
+    // Near 1e8, neighbouring doubles are too far apart to show the distribution. See the next test.
     if (std::fabs(bounds.low) >= 1e8) continue;
     const TruncatedNormal d{.mean = 0, .sd = 1, .low = bounds.low, .high = bounds.high};
     Number whole(0);
@@ -124,8 +124,8 @@ TEST(TruncatedNormal, draws_as_mpfr_says) {
 }
 
 TEST(TruncatedNormal, draws_an_exponential_from_the_farthest_tail) {
-  // If a is at least 1e8, (x - low) a has an exponential distribution of rate 1, with an error
-  // below 1e-15. The mean is -a, so that low is 0 and the doubles near low are fine enough.
+  // If a is at least 1e8, (x - low) a has an exponential distribution of rate 1, to within 1e-15.
+  // If the mean is -a, low is 0, and the doubles near 0 are close enough to each other.
   for (const double a : {1e8, 1e12, 1e100, 1e299}) {
     const TruncatedNormal right{.mean = -a, .sd = 1, .low = 0};
     const TruncatedNormal left{.mean = a, .sd = 1, .high = 0};
@@ -167,7 +167,7 @@ TEST(TruncatedNormal, log_densities_are_mpfrs) {
 TEST(TruncatedNormal, densities_integrate_to_one) {
   for (const Bounds& bounds : k_intervals) {
     const TruncatedNormal d{.mean = 0, .sd = 1, .low = bounds.low, .high = bounds.high};
-    // Integrate from the end nearer to 0, as far as the density is not negligible.
+    // Integrate from the end that is nearer to 0, until the density is negligible.
     const bool right = std::fabs(d.low) <= std::fabs(d.high);
     const double near = right ? d.low : d.high;
     if (!std::isfinite(near) || std::fabs(near) >= 1e8) continue;
@@ -184,8 +184,8 @@ TEST(TruncatedNormal, densities_integrate_to_one) {
 }
 
 TEST(TruncatedNormal, scales_and_shifts) {
-  // A scaled and shifted distribution gives scaled and shifted draws. The standard deviation is a
-  // power of two, so that no bits are lost.
+  // If the distribution is scaled and shifted, so are its draws. The standard deviation is a power
+  // of two, so that no bits are lost.
   const TruncatedNormal standard{.mean = 0, .sd = 1, .low = -1, .high = 2};
   const TruncatedNormal scaled{.mean = 3, .sd = 0.25, .low = 2.75, .high = 3.5};
   Stream first = test_stream();

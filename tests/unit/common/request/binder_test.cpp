@@ -1,5 +1,5 @@
-// Goal: each kind of key is read, checked, described and written as its declaration says. Method:
-// bind one key to small sections of a request.
+// Goal: each kind of key is read, checked, described and written according to its declaration.
+// Method: bind one key to small sections of a request.
 #include "common/request/binder.h"
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 namespace sleight::request {
 namespace {
 
-/// Runs `bind` on section [s] of the text. Returns the errors, or the normalised keys if there are
-/// no errors.
+/// Runs `bind` on section [s] of the text. Returns the errors. If there are no errors, returns the
+/// normalised keys.
 std::string bound(std::string_view text, const std::function<void(Binder&)>& bind) {
   const auto document = parse_document(text, "f");
   EXPECT_TRUE(document);

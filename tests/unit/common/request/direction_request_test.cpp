@@ -1,5 +1,6 @@
 // Goal: rules that involve several keys of a request are enforced. Method: read small requests of a
-// toy world, and compare the whole list of errors. More invalid requests are in tests/requests.
+// toy world, and compare all their errors with the expected errors. More invalid requests are in
+// tests/requests.
 #include "common/request/direction_request.h"
 
 #include <fmt/format.h>
@@ -94,9 +95,9 @@ TEST(ReadRequest, ChecksOfSeveralKeysAreAnchoredAtAKey) {
 }
 
 TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
-  // Goal: a request without a stop rule gets the default rule, five solutions. A request with a
-  // stop rule gets no other rule. Method: read requests without the section [stop], with an empty
-  // section, and with each rule.
+  // Goal: if a request has no stop rule, it gets the default rule, five solutions. If a request has
+  // a stop rule, it gets no other rule. Method: read three kinds of requests: without the section
+  // [stop], with an empty section, and with one rule.
   for (const std::string stop : {"", "[stop]\n"}) {
     const DirectionRequest request = read("[world]\nname = 'toy'\n" + stop);
     EXPECT_EQ(request.stop, (StopRule{{}, {}, 5, {}}));
@@ -110,8 +111,8 @@ TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
 }
 
 TEST(ReadRequest, ASearchHasFewKeys) {
-  // Goal: keys that don't apply to a search are refused, and the normalised text of a search omits
-  // these keys.
+  // Goal: if a key doesn't apply to a search, it is refused, and a search's normalised text omits
+  // it.
   const std::string least = "[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n";
   const std::array worlds{toy::binding(), toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
@@ -151,8 +152,8 @@ TEST(ReadRequest, ASearchHasFewKeys) {
 }
 
 TEST(ReadRequest, OddsAreARuleOfIslands) {
-  // Goal: the stop rule `odds` is accepted alone or with certain other rules, and reads back. The
-  // rule requires the method "sequential" and a value in its range.
+  // Goal: the stop rule `odds` is accepted alone or together with certain rules, and reads back.
+  // The rule requires the method "sequential" and a value in its range.
   const std::string islands = "[world]\nname = 'staged'\n[sampler]\nmethod = 'sequential'\n";
   const std::array worlds{toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
@@ -206,8 +207,8 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
 }
 
 TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
-  // Goal: the key `tour_scans` requires the method "sequential", and is refused together with keys
-  // and rules that don't apply to tours.
+  // Goal: the key `tour_scans` requires the method "sequential". If a key or a rule doesn't apply
+  // to tours, it is refused.
   const std::array worlds{toy::staged_binding()};
   const auto staged_errors = [&](const std::string& method, const std::string& rest) {
     std::vector<std::string> lines;
@@ -231,9 +232,9 @@ TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
 }
 
 TEST(ReadRequest, FindsAskedForStayFinds) {
-  // Goal: in a request with the rule `found`, the command line's number of solutions replaces the
-  // number of finds. If the request also draws samples, the number counts independent solutions
-  // too.
+  // Goal: if a request has the rule `found`, the command line's number of solutions replaces the
+  // number of finds. If the request also draws samples, the number also counts independent
+  // solutions.
   const std::array worlds{toy::staged_binding()};
   const auto rules_of = [&](const std::string& text) {
     return read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, Asked{.number = 4})
@@ -247,9 +248,9 @@ TEST(ReadRequest, FindsAskedForStayFinds) {
 }
 
 TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
-  // Goal: a request of a world that relaxes finds asks for five takes if it has no sampler and no
-  // stop rule. The section [stop] and the command line can set another number, or request finds or
-  // draws instead.
+  // Goal: if a world relaxes finds, a request without a sampler and a stop rule asks for five
+  // takes. The section [stop] or the command line can set another number. Both can ask for finds or
+  // draws instead of takes.
   const std::array worlds{toy::relaxing_binding()};
   const auto read_with = [&](const std::string& text, std::optional<Asked> asked) {
     auto request = read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, asked);
@@ -295,8 +296,9 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
 }
 
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
-  // Goal: the request of an interrupted run with islands states the scans done, and keeps the rules
-  // for solutions and odds. With another method, the request states only the scans done.
+  // Goal: if a run with islands is interrupted, its request states the scans done, and keeps the
+  // rules for solutions and odds. If the run has another method, its request states only the scans
+  // done.
   const std::array worlds{toy::staged_binding()};
   const auto cut_of = [&](const std::string& method, const std::string& rules) {
     const auto request = read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
@@ -395,9 +397,9 @@ TEST(WithSeed, IsAsIfTheFileHadIt) {
 }
 
 TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
-  // Goal: tables in a section set values, their errors name the right line, and the normalised text
-  // and the identity contain the tables. Method: read a valid request, and requests with one fault
-  // each.
+  // Goal: tables in a section set values, and errors name the line of the table. The normalised
+  // text and the identity contain the tables. Method: read a valid request. Read requests that have
+  // one fault each.
   const std::array worlds{toy::binding()};
   const std::string pegs = "[[world.peg]]\ny_m = 2\n[[world.peg]]\nx_m = 3\n";
   const std::string text = "[world]\nname = 'toy'\n" + pegs + "[stop]\nscans = 1\n";

@@ -1,6 +1,6 @@
-// Goal: a TOML file is read as sections and keys with their places. Files that could harm the TOML
-// parser never reach the parser. Method: read valid examples, and hostile files at and beyond each
-// limit.
+// Goal: a TOML file is read as sections and keys, and each has its place in the file. If a file
+// could harm the TOML parser, it never reaches the parser. Method: read valid examples. Read
+// hostile files at and beyond each limit.
 #include "common/request/document.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,8 @@ TEST(Document, KeepsSectionsAndKeysInFileOrderWithPlaces) {
 
 TEST(Document, KeepsArraysOfTables) {
   // Goal: the tables of an array are read in order, with their places. An array of numbers is not
-  // an array of tables. Method: use both notations of TOML for tables, and an array of numbers.
+  // an array of tables. Method: use both of TOML's notations for an array of tables. Also use an
+  // array of numbers.
   const Document document = parsed(
       "[a]\nk = 1\n[[a.t]]\ny = 2\n\n  [[a.t]]\nx = 3\ny = 4\n[b]\nt = [{x = 5}]\nu = [1]\n");
   const Section& a = document.sections[0];
@@ -104,9 +105,9 @@ TEST(Document, RefusesDeepKeysInEveryDisguise) {
 }
 
 TEST(Document, TakesBitmapsOnOneLine) {
-  // Goal: the largest bitmap can be read from one line, although the line has many dots. Long
-  // dotted keys are refused even beside a text with many dots. Method: read a bitmap of 12 rows of
-  // 40 characters. Then read a line with such a text and a long dotted key.
+  // Goal: the largest bitmap can be read from one line, although the line has many dots. A long
+  // dotted key is refused, even if a text on its line has many dots. Method: read a bitmap of 12
+  // rows, each of 40 characters. Then read a line that has such a bitmap and a long dotted key.
   const std::string bitmap = "a = \"" + repeated(repeated(".", 39) + "#\\U0000000A", 6) +
                              repeated(repeated(".", 40) + "\\U0000000A", 6) + "\"";
   EXPECT_EQ(error_of(bitmap), "");
@@ -117,8 +118,8 @@ TEST(Document, TakesBitmapsOnOneLine) {
 }
 
 TEST(Document, HoldsTheDeepestFileThatIsAllowed) {
-  // Nest arrays and inline tables, each on a line with the maximum number of dots. Four pairs are
-  // too deep, and three pairs are accepted.
+  // Nest pairs of an array and an inline table. Each line has the maximum number of dots. Four
+  // nested pairs are too deep; three are accepted.
   std::string deep = "a" + repeated(".a", k_dots_per_line_max) + " = ";
   for (int i = 0; i < 4; ++i)
     deep += "[\n{ a" + repeated(".a", k_dots_per_line_max) + " = ";

@@ -72,7 +72,7 @@ TEST(Extension, IsLonger) {
   EXPECT_EQ(why_not(before, {.rounds = 1}), "");
 }
 
-// Extending a request doesn't check a rule's range; reading the extended text does.
+// A rule's range is not checked when a request is extended, but when the extended text is read.
 TEST(Extension, LeavesValuesToTheReader) {
   const auto text = extended_text(request_with("scans = 10"), {.scans = k_scans_max + 1});
   ASSERT_TRUE(text.ok());

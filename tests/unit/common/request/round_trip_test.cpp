@@ -1,6 +1,6 @@
-// Goal: the normalised text of any request reads back to the same request and the same text.
-// Method: write random valid requests. Their keys are in random order, and each optional key is
-// present with probability one half. Failures print the seed.
+// Goal: if the normalised text of a request is read, the result is the same request, and its
+// normalised text is the same text. Method: write random valid requests. The keys of a request are
+// in random order. Each optional key is present with probability one half. Failures print the seed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-// Goal: a key given with `--set` works like a key in the file, and its errors name the option.
-// Ranges expand to all combinations, in order. Method: compare requests that use `--set` with
-// requests that have the same keys in the file.
+// Goal: if a key is set with `--set`, it works like a key in the file, and its errors name the
+// option. Ranges expand to all combinations, in order. Method: read each request twice, once with
+// `--set` and once with the same keys in the file. Compare both.
 #include "common/request/sets.h"
 
 #include <gmock/gmock.h>
@@ -55,7 +55,7 @@ TEST(Sets, AreReadAsIfTheFileHadThem) {
             read_file("[world]\nname = \"toy\"\nballs = 2\nsurface = \"wood\"\nspinning = false\n"
                       "[sampler]\nseed = 7\n[constraint]\nword = \"A B\"\nlambda = 2\n"
                       "[stop]\nscans = 10\n[output]\nthin = 3\n"));
-  // Neither the order of the `--set` options nor the file's own value of a key matters.
+  // The order of the `--set` options doesn't matter, nor does a key's value in the file.
   EXPECT_EQ(read({"stop.scans=20", "world.balls=4"}), read({"world.balls=4", "stop.scans=20"}));
   EXPECT_EQ(read({"world.balls=4"}, "[world]\nname = \"toy\"\nballs = \"x\"\n[stop]\nscans = 10\n"),
             read_file("[world]\nname = \"toy\"\nballs = 4\n[stop]\nscans = 10\n"));

@@ -1,6 +1,6 @@
-// Goal: printed text is harmless on a terminal, and texts and numbers written as TOML read back
-// exactly. Method: use examples of each class of characters. For numbers, write and read random bit
-// patterns.
+// Goal: printed text is harmless on a terminal. If a text or a number is written as TOML, it reads
+// back exactly. Method: use examples of each class of characters. For numbers, write and read
+// random bit patterns.
 #include "common/request/text.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A toy world for request tests, with every kind of key and no simulation.
+// A toy world for request tests. The world has every kind of key, and no simulation.
 #pragma once
 
 #include <array>
@@ -66,7 +66,7 @@ inline WorldBinding staged_binding() {
   return staged;
 }
 
-/// Returns the toy world with defaults for relaxing finds: three scans, step 0.5.
+/// Returns the toy world. By default, finds are relaxed with three scans and step 0.5.
 inline WorldBinding relaxing_binding() {
   return bind_world<Parameters>(
       "staged", "a world for tests", &bind,

@@ -77,7 +77,7 @@ JobView full_view() {
 
 TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
   // Goal: every field of every call and every answer arrives unchanged. Method: set each field to a
-  // value other than its default, and compare the values on both ends.
+  // value that isn't its default. Compare the values on both ends.
   service.jobs[17].view = full_view();
   ServerThread server(socket(), service);
   Client client(socket());
@@ -189,8 +189,8 @@ TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
 }
 
 TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
-  // Goal: while a handler delays a reply, other clients are answered. A client that leaves before
-  // its answer blocks no other client. Method: delay the answers to four clients, one of which
+  // Goal: while a handler delays a reply, other clients are answered. If a client leaves before its
+  // answer, it blocks no other client. Method: delay the answers to four clients. The first client
   // leaves early. Then answer in reverse order.
   service.keeps_status = true;
   ServerThread server(socket(), service);
@@ -221,7 +221,7 @@ TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
 }
 
 TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
-  // Goal: calls that exceed the limits in service.h or contain invalid values are refused.
+  // Goal: a call is refused if it exceeds a limit in service.h or contains an invalid value.
   ServerThread server(socket(), service);
   Client client(socket());
   const auto submit = [&](Submission submission) {
@@ -262,8 +262,8 @@ TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
 
 TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
   // Goal: a client can read any answer, because the server cuts long texts and histories. The cut
-  // never splits a character. Method: list 120 jobs with texts of 70 kB, and read the status of a
-  // job with a long history.
+  // never splits a character. Method: list 120 jobs whose texts have 70 kB. Read the status of a
+  // job whose history is long.
   JobView huge = full_view();
   huge.reason = std::string(1, 'a') + [] {
     std::string text;
@@ -291,7 +291,8 @@ TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
 TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
   // Goal: only the owner of a socket can open it, and only one server listens on it. A server
   // replaces the socket of a dead server, and removes its own socket when it ends. Method: start
-  // servers one after another and kill one. Use a path longer than the system's limit for sockets.
+  // servers one after another and kill one. The socket's path is longer than the system allows for
+  // sockets.
   const std::string deep = path(std::string(200, 'd'));
   std::filesystem::create_directory(deep);
   const std::string place = deep + "/socket";
@@ -325,7 +326,7 @@ TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
 }
 
 TEST_F(CallsTest, AClientOutlivesItsServers) {
-  // Goal: a client that lost its server reconnects to the next server on the same socket.
+  // Goal: if a client has lost its server, it connects to the next server on the same socket.
   Client client(socket());
   for (int i = 0; i < 3; ++i) {
     EXPECT_THROW(client.info(), NoServer);
@@ -335,8 +336,8 @@ TEST_F(CallsTest, AClientOutlivesItsServers) {
 }
 
 TEST_F(CallsTest, AClientMayPauseForLongerThanACallMayTake) {
-  // Goal: a client may pause between calls for longer than the time limit of a call. Method: make
-  // two calls 2.5 s apart, with a time limit of 2 s for each call.
+  // Goal: between two calls, a client may pause for longer than one call may take. Method: make two
+  // calls 2.5 s apart. Each call may take 2 s.
   ServerThread server(socket(), service);
   Client client(socket(), {.call_s_max = 2});
   EXPECT_EQ(client.info().version, "1.2");

@@ -350,7 +350,7 @@ pid_t start(const Ask& ask, Shared& shared) {
   if (pid != 0) return pid;
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   ::close_range(3, ~0U, 0);
-  // Serve in a new thread, because a client may have left an event loop in the test's thread.
+  // A client may have left an event loop in the test's thread, so serve in a new thread.
   std::thread([&] { serve(ask.path, shared, ask.file_bytes, ask.limits); }).join();
   ::_exit(0);
 }

@@ -24,7 +24,7 @@
 
 namespace sleight::rpc::testing {
 
-/// A job with events 1 to `events`, each a function of its number.
+/// A job that has events 1 to `events`. An event's content depends only on its number.
 struct FakeJob {
   JobView view{};
   std::uint64_t events = 0;  ///< number of numbered events
@@ -112,7 +112,7 @@ class ServerThread {
   std::thread thread_;
 };
 
-/// State shared by a server's process and the test.
+/// State that a server's process and the test share.
 struct Shared {
   std::atomic<std::uint64_t> events = 0;    ///< of job 1
   std::atomic<std::uint64_t> progress = 0;  ///< likewise
@@ -120,9 +120,10 @@ struct Shared {
   int nursery = -1;  ///< socket to the process that forks servers
 };
 
-/// A server in its own process, with job 1 and the file "ball.h5" of `file_bytes`. The nursery
-/// process of make_shared_memory() forks the server, because the nursery never has a second thread.
-/// A process forked beside a thread that holds a sanitizer's lock would wait for the lock forever.
+/// A server in its own process. The server has job 1 and a file "ball.h5" of `file_bytes`. A
+/// nursery process, which never has a second thread, forks the server (see make_shared_memory()).
+/// If another thread held a sanitizer's lock during the fork, the new process would wait for the
+/// lock forever.
 class ServerProcess {
  public:
   ServerProcess(const std::string& path, Shared& shared, std::size_t file_bytes = 1000,
@@ -155,8 +156,8 @@ class SocketFolder : public ::testing::Test {
   std::string folder_;
 };
 
-/// Checks a server's memory growth since `before`. With sanitizers nothing is checked, because they
-/// hold freed memory for a while.
+/// Checks how much a server's memory has grown since `before`. Sanitizers hold freed memory for a
+/// while, so sanitizer builds check nothing.
 void expect_grown_less(const ServerProcess& server, std::size_t before, std::size_t bytes_max);
 
 /// Waits some seconds for the condition.

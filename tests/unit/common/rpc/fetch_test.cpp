@@ -75,9 +75,9 @@ TEST_F(FetchTest, BringsAFileOfAnySize) {
 }
 
 TEST_F(FetchTest, GoesOnWhereItStopped) {
-  // Goal: a stopped fetch resumes with its partial file if the content is still the same. Otherwise
+  // Goal: a stopped fetch continues its partial file if the content is still the same. Otherwise
   // the fetch starts from scratch and removes the partial file. Method: stop a fetch in the middle.
-  // Then fetch the same content, or other content.
+  // Then fetch the same content. Then stop a fetch and fetch other content.
   const std::size_t size = 4 * k_piece_bytes_max;
   const std::string first = content_of(size, 1);
   const std::string second = content_of(size, 2);
@@ -139,9 +139,9 @@ TEST_F(FetchTest, GoesOnOverKilledServers) {
 }
 
 TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
-  // Goal: a file whose bytes don't match the announced digest is never put in place. A damaged
-  // partial file is fetched again. Method: damage a partial file, announce a wrong digest, and
-  // announce an invalid digest.
+  // Goal: if a file's bytes don't match the announced digest, the file is never put in place. If a
+  // partial file is damaged, it is fetched again. Method: damage a partial file, announce a wrong
+  // digest, and announce an invalid digest.
   const std::string content = content_of(3 * k_piece_bytes_max, 3);
   service.add_file("ball.h5", content);
   ServerThread server(socket(), service);
@@ -165,8 +165,8 @@ TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
 
 TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
   // Goal: if another program creates a file at the destination during a fetch, the file is replaced
-  // only if that is allowed. A file with the same content is not a conflict. Method: create the
-  // file when the last piece arrives.
+  // only if that is allowed. If the file has the same content, there is no conflict. Method: create
+  // the file when the last piece arrives.
   const std::string content = content_of(2 * k_piece_bytes_max, 3);
   service.add_file("ball.h5", content);
   const ServerThread server(socket(), service);
@@ -192,8 +192,9 @@ TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
 }
 
 TEST_F(FetchTest, BringsManyFilesByPages) {
-  // Goal: one call fetches several files into a folder, page by page. Names that lead out of the
-  // folder are refused. Method: fetch 20 files on pages of 7. Then add a file with a hostile name.
+  // Goal: one call fetches several files into a folder, page by page. If a file's name leads out of
+  // the folder, it is refused. Method: fetch 20 files in pages of 7. Then add a file whose name is
+  // hostile.
   for (int i = 10; i < 30; ++i)
     service.add_file(fmt::format("failure-{}.bin", i), content_of(1000, static_cast<unsigned>(i)));
   service.files_in_page = 7;
@@ -211,15 +212,14 @@ TEST_F(FetchTest, BringsManyFilesByPages) {
 }
 
 TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
-  // Goal: a failed write is reported and leaves no file at the destination. A later fetch succeeds.
-  // Method: limit the size of files in a separate process, as on a full disk. Then fetch without
-  // the limit.
+  // Goal: if a write fails, it is reported, and no file is left at the destination. A later fetch
+  // succeeds. Method: limit the size of files in a separate process, as on a full disk. Then fetch
+  // without the limit.
   const std::string content = content_of(3 * k_piece_bytes_max, 4);
   service.add_file("ball.h5", content);
   ServerThread server(socket(), service);
   const std::string to = path("out/ball.h5");
-  // Start the death test as a new program, because the server's thread may hold a lock during a
-  // fork.
+  // The server's thread may hold a lock during a fork, so start the death test as a new program.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto fetch_with_little_room = [&] {
     ::signal(SIGXFSZ, SIG_IGN);
@@ -240,7 +240,7 @@ TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
 }
 
 TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
-  // Goal: if a file is replaced during a fetch, the client gets the old content. A read beyond a
+  // Goal: if a file is replaced during a fetch, the client gets the old content. A read beyond the
   // file's end is refused. Method: open a file, then rename another file over it.
   std::ofstream(path("a"), std::ios::binary) << "old content";
   const auto source = open_source(path("a"), "a.h5", "digest");
@@ -263,8 +263,8 @@ TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
   EXPECT_TRUE(is_refused);
 }
 
-/// A link whose first call is cut off, whose second call finds no server, and whose third call
-/// works.
+/// A link to a server that is killed during the first call. The second call finds no server. The
+/// third call works.
 class CutLink final : public Link {
  public:
   std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>&) override { return {}; }
@@ -289,9 +289,9 @@ class CutLink final : public Link {
 };
 
 TEST_F(FetchTest, AFirstCallThatIsCutIsRepeated) {
-  // Goal: a client waits for a daemon that is killed during the first call of a fetch, but not for
-  // a daemon that never ran. Method: use a link that loses the first call, and a link that finds no
-  // server in the first call.
+  // Goal: if the daemon is killed during a fetch's first call, the client waits for it. If no
+  // daemon ever ran, the client doesn't wait. Method: use two links. One link loses its first call;
+  // the other link finds no server.
   CutLink cut;
   EXPECT_EQ(fetch_file_over(cut, {}, archive, path("out/a.h5"), {}, {}, AtItsPlace::replaced).how,
             Waited::settled);

@@ -1,4 +1,4 @@
-// Goal: whatever a peer sends or leaves unread, the server's memory stays bounded and other clients
+// Goal: whatever a peer sends or doesn't read, the server's memory stays bounded, and other clients
 // are served. Method: measure the peak memory of a server in its own process. Another client makes
 // calls during and after each attack.
 #include <capnp/message.h>
@@ -112,7 +112,7 @@ void ask_for_bootstrap(capnp::MessageBuilder& message, std::uint32_t question) {
   message.initRoot<capnp::rpc::Message>().initBootstrap().setQuestionId(question);
 }
 
-/// Starts a call to the service, which open() has requested as the connection's question 1.
+/// Starts a call to the service. open() has requested the service as question 1 of the connection.
 capnp::rpc::Call::Builder call_of_service(capnp::MessageBuilder& message, std::uint32_t question,
                                           std::uint16_t method) {
   auto call = message.initRoot<capnp::rpc::Message>().initCall();
@@ -161,7 +161,7 @@ TEST_F(HostileTest, AnyBytes) {
       for (int i = 0; i < 4; ++i)
         bytes[8 + stream.bits() % (bytes.size() - 8)] = static_cast<char>(stream.bits());
     } else {
-      // A plausible size makes the server read the content.
+      // If the size is plausible, the server reads the content.
       const std::uint32_t head[2] = {0, static_cast<std::uint32_t>((bytes.size() - 8) / 8)};
       std::memcpy(bytes.data(), head, sizeof head);
     }
@@ -174,8 +174,8 @@ TEST_F(HostileTest, AnyBytes) {
 
 TEST_F(HostileTest, MessagesThatAreTooLargeEndTheirConnection) {
   // Goal: the server checks the announced size of a message before it allocates memory. Method:
-  // announce a size that is too large, too many segments, and segments whose total size is too
-  // large.
+  // announce one size that is too large. Announce too many segments. Announce segments whose total
+  // size is too large.
   const std::vector<std::vector<std::uint32_t>> heads = {{0, 0xFFFFFFFF},
                                                          {0, (4U << 20U) / 8 + 1},
                                                          {0xFFFFFFFF, 1},
@@ -191,8 +191,8 @@ TEST_F(HostileTest, MessagesThatAreTooLargeEndTheirConnection) {
 }
 
 TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
-  // Goal: deeply nested messages and submissions of many jobs don't harm the server. Method: send a
-  // call with 200 nested levels, and a submission of 1,000 jobs.
+  // Goal: neither a deeply nested message nor a submission of many jobs harms the server. Method:
+  // send a call that has 200 nested levels. Send a submission of 1,000 jobs.
   Raw deep(socket());
   open(deep);
   capnp::MallocMessageBuilder nested;
@@ -219,7 +219,7 @@ TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
 }
 
 TEST_F(HostileTest, HalfMessagesAreGivenUp) {
-  // Goal: incomplete messages take limited memory, and the server ends their connections in time.
+  // Goal: incomplete messages take limited memory, and the server soon ends their connections.
   // Method: open 30 connections that announce 4 MB each and send only a part. The server's limit
   // for all connections is 16 MB.
   std::vector<std::unique_ptr<Raw>> raws;
@@ -238,8 +238,8 @@ TEST_F(HostileTest, HalfMessagesAreGivenUp) {
 }
 
 TEST_F(HostileTest, AThousandConnections) {
-  // Goal: with a thousand open connections, other clients are served and memory stays low. Method:
-  // open 1,000 idle connections, half of which have sent part of a message.
+  // Goal: while a thousand connections are open, other clients are served, and memory stays low.
+  // Method: open 1,000 idle connections. On half of the connections, send part of a message.
   rlimit files = {};
   ::getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = files.rlim_max;
@@ -256,14 +256,15 @@ TEST_F(HostileTest, AThousandConnections) {
 }
 
 TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
-  // Goal: answers that a peer doesn't read take limited memory, and the server ends such
-  // connections in time. Method: request pieces of a file on 20 connections, and read no answer.
+  // Goal: if a peer doesn't read its answers, they take limited memory, and the server soon ends
+  // the connection. Method: request pieces of a file on 20 connections, and read no answer.
   std::vector<std::unique_ptr<Raw>> raws;
   for (int i = 0; i < 20; ++i) {
     raws.push_back(std::make_unique<Raw>(socket()));
     open(*raws.back());
   }
-  // Waits until all connections have the same number of unread bytes, and more than `before`.
+  // Waits until all connections have the same number of unread bytes, and this number is above
+  // `before`.
   const auto wait_for_more_than = [&](int before) {
     EXPECT_TRUE(testing::comes_true([&] {
       const int first = raws.front()->unread();
@@ -288,8 +289,8 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
       auto call = message.initRoot<capnp::rpc::Message>().initCall();
       call.setQuestionId(question);
       call.getSendResultsTo().setCaller();
-      // Address the file by its capability number, because a promise can't refer to an element of a
-      // list. The file is the connection's third capability.
+      // A promise can't refer to an element of a list, so address the file by its capability
+      // number. The file is the connection's third capability.
       call.initTarget().setImportedCap(2);
       call.setInterfaceId(capnp::typeId<generated::File>());
       call.setMethodId(0);
@@ -315,7 +316,7 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
 }
 
 TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
-  // Goal: a peer can't make the server store answers without limit. Method: ask more questions than
+  // Goal: a peer can't make the server store any number of answers. Method: ask more questions than
   // allowed. Make a call that tells the server to keep the results.
   Raw many(socket());
   open(many);
@@ -337,9 +338,9 @@ TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
 }
 
 TEST_F(HostileTest, APeerBringsNoCapabilities) {
-  // Goal: the server refuses messages that bring capabilities of the peer, because Cap'n Proto
-  // would keep such capabilities forever. Method: send one such message of each kind. Each message
-  // must end its connection.
+  // Goal: if a message brings a capability of the peer, the server refuses it, because Cap'n Proto
+  // would keep the capability forever. Method: send one message of each kind that brings a
+  // capability. The server must end the connection each time.
   using Make = std::function<void(capnp::rpc::Message::Builder)>;
   const std::vector<Make> messages = {
       [](auto message) { message.initResolve().initCap().setSenderPromise(0); },
@@ -374,8 +375,8 @@ TEST_F(HostileTest, APeerBringsNoCapabilities) {
 }
 
 TEST_F(HostileTest, MoreCallsAtOnceThanAllowedAreRefused) {
-  // Goal: the number of simultaneous calls on a connection is limited, and a dropped call makes
-  // room for a new call. Method: open one watch more than allowed on one connection. Then drop all
+  // Goal: the number of simultaneous calls on a connection is limited. If a call is dropped, there
+  // is room for a new call. Method: open one more watch than allowed on a connection. Then drop all
   // watches and open a new watch.
   auto io = kj::setupAsyncIo();
   auto stream = io.lowLevelProvider->wrapSocketFd(connect_to(socket()).value(),

@@ -20,8 +20,9 @@ double now_s() {
 }
 
 TEST(LoopTest, CallsInTimeAndInOrder) {
-  // Goal: timers fire in order of time and never early, and a destroyed timer doesn't fire. Method:
-  // start several timers. Destroy one timer at once, and let a callback destroy another timer.
+  // Goal: timers fire in order of time and never early. If a timer is destroyed, it doesn't fire.
+  // Method: start several timers. Destroy one timer at once, and let a callback destroy another
+  // timer.
   Loop loop;
   const double began_s = now_s();
   std::vector<int> called;
@@ -43,8 +44,8 @@ TEST(LoopTest, CallsInTimeAndInOrder) {
 }
 
 TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
-  // Goal: a timer's delay starts when the timer is requested, not when the loop last woke. Method:
-  // run a callback that takes 50 ms and then requests a delay of 20 ms.
+  // Goal: a timer's delay begins when the timer is requested, not when the loop last woke up.
+  // Method: run a callback that takes 50 ms and then requests a delay of 20 ms.
   Loop loop;
   double asked_s = 0.0;
   double called_s = 0.0;
@@ -62,8 +63,8 @@ TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
 }
 
 TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
-  // Goal: an interval timer repeats until its handle is destroyed, even by the timer's own
-  // callback. Method: destroy the handle in the fifth call, and check that no sixth call follows.
+  // Goal: an interval timer repeats until its handle is destroyed. The timer's own callback may
+  // destroy it. Method: destroy the handle in the fifth call, and check that no sixth call follows.
   Loop loop;
   int count = 0;
   std::optional<Loop::Handle> every;
@@ -78,8 +79,9 @@ TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
 }
 
 TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
-  // Goal: a file callback is called while data is readable, even after a partial read, and when the
-  // other end closes. Method: read one byte of a pipe in each call.
+  // Goal: a file callback is called as long as data is readable, even after a partial read. The
+  // callback is also called when the other end closes. Method: read one byte of a pipe in each
+  // call.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   Loop loop;
@@ -106,9 +108,9 @@ TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
 }
 
 TEST(LoopTest, TakesPostsFromOtherThreadsInOrder) {
-  // Goal: functions that other threads post run on the loop's thread, in the order in which each
-  // thread posted them. Method: post one function before run(), and 500 functions from each of four
-  // threads.
+  // Goal: functions that other threads post run on the loop's thread. If one thread posts several
+  // functions, they run in that order. Method: post one function before run(), and 500 functions
+  // from each of four threads.
   Loop loop;
   const auto here = std::this_thread::get_id();
   std::vector<int> next(4, 0);

@@ -1,6 +1,6 @@
 // Goal: a token's scopes determine which calls a client may make, and no token can create tokens.
-// The audit records actions and refusals. Method: make each call with a token of each single scope,
-// and over the Unix socket.
+// The audit records actions and refusals. Method: make each call over the Unix socket, and with
+// tokens that have one scope each.
 #include <unistd.h>
 
 #include <map>
@@ -16,7 +16,7 @@
 namespace sleight::rpc {
 namespace {
 
-/// Accepts any token, with the scopes that the test chose.
+/// Accepts any token and gives it the scopes that the test chose.
 class OneToken final : public Authority {
  public:
   base::Result<Caller, Refusal> login(const std::string&, const std::string& address) override {
@@ -128,7 +128,7 @@ TEST_F(ScopesTest, EachScopeAllowsItsCallsAlone) {
     Client client(remote(scope));
     EXPECT_EQ(allowed(client), calls) << name_of(scope);
   }
-  // Each call that changes something or returns files is audited, even a refused call.
+  // If a call changes something or returns files, it is audited, even if it is refused.
   std::set<std::string> told;
   for (const auto& [call, line] : heard())
     told.insert(call);
@@ -162,8 +162,8 @@ TEST_F(ScopesTest, AUserOfThisMachineMayDoAll) {
   EXPECT_EQ(told["hold"].of, "g5");
 }
 
-// Goal: a call that has no answer when its server ends is audited. Method: destroy the server first
-// and the pending reply later, as a daemon does when it ends.
+// Goal: if a server ends before it answers a call, the call is audited. Method: destroy first the
+// server, then the pending reply, as a daemon does when it ends.
 TEST_F(ScopesTest, AReplyThatOutlivesTheServerIsTold) {
   Loop loop;
   testing::FakeService service;

@@ -1,7 +1,7 @@
 // Goal: over TLS, only clients with a valid token are served, and revoking a token ends its
-// sessions. A client sends no token to an untrusted server. Clients without a token don't disturb
-// others. Method: connect over loopback to a server with a generated certificate, and count the
-// logins.
+// sessions. A client sends no token to an untrusted server. If a client has no token, it doesn't
+// disturb others. Method: connect over loopback to a server that has a generated certificate. Count
+// the logins.
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -154,7 +154,7 @@ TEST_F(TlsTest, TextsThatAreNoTokenAreNotLookedUp) {
   EXPECT_EQ(authority_.logins, 0);
 }
 
-// A message of a client without a valid token has a lower size limit.
+// If a client has no valid token, its messages have a lower size limit.
 TEST_F(TlsTest, AStrangersLargeMessageEndsItsConnection) {
   RemoteService wrong = remote();
   wrong.token = std::string(1U << 20U, 'a');
@@ -192,7 +192,7 @@ TEST_F(TlsTest, AWaitingWatchEndsWithItsToken) {
   EXPECT_TRUE(has_ended);
 }
 
-// A server with another certificate receives nothing, not even the token.
+// If a server has another certificate, it receives nothing, not even the token.
 TEST_F(TlsTest, AServerWithAnotherCertificateGetsNoToken) {
   RemoteService other = remote();
   other.certificate = access::make_self_signed().certificate;
@@ -202,8 +202,8 @@ TEST_F(TlsTest, AServerWithAnotherCertificateGetsNoToken) {
   } catch (const NotTrusted& error) {
     EXPECT_NE(std::string(error.what()).find("has changed since the login"), std::string::npos);
   }
-  // If the trusted certificate is for another host name, the error is a host name mismatch, not a
-  // changed certificate.
+  // If the trusted certificate is for another host name, the error says that the host name doesn't
+  // match, not that the certificate has changed.
   other = remote();
   other.own_name = "another.example.org";
   try {
@@ -300,7 +300,6 @@ TEST_F(TlsCrowdTest, BytesThatAreNoTlsAreEnded) {
   EXPECT_TRUE(testing::comes_true([&] { return server_.counts().strangers == 0; }));
 }
 
-// Two hundred clients are served at the same time.
 TEST_F(TlsTest, TwoHundredClients) {
   std::atomic<int> served = 0;
   std::vector<std::thread> threads;

@@ -1,5 +1,5 @@
-// Goal: a watcher gets every numbered event once and in order, whatever happens to connections and
-// servers. Method: use real servers and kill some of them.
+// Goal: a watcher gets every numbered event once and in order, even if connections break and
+// servers die. Method: use real servers and kill some of them.
 #include <atomic>
 #include <chrono>
 
@@ -71,9 +71,9 @@ class WatchTest : public testing::SocketFolder {
 };
 
 TEST_F(WatchTest, TellsAllFromAnyNumberOnAndSettles) {
-  // Goal: a watch from any event number returns each later event once, in order, and then the end
-  // of the job. Method: watch a finished job that has more events than one answer holds. Stop one
-  // watch early.
+  // Goal: a watch may begin at any event number. The watch returns that event and each later event
+  // once, in order, and then the job's end. Method: watch a finished job that has more events than
+  // one answer can contain. Stop one watch early.
   service.jobs[1] = {.view = {.id = {1}}, .events = 1000, .changes = 3, .is_over = true};
   ServerThread server(socket(), service);
   Client client(socket());
@@ -125,7 +125,7 @@ TEST_F(WatchTest, NewsArriveAsTheyCome) {
 }
 
 TEST_F(WatchTest, ASlowWatcherMissesNothingNumberedAndNothingQueues) {
-  // Goal: a slow watcher gets all events but fewer progress reports, and the server buffers nothing
+  // Goal: a slow watcher gets all events but not all progress reports. The server buffers nothing
   // for the watcher. Method: send 20,000 progress reports and 2,000 events to a watcher that sleeps
   // after each event.
   const auto shared = testing::make_shared_memory();
@@ -153,8 +153,8 @@ TEST_F(WatchTest, ASlowWatcherMissesNothingNumberedAndNothingQueues) {
 }
 
 TEST_F(WatchTest, NoneIsLostOrDoubledOverKilledServers) {
-  // Goal: each numbered event and the end arrive once and in order, although servers are killed.
-  // Method: kill the server process at random moments while events are sent.
+  // Goal: each numbered event and the job's end arrive once and in order, even if servers are
+  // killed. Method: kill the server process at random moments while events are sent.
   random::Stream stream({.seed = 26, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   const auto shared = testing::make_shared_memory();
@@ -187,8 +187,8 @@ TEST_F(WatchTest, NoneIsLostOrDoubledOverKilledServers) {
 
 TEST_F(WatchTest, GivesUpAServiceThatStaysAway) {
   // Goal: a watch gives up if the service stays away, and ends at once if there was never a
-  // service. Method: watch without a service. Then kill the service during a watch, with a client
-  // that waits only a short time.
+  // service. Method: watch without a service. Then kill the service during a watch. The client
+  // waits only for a short time.
   const auto shared = testing::make_shared_memory();
   Listener listener;
   Client client(socket(), {.first_wait_s = 0.01, .wait_s_max = 0.05, .away_s_max = 0.3});
@@ -237,8 +237,9 @@ TEST_F(WatchTest, WatchesManyJobsAtOnce) {
 }
 
 TEST_F(WatchTest, ASilentServerIsHeardOfAndAGapIsSaid) {
-  // Goal: a watch without news gets empty answers from time to time. A missing event ends the watch
-  // with a refusal. Method: use a short time limit, and a handler that skips an event.
+  // Goal: if there is no news, a watch gets empty answers from time to time. If an event is
+  // missing, the watch ends with a refusal. Method: use a short time limit. Let the handler skip an
+  // event.
   service.jobs[1] = {.view = {.id = {1}}, .events = 3, .is_over = false};
   service.jobs[2] = {.view = {.id = {2}}, .events = 5, .is_over = true};
   service.gap_at = 4;

@@ -1,5 +1,5 @@
-// Goal: a sound scene is accepted, and the error about an unsound scene names its fault. Method:
-// break one property of a sound scene at a time.
+// Goal: a sound scene is accepted. If a scene is unsound, the error names its fault. Method: break
+// one property of a sound scene at a time.
 #include "common/scene/scene.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Goal: a surface returns the heights of its formula, and no height where control points are
-// missing. Method: use a plane and a parabola, whose spline differs from the formula by a constant.
+// Goal: a surface returns the heights of its formula. Where a control point is missing, there is no
+// height. Method: use a plane and a bowl. The bowl's spline differs from its formula by a constant.
 // Remove one control point at a time.
 #include "common/scene/surface.h"
 

@@ -49,7 +49,7 @@ TEST_F(DatabaseOf, IsDurableByItsSettings) {
 }
 
 TEST_F(DatabaseOf, ErrorsNameTheFileAndWhatToDo) {
-  // Goal: each error of the database names the file, the violated rule or the remedy.
+  // Goal: each error of the database names the file, the rule that was broken, or the remedy.
   const auto failure = [](const auto& act) -> std::string {
     try {
       act();

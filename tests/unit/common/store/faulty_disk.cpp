@@ -23,7 +23,7 @@ std::atomic<int> failure_code{SQLITE_OK};
 sqlite3_vfs* disk_behind = nullptr;
 sqlite3_vfs faulty_disk;
 
-/// A set of file functions that can fail, and the set that it wraps.
+/// File functions that can fail, and the real functions that they call.
 struct FaultyMethods {
   sqlite3_io_methods faulty;
   const sqlite3_io_methods* real = nullptr;

@@ -1,7 +1,7 @@
-// SQLite's file functions, which fail at a chosen call.
+// Makes chosen calls of SQLite's file functions fail.
 //
-// Databases that are opened while a FaultyDisk exists write through it. The object counts writes,
-// truncations and syncs of all files in all threads; reads never fail.
+// If a database is opened while a FaultyDisk exists, it uses the FaultyDisk. The FaultyDisk counts
+// writes, truncations and syncs of all files in all threads. Reads never fail.
 #pragma once
 
 #include <cstdint>

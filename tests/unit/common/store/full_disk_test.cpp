@@ -24,7 +24,7 @@ using testing::result_of;
 
 class FullDisk : public testing::RunFolder {};
 
-/// Returns the number of stored scans of chain 0, which must have no gap and end with the right
+/// Returns the number of stored scans of chain 0. The chain must have no gap and end with the right
 /// state.
 std::uint64_t stored_scans(const std::string& folder) {
   RunStore store(folder, example_identity(1));
@@ -37,9 +37,8 @@ std::uint64_t stored_scans(const std::string& folder) {
 TEST_F(FullDisk, AnyCallMayFail) {
   // Goal: whichever write or sync fails, the store reports a clear error, committed scans stay
   // whole, and the run can be resumed. Method: let a session's first k disk calls succeed and all
-  // later calls fail, then reopen the store. Repeat this for larger k until a session succeeds.
-  // Simulate a full disk for every k, and a write error for every third k. The fast tier tests
-  // fewer values of k.
+  // later calls fail. Then reopen the store. Increase k until a session succeeds. Simulate a full
+  // disk for every k, and a write error for every third k. The fast tier tests fewer values of k.
   testing::FaultyDisk disk;
   struct Fault {
     int code;
@@ -89,7 +88,7 @@ TEST_F(FullDisk, AnyCallMayFail) {
 TEST_F(FullDisk, MiddleOfALargeGroup) {
   // Goal: if one write of a group of results fails, the store keeps no result of the group, even if
   // the disk works again at once. Method: store a result that is larger than SQLite's cache, so
-  // that SQLite writes pages before the commit. Let a different disk call fail in each run.
+  // SQLite writes pages before the commit. Let a different disk call fail in each run.
   testing::FaultyDisk disk;
   const std::uint64_t step = property::of_tier(120, 40);
   std::uint64_t failed = 0;
@@ -119,9 +118,9 @@ TEST_F(FullDisk, MiddleOfALargeGroup) {
 }
 
 TEST_F(FullDisk, FailureStopsTheSession) {
-  // Goal: after a failed write, the session writes nothing more, even when space is free again,
-  // because later results would leave a gap. Method: let a write fail, repair the disk, then put
-  // more results.
+  // Goal: once a write has failed, the session writes nothing more, even if there is space again.
+  // Later results would leave a gap. Method: let a write fail and repair the disk. Then put more
+  // results.
   testing::FaultyDisk disk;
   {
     RunStore store(folder(), example_identity(1));
@@ -139,9 +138,9 @@ TEST_F(FullDisk, FailureStopsTheSession) {
 }
 
 TEST_F(FullDisk, FileSizeLimit) {
-  // Goal: committed scans stay whole if the operating system refuses a write. Method: let a child
-  // process with a file-size limit store results until a write fails. Compare the stored scans with
-  // the last number that the child's committed() returned.
+  // Goal: committed scans stay whole if the operating system refuses a write. Method: limit the
+  // size of a child process's files. Let the child store results until a write fails. Compare the
+  // stored scans with the last number that the child's committed() returned.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   const pid_t child = ::fork();

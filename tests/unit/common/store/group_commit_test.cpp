@@ -16,7 +16,7 @@ namespace {
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
-/// A commit function that records its arguments and can be paused or made to fail.
+/// A commit function that records its arguments. A test can pause the function or let it fail.
 class Recorder {
  public:
   GroupCommit::Commit commit() {
@@ -81,8 +81,8 @@ std::vector<std::uint64_t> numbers_to(std::uint64_t count) {
 }
 
 TEST(GroupCommit, KeepsOrderInFewCommits) {
-  // Goal: results are committed in the order of the put() calls, and one commit holds many results.
-  // Method: put a thousand results, flush, and count the commits.
+  // Goal: results are committed in the order of the put() calls, and one commit may contain many
+  // results. Method: put a thousand results, flush, and count the commits.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   for (std::uint64_t i = 0; i < 1000; ++i)
@@ -108,9 +108,9 @@ TEST(GroupCommit, CountsOnlyWhatIsCommitted) {
 }
 
 TEST(GroupCommit, CommitsWithoutBeingAsked) {
-  // Goal: without a flush, a single small result is committed soon, and a large result is committed
-  // at once. Method: put a small result and a large result, and wait for each commit. If a commit
-  // never comes, the test exceeds its time limit.
+  // Goal: even without a flush, a small result is committed soon, and a large result at once.
+  // Method: put a small result and wait for its commit. Then put a large result and wait. If a
+  // commit never comes, the test exceeds its time limit.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   group_commit.put(small(0));
@@ -131,8 +131,9 @@ TEST(GroupCommit, FlushOfNothingReturns) {
 }
 
 TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
-  // Goal: flush() returns once all earlier results are committed, even if other callers continue to
-  // put results. Method: let every commit put another result, so that the queue is never empty.
+  // Goal: flush() returns once all results that were put before it are committed, even if other
+  // callers continue to put results. Method: let every commit put another result, so the queue is
+  // never empty.
   std::atomic<bool> stop{false};
   GroupCommit* self = nullptr;
   GroupCommit group_commit([&](const GroupCommit::Group& group) {
@@ -148,8 +149,8 @@ TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
 }
 
 TEST(GroupCommit, FailureComesOutAndNothingFollows) {
-  // Goal: after a failed commit, nothing more is written, and every caller gets the error. Method:
-  // let the second commit fail; then all puts and flushes must throw.
+  // Goal: once a commit has failed, nothing more is written, and every caller gets the error.
+  // Method: let the second commit fail. Then all puts and flushes must throw.
   Recorder recorder;
   recorder.fail_at(2);
   GroupCommit group_commit(recorder.commit());
@@ -167,8 +168,8 @@ TEST(GroupCommit, FailureComesOutAndNothingFollows) {
 }
 
 TEST(GroupCommit, FailureComesOutOfPutAlone) {
-  // Goal: put() throws after a failed commit, so a caller that never calls flush() gets the error
-  // too.
+  // Goal: once a commit has failed, put() throws, so a caller gets the error even if it never calls
+  // flush().
   Recorder recorder;
   recorder.fail_at(1);
   GroupCommit group_commit(recorder.commit());
@@ -184,7 +185,7 @@ TEST(GroupCommit, FailureComesOutOfPutAlone) {
   EXPECT_EQ(group_commit.committed(), 0U);
 }
 
-/// Puts `count` large results from its own thread and counts the accepted results.
+/// Puts `count` large results in its own thread, and counts the results that put() has accepted.
 class Putter {
  public:
   Putter(GroupCommit& group_commit, std::uint64_t count)
@@ -214,9 +215,9 @@ class Putter {
 
 TEST(GroupCommit, StalledDiskHoldsPutsUp) {
   // Goal: while a group is being written, at most k_queue_bytes_max bytes of results wait in
-  // memory, and no result is lost. Method: pause a commit, and put results. Each result has an
-  // eighth of the limit's size. Check that put() accepts at least eight results and blocks until
-  // the commit continues.
+  // memory, and no result is lost. Method: pause a commit and put results. Each result is an eighth
+  // of the limit. put() must accept at least eight results and then block until the commit
+  // continues.
   Recorder recorder;
   recorder.hold();
   GroupCommit group_commit(recorder.commit());
@@ -247,8 +248,9 @@ TEST(GroupCommit, FailureFreesWhoIsHeldUp) {
 }
 
 TEST(GroupCommit, DestructorCommits) {
-  // Goal: the destructor commits all waiting results, but commits nothing after a failed commit.
-  // Method: destroy one object without a flush, and another object whose first commit fails.
+  // Goal: the destructor commits all waiting results. If a commit has failed, the destructor
+  // commits nothing. Method: destroy two objects without a flush. The first commit of the second
+  // object fails.
   Recorder recorder;
   {
     GroupCommit group_commit(recorder.commit());

@@ -21,7 +21,8 @@ std::uint64_t below(std::uint64_t count, random::Stream& stream) {
   return random::UniformInteger{.count = count}.draw(stream);
 }
 
-/// Continues the run until the process is killed, and reports committed() after each put.
+/// Continues the run until the process is killed. Reports the value of committed() after each
+/// put().
 [[noreturn]] void store_until_killed(const std::string& folder, random::Stream stream, int report) {
   const RunLock lock(folder);
   RunStore store(folder, testing::example_identity(k_chains));
@@ -67,8 +68,7 @@ class KilledStore : public testing::RunFolder {};
 TEST_F(KilledStore, KeepsWhatItReported) {
   // Goal: if a process is killed at any moment, the store keeps all scans that committed() counted.
   // The store has no gap and the right state, and the next session continues from this state.
-  // Method: run many sessions of one run, and kill each session's process with SIGKILL at a random
-  // moment.
+  // Method: run many sessions of one run. Kill each session's process (SIGKILL) at a random moment.
   std::vector<std::uint64_t> next(k_chains, 0);
   const std::uint64_t kills = property::of_tier(10, 50);
   std::uint64_t reported_in_all = 0;

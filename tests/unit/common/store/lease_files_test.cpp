@@ -26,8 +26,8 @@ class LeaseFilesOf : public archive::testing::Scratch {
 
 TEST_F(LeaseFilesOf, OneOfManyMakesAFile) {
   // Goal: if several holders try to create the lease file of one generation, only one holder
-  // succeeds. The file has this holder's whole text, and no other file is left. Method: let 8
-  // threads try to create each of 20 files at once.
+  // succeeds. The file contains this holder's whole text, and no other file is left. Method: 8
+  // threads try to create the same file at once. Repeat this for 20 files.
   constexpr int k_threads = 8;
   for (std::uint64_t generation = 1; generation <= 20; ++generation) {
     std::atomic<int> made = 0;
@@ -83,9 +83,9 @@ TEST_F(LeaseFilesOf, ListsNumbersAlone) {
 }
 
 TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
-  // Goal: a process counts as running until it is killed, even while it is stopped. A killed
-  // process counts as gone, even before its parent has waited for it. A process number alone
-  // doesn't identify a process, and the state of processes on other machines is unknown. Method:
+  // Goal: a process counts as running until it is killed, even while it is stopped. Once it is
+  // killed, it counts as gone, even before its parent has waited for it. A process number alone
+  // doesn't identify a process. If a process is on another machine, its state is unknown. Method:
   // stop and kill a child process.
   PosixLeaseFiles files(folder(), this_process());
   EXPECT_TRUE(files.is_here(this_process()));

@@ -13,10 +13,10 @@ using testing::Mistake;
 using testing::simulate_leases;
 
 TEST(LeaseProperty, NeverTwoThatMayAct) {
-  // Goal: at most one holder believes that it may act, even if processes pause or die and disk
-  // calls fail or take effect late. In spite of these faults, the lease passes from holder to
-  // holder. Method: simulate 4 processes on 3 machines for a quarter of an hour, with many seeds.
-  // Before and after every step, count the holders that may act.
+  // Goal: at most one holder believes that it may act, even if processes pause or die, and even if
+  // disk calls fail or take effect late. The lease still passes from holder to holder. Method:
+  // simulate a quarter of an hour with many seeds. There are 4 processes on 3 machines. Before and
+  // after every step, count the holders that may act.
   const std::uint64_t stories = property::long_run() ? 20'000 : property::of_tier(20, 100);
   LeaseStory all;
   for (const std::uint64_t seed : property::seeds(stories)) {
@@ -38,7 +38,7 @@ class LeaseMistake : public ::testing::TestWithParam<Mistake> {};
 
 TEST_P(LeaseMistake, IsCaught) {
   // Goal: the simulation detects a faulty lease protocol. Method: plant one mistake in the
-  // protocol; with some seed, two holders must act at the same time.
+  // protocol. For at least one seed, two holders must act at the same time.
   constexpr std::uint64_t k_seeds_max = 300;
   for (std::uint64_t seed = 1; seed <= k_seeds_max; ++seed) {
     if (simulate_leases(seed, GetParam()).violation) return;

@@ -1,5 +1,5 @@
 // Goal: each step of the lease protocol (common/store/lease.h) returns and writes the right state.
-// Method: work through examples with a manual clock.
+// Method: check examples with a manual clock.
 #include "common/store/lease.h"
 
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ bool is_taken(const Lease::Outcome& outcome) {
   return std::holds_alternative<Lease::Taken>(outcome);
 }
 
-/// Returns how long the lease must still be observed, or nothing if the outcome is not Unsure.
+/// Returns how long the lease must still be observed. Returns nothing if the outcome isn't Unsure.
 std::optional<double> left_s(const Lease::Outcome& outcome) {
   const auto* unsure = std::get_if<Lease::Unsure>(&outcome);
   return unsure == nullptr ? std::nullopt : std::optional(unsure->left_s);
@@ -80,9 +80,9 @@ std::string holder(const Lease::Outcome& outcome) {
 }
 
 TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
-  // Goal: an observer takes a lease after it has seen no renewal for one lease duration, measured
-  // with its own clock. A renewal during this time shows that the holder lives. Method: let several
-  // holders share one manual clock.
+  // Goal: if an observer sees no renewal for one lease duration by its own clock, it takes the
+  // lease. If the observer sees a renewal, the holder is alive. Method: let several holders share
+  // one manual clock.
   Folder folder;
   base::ManualClock clock;
   Lease first(folder, clock, of("a", 1));
@@ -107,9 +107,9 @@ TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
 }
 
 TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
-  // Goal: the holder may act for three quarters of the lease duration after the start of its last
-  // successful renewal. A disk failure doesn't prolong this time, and a short failure has no
-  // effect. Method: advance a manual clock, and let the disk fail for a while.
+  // Goal: the holder may act for three quarters of a lease duration, counted from the start of its
+  // last successful renewal. A disk failure doesn't prolong this time, and a short failure has no
+  // effect. Method: advance a manual clock. Let the disk fail for a while.
   Folder folder;
   base::ManualClock clock;
   Lease lease(folder, clock, of("a", 1));
@@ -156,8 +156,8 @@ TEST(Lease, IsTakenAtOnceFromWhoeverIsGone) {
 }
 
 TEST(Lease, CopiesAreOwedUntilTheyAreMade) {
-  // Goal: if a holder took the lease over from another machine and ended before it copied the
-  // files, the next holder must copy the files.
+  // Goal: if a holder took the lease over from another machine but ended before it copied the
+  // files, the next holder must copy them.
   Folder folder;
   base::ManualClock clock;
   Lease dead(folder, clock, of("a", 1));
@@ -184,7 +184,7 @@ TEST(Lease, CopiesAreOwedUntilTheyAreMade) {
 TEST(Lease, TextComesBack) {
   // Goal: a lease's text has a fixed size and is read back with all fields. Control characters in a
   // host name are replaced, so that the text can't control a terminal. Method: write a lease whose
-  // fields are all set and whose host name has control characters.
+  // fields are all set. The host name has control characters.
   LeaseText lease = of("node\x1b[2J\n7", 123);
   lease.holder.started = 456;
   lease.epoch = 9;
@@ -208,9 +208,9 @@ TEST(Lease, TextComesBack) {
 }
 
 TEST(Lease, AStrangeFileIsAHolderThatSaysNothing) {
-  // Goal: whatever an invalid lease file contains, it delays a takeover by one lease duration, as
-  // the file of a dead holder does. Method: use texts that are empty, too short, too long or have
-  // an invalid duration.
+  // Goal: an invalid lease file delays a takeover by one lease duration, like the file of a dead
+  // holder. Method: use an empty text, texts that are too short or too long, and texts whose
+  // duration is invalid.
   const std::string sound = of("a", 1).to_text();
   std::string endless = sound;
   endless.replace(endless.find("lease_s 60"), 10, "lease_s 1e9");

@@ -25,13 +25,13 @@ constexpr std::uint32_t k_processes = 4;
 constexpr std::uint32_t k_machines = 3;
 constexpr double k_old_list_s = 30;
 
-/// Thrown in a simulated process when it is killed or when the simulation ends.
+/// Exception that ends a simulated process when it is killed or the simulation ends.
 struct Killed {};
 
 class World;
 
-/// Passes control from thread to thread. (std::binary_semaphore yields before it sleeps, which
-/// takes too long on a busy machine.)
+/// Passes control from thread to thread. (std::binary_semaphore yields before it sleeps, so it is
+/// too slow on a busy machine.)
 class Baton {
  public:
   void release() {
@@ -226,7 +226,7 @@ class SimulatedFiles final : public LeaseFiles {
 std::vector<std::uint64_t> World::list(const Contender& one) {
   const bool knows_own = mistake_ != Mistake::believes_old_lists;
   if (!happens(knows_own ? 0.3 : 0.8)) return names();
-  // Return an older list, but not one older than this process's last change.
+  // Return an older list. The list must include this process's last change.
   double since_s = now_s - k_old_list_s * uniform();
   if (knows_own) since_s = std::max(since_s, one.own_change_s);
   std::vector<std::uint64_t> old;
@@ -243,7 +243,7 @@ void World::stand_still(Contender& one, double for_s) {
   if (is_over()) throw Killed();
 }
 
-/// Pauses: usually briefly, sometimes for long, and rarely forever.
+/// Lets the process pause. Most pauses are short and some are long; a few never end.
 void World::pause(Contender& one) {
   if (happens(0.004)) throw Killed();
   const double kind = uniform();
@@ -258,8 +258,8 @@ void World::pause(Contender& one) {
   one.stood_still_s += now_s - begin_s;
 }
 
-/// Runs one process, which takes the lock, holds it for a while, and ends with or without releasing
-/// it.
+/// Runs one process. The process takes the lock, holds it for a while, and ends. Some processes end
+/// without releasing the lock.
 void World::live(Contender& one) {
   SimulatedFiles disk(*this, one);
   LeaseText text{.holder = {.host = std::to_string(one.machine),

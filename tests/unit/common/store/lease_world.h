@@ -1,10 +1,10 @@
-// Simulated machines that compete for one lock on a shared disk, under a simulated clock.
+// Simulates machines that compete for one lock on a shared disk. The clock is simulated too.
 //
-// Real leases (common/store/lease.h) run against a disk in memory. Before and after every disk
-// call, a process may pause for a moment or for several leases, or be killed. Machines' clocks
-// differ and run up to 10% too fast or too slow. Lists of the folder may be out of date. A write
-// may report failure and still take effect later. One process runs at a time, in an order that the
-// seed determines.
+// The leases are real (common/store/lease.h), and the disk is in memory. Before and after every
+// disk call, a process may be killed, or may pause for a moment or for several lease durations.
+// Machines' clocks differ, and run up to 10% too fast or too slow. Lists of the folder may be out
+// of date. A write may report failure and still take effect later. One process runs at a time, in
+// an order that the seed determines.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@
 
 namespace sleight::store::testing {
 
-/// A planted mistake in a simulated world, which would let two processes hold the lock.
+/// A mistake that is planted in a simulated world. Each mistake would let two processes hold the
+/// lock.
 enum class Mistake {
   none,
   breaks_the_lock,       ///< the next lease's file replaces an existing file

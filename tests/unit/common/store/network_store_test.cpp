@@ -38,7 +38,7 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Returns this process's identity with another machine's name.
+/// Returns this process's identity, but on a machine of this name.
 LeaseHolder on_node(const std::string& host) {
   LeaseHolder self = this_process();
   self.host = host;
@@ -134,9 +134,9 @@ class NetworkStore : public testing::RunFolder {
 };
 
 TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
-  // Goal: while a process commits results, its other threads can read all results that were
-  // committed before, without shared memory. The next session resumes the run. Method: let one
-  // thread read a hundred scans again and again while another thread commits more scans.
+  // Goal: while one thread commits results, other threads of the process can read all earlier
+  // results. Shared memory isn't used. The next session resumes the run. Method: one thread reads a
+  // hundred scans again and again. Another thread commits more scans.
   {
     RunLock lock(folder());
     RunStore store(folder(), example_identity(1), &lock);
@@ -192,8 +192,9 @@ TEST_F(NetworkStore, NeedsItsOwnMode) {
 
 TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
   // Goal: while a process writes a run, only this process can read the run. Other readers get an
-  // error with the reason and the path of the latest archive. They can read the run when the writer
-  // has ended. Method: while a store is open, call each function that reads a run by its path.
+  // error that states the reason and the path of the latest archive. Once the writer has ended,
+  // other readers can read the run. Method: while a store is open, call each function that reads a
+  // run by its path.
   std::filesystem::create_directory(path("a.h5.run"));
   const std::string run = path("a.h5.run");
   {
@@ -237,8 +238,8 @@ TEST_F(NetworkStore, OfTwoNodesOneWrites) {
 
 TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
   // Goal: if a writer is killed, another process on the same machine can resume the run at once.
-  // Method: kill a child that holds the lock, then take the lock and call owes_copies(). After a
-  // wait for the end of the lease, owes_copies() would be true.
+  // Method: kill a child that holds the lock. Take the lock and call owes_copies(). If the process
+  // had waited until the lease ended, owes_copies() would be true.
   const Moment taken;
   Child holder([&] {
     RunLock lock(folder());
@@ -254,9 +255,9 @@ TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
 }
 
 TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
-  // Goal: if a holder on another node dies, its successor waits until the lease has ended, then
-  // copies the committed results to its own files. If the successor is killed before it has copied
-  // the files, the next process copies them. Method: kill a child that acts as another node. Let a
+  // Goal: if a holder on another node dies, its successor waits until the lease has ended. Then the
+  // successor copies the committed results to its own files. If the successor is killed before
+  // that, the next process copies them. Method: kill a child that acts as another node. Let a
   // second child take over, and kill this child at once.
   const Moment committed;
   Child holder([&] {
@@ -289,8 +290,8 @@ TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
   testing::expect_stored_of(store, 0, 20);
 }
 
-/// Commits one scan at a time and reports committed() after each, with frequent checkpoints of
-/// SQLite's log. The process stops itself at a write.
+/// Commits one scan at a time and reports committed() after each. SQLite's log has frequent
+/// checkpoints. The process stops itself at a write.
 void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& disk,
                            std::uint64_t stop_after, const Moment& committed) {
   RunLock lock(folder, {.lease_s = 2.5, .self = on_node("sleeper")});
@@ -306,11 +307,11 @@ void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& dis
 }
 
 TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
-  // Goal: if a writer pauses for longer than its lease and wakes while its successor writes, it
-  // changes none of the successor's data. This holds even if the writer pauses within a commit. The
-  // writer ends with a conflict, and the successor has everything that the writer reported. Method:
-  // stop child processes at 12 different writes. Let a successor take over from each child, and
-  // wake the child while the successor commits.
+  // Goal: a writer may pause for longer than its lease and wake up while its successor writes. The
+  // writer then changes none of the successor's data, even if it paused within a commit. The writer
+  // ends with a conflict, and the successor has everything that the writer reported. Method: stop
+  // child processes at 12 different writes. Let a successor take over from each child. Wake the
+  // child while the successor commits.
   constexpr std::uint64_t k_sleepers = 12;
   struct Sleeper {
     std::string folder{};
@@ -363,9 +364,9 @@ TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
 }
 
 TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
-  // Goal: if a process treats a shared disk as local, the process still respects the lease of
-  // another process. Method: hold a lease while a process that treats the disk as local tries to
-  // take the lock. After the lease is released, the local lock works again.
+  // Goal: even if a process treats a shared disk as local, it respects another process's lease.
+  // Method: hold a lease, and try to take the lock as on a local disk. After the lease is released,
+  // the local lock works again.
   {
     const RunLock lock(folder());
     ::setenv(base::k_network_disk_variable, "0", 1);
@@ -377,9 +378,9 @@ TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
 }
 
 TEST_F(NetworkStore, TurnsComeInOrder) {
-  // Goal: a commit waits for at most one turn of each other thread, even if a reader takes turn
-  // after turn. Method: count a greedy thread's turns while another thread waits. The greedy thread
-  // gets at most two turns, the first of which may have begun before the wait.
+  // Goal: a commit waits for at most one turn of each other thread, even if a reader takes turns
+  // without a pause. Method: while one thread waits, count the turns of a greedy thread. The greedy
+  // thread gets at most two turns. The first of these turns may have begun before the wait.
   SharedDatabase shared(path("a.sqlite"), Access::read_write);
   std::atomic<bool> stop = false;
   std::atomic<std::uint64_t> turns = 0;

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Tries to take the lock, and returns the conflict's message, or nothing if the lock is free.
+/// Tries to take the lock. Returns the error message, or nothing if the lock was free.
 std::optional<std::string> conflict_of(const std::string& folder) {
   try {
     const RunLock lock(folder);
@@ -64,8 +64,8 @@ class RunLockOf : public testing::RunFolder {};
 
 TEST_F(RunLockOf, OneProcessAtATime) {
   // Goal: if one process holds a run's lock, a second process gets an error with the first
-  // process's number. A killed process holds no lock. Method: let a child take the lock and kill
-  // the child, ten times.
+  // process's number. Once a process is killed, it holds no lock. Method: let a child take the
+  // lock, and kill the child. Do this ten times.
   for (int i = 0; i < 10; ++i) {
     Holder holder(folder());
     const auto conflict = conflict_of(folder());
@@ -79,7 +79,7 @@ TEST_F(RunLockOf, OneProcessAtATime) {
 
 TEST_F(RunLockOf, OneObjectAtATime) {
   // Goal: two runs in one process can't share a folder, and a refused attempt doesn't release the
-  // lock. Method: try twice to take a lock that is held, then take the lock after its release.
+  // lock. Method: try twice to take a lock that is held. Take it after its release.
   {
     const RunLock first(folder());
     EXPECT_TRUE(conflict_of(folder()).has_value());
@@ -89,8 +89,8 @@ TEST_F(RunLockOf, OneObjectAtATime) {
 }
 
 TEST_F(RunLockOf, MakesTheFolder) {
-  // Goal: taking the lock creates the run's folder, or throws an error with the path. Method: use a
-  // new folder, a folder whose parent is missing, and a file.
+  // Goal: taking the lock creates the run's folder, or the error names its path. Method: use a new
+  // folder, a folder whose parent is missing, and a file.
   EXPECT_EQ(conflict_of(path("new")), std::nullopt);
   EXPECT_EQ(bytes_of(path("new/lock")), fmt::format("{}\n", ::getpid()));
   put_bytes(path("file"), "x");

@@ -1,5 +1,5 @@
 // Goal: a store accepts results only of its own run and only from the run's newest session. Method:
-// open stores with other identities, and open two stores of one run at once.
+// open stores with other identities. Open two stores of one run at once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ class RunStoreSessions : public testing::RunFolder {
 TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
   // Goal: no store mixes two requests, versions or formats (invariant 3), and the error names a
   // remedy. Method: change the request, the version and the format in turn, and open the store each
-  // time. Afterwards, the original run must find its scans unchanged.
+  // time. Then the original run must find its scans unchanged.
   {
     RunStore store(folder(), example_identity(1));
     store.put(result_of(0, 0, 4));
@@ -61,7 +61,7 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
               AllOf(HasSubstr("format 7"), HasSubstr("writes format 6")));
   execute("UPDATE run SET value=6 WHERE key='format_version'");
 
-  // A later program version with the same results version may resume the run.
+  // A later program version may resume the run if it has the same results version.
   RunIdentity later_program = example_identity(1);
   later_program.program_version = "1.1";
   RunStore store(folder(), later_program);
@@ -70,9 +70,9 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
 }
 
 TEST_F(RunStoreSessions, MayStopElsewhere) {
-  // Goal: between sessions, a request may change in keys that are not part of its identity, such as
-  // [stop]. Method: open the store again with another request text, which the store must then
-  // contain.
+  // Goal: between sessions, a request may change keys that are not part of its identity, such as
+  // [stop]. Method: open the store again with another request text. The store must then contain the
+  // new text.
   { RunStore(folder(), example_identity(1)); }
   RunIdentity longer = example_identity(1);
   longer.request_text += "# more\n";
@@ -84,9 +84,9 @@ TEST_F(RunStoreSessions, MayStopElsewhere) {
 }
 
 TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
-  // Goal: a session that was presumed dead stores nothing once its successor has begun. Method:
-  // open a second store of the same run. The first store's next commit and later puts must fail
-  // with a conflict.
+  // Goal: once the successor of a session that was presumed dead has begun, the old session stores
+  // nothing more. Method: open a second store of the same run. The first store's next commit and
+  // later puts must fail with a conflict.
   RunStore first(folder(), example_identity(2));
   first.put(result_of(0, 0, 5));
   first.flush();
@@ -108,7 +108,7 @@ TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
 }
 
 TEST_F(RunStoreSessions, RefusedOneFencesNobody) {
-  // Goal: a session that is refused because of another request doesn't stop the running session.
+  // Goal: if a session is refused because its request differs, the running session continues.
   RunStore running(folder(), example_identity(1));
   RunIdentity other = example_identity(1);
   other.identity_text = "another";
@@ -137,8 +137,8 @@ TEST_F(RunStoreSessions, SeeNoHalfOfAUnit) {
 }
 
 TEST_F(RunStoreSessions, NeedAFolderAndADatabase) {
-  // Goal: opening a store fails if the folder is missing or the store's file is not a database, and
-  // leaves the file unchanged.
+  // Goal: opening a store fails if the folder is missing or the store's file isn't a database. The
+  // file stays unchanged.
   const std::string missing = failure_of(base::ExitCode::environment,
                                          [&] { RunStore(path("missing"), example_identity(1)); });
   EXPECT_THAT(missing, HasSubstr(path("missing")));

@@ -43,9 +43,9 @@ TEST_F(RunStoreOf, NewRunIsEmpty) {
 }
 
 TEST_F(RunStoreOf, GivesBackWhatWasPut) {
-  // Goal: after a flush, results can be read, even by other readers and after the store is
-  // reopened. Method: store two chains in units of several sizes. One chain has more scans than one
-  // batch of a replay.
+  // Goal: after a flush, results can be read by any reader, and after the store is reopened.
+  // Method: store two chains in units of several sizes. One chain has more scans than a batch of a
+  // replay.
   open();
   std::uint64_t next = 0;
   for (const std::uint32_t scans : {1U, 2U, 100U, 4096U, 7U, 1000U}) {
@@ -65,7 +65,7 @@ TEST_F(RunStoreOf, GivesBackWhatWasPut) {
 
 TEST_F(RunStoreOf, ProgressIsInOrder) {
   // Goal: progress() sorts replicas by chain number, then by replica number. Method: put results
-  // out of order, with numbers that are far apart.
+  // out of order. Use numbers that are far apart.
   open();
   for (const auto& [chain, replica] :
        {std::pair{70'000U, 1U}, {3U, 0U}, {0xffffffffU, 0U}, {3U, 0xffffffffU}, {70'000U, 0U}}) {
@@ -85,10 +85,9 @@ TEST_F(RunStoreOf, ProgressIsInOrder) {
 }
 
 TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
-  // Goal: in any order of results, a scan's first result stays, and no replica has a gap
-  // (invariants 2 and 4). Method: put random units that continue, repeat or overlap stored units,
-  // with changed values in the scans that are already stored. Flush and open new sessions at
-  // random.
+  // Goal: whatever the order of results, a scan's first result stays, and no replica has a gap
+  // (invariants 2 and 4). Method: put random units that continue, repeat or overlap stored units.
+  // If a scan is already stored, change its values. Flush and open new sessions at random.
   constexpr std::uint64_t k_seed = 4711;
   SCOPED_TRACE(fmt::format("seed {}", k_seed));
   random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 0);
@@ -140,7 +139,7 @@ TEST_F(RunStoreOf, TakesFromManyThreads) {
 using RunStoreOfDeathTest = RunStoreOf;
 
 TEST_F(RunStoreOfDeathTest, GapIsABug) {
-  // Goal: a result that would leave a gap in a replica's scans fails a CHECK (invariant 4).
+  // Goal: if a result would leave a gap in a replica's scans, a CHECK fails (invariant 4).
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(
       {

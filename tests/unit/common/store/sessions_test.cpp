@@ -31,9 +31,10 @@ class Sessions : public testing::RunFolder {
 };
 
 TEST_F(Sessions, TellHowEachEnded) {
-  // Goal: sessions_of() returns finished and failed sessions with their end, and dead and running
-  // sessions without an end. It also returns the number of scans before each session. Method: let
-  // two sessions die, one before and one after a commit. Let other sessions fail, finish and run.
+  // Goal: sessions_of() returns each session with the number of scans before it. If a session
+  // finished or failed, it has an end. If a session died or is running, it has no end. Method: let
+  // one session die before a commit and one after a commit. Let other sessions fail, finish and
+  // run.
   { RunStore died(folder(), example_identity(1)); }
   {
     RunStore died(folder(), example_identity(1));
@@ -70,8 +71,8 @@ TEST_F(Sessions, TellHowEachEnded) {
 }
 
 TEST_F(Sessions, OneThatWasTakenForDeadSaysNothing) {
-  // Goal: a session whose successor has begun stores no end, and the successor's end stays. Method:
-  // open two stores of one run, and close the older store first.
+  // Goal: if a session's successor has begun, the session stores no end, and the successor's end
+  // stays. Method: open two stores of one run, and close the older store first.
   RunStore older(folder(), example_identity(1));
   RunStore newer(folder(), example_identity(1));
   try {
@@ -89,8 +90,8 @@ TEST_F(Sessions, OneThatWasTakenForDeadSaysNothing) {
 }
 
 TEST_F(Sessions, WhatWasChangedIsRefused) {
-  // Goal: a supervisor never acts on a damaged row, because sessions_of() throws. Method: change
-  // each column in turn.
+  // Goal: if a row is damaged, sessions_of() throws, so a supervisor never acts on it. Method:
+  // change each column in turn.
   {
     RunStore store(folder(), example_identity(1));
     store.close({.end = events::End::finished, .scans = 10});

@@ -1,4 +1,4 @@
-// Goal: a motion stored beside a run's store is read back bit for bit, or not at all.
+// Goal: a motion that is stored beside a run's store reads back bit for bit or not at all.
 #include "common/store/stored_motions.h"
 
 #include <gtest/gtest.h>
@@ -98,9 +98,9 @@ TEST_F(StoredMotionsTest, ComeBackBitForBit) {
 }
 
 TEST_F(StoredMotionsTest, BelongToOneOwner) {
-  // Goal: motions of another version or request are never returned, and the new owner's motions
-  // replace them. Method: open the file with another owner's text, and store motions of the same
-  // states.
+  // Goal: if motions belong to another version or request, they are never returned. The new owner's
+  // motions replace them. Method: open the file with another owner's text, and store motions of the
+  // same states.
   keep_fifty("a");
   EXPECT_EQ(remembered("b"), 0);
   EXPECT_EQ(remembered("a"), 50);
@@ -110,13 +110,13 @@ TEST_F(StoredMotionsTest, BelongToOneOwner) {
 }
 
 TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
-  // Goal: a damaged row is never returned, and a damaged or deleted file is created again. Method:
-  // change one column in each of several rows. Then replace the file by garbage, and delete the
+  // Goal: a damaged row is never returned. If the file is damaged or deleted, it is created again.
+  // Method: change one column in each of several rows. Replace the file by garbage. Delete the
   // file.
   keep_fifty("a");
   int left = 50;
-  // Each change affects the motion of one state, whose first byte (of four) is given. The motions
-  // of these states have segments.
+  // Each change affects the motion of one state. The motion has segments. The second text is the
+  // first byte (of four) of the state.
   const std::vector<std::pair<std::string, std::string>> changes{{"ends=2", "01"},
                                                                  {"columns=4", "02"},
                                                                  {"numbers=zeroblob(24)", "05"},
@@ -137,9 +137,9 @@ TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
 }
 
 TEST_F(StoredMotionsTest, AFileDamagedWithinIsMadeAnew) {
-  // Goal: if a file proves damaged while rows are read or written, the file is created again
-  // without an error. Method: overwrite all pages but the first. The old motions are lost, and new
-  // motions must be stored.
+  // Goal: if the damage of a file is found while rows are read or written, the file is created
+  // again without an error. Method: overwrite all pages but the first. The old motions are lost,
+  // and new motions must be stored.
   keep_fifty("a");
   execute("PRAGMA wal_checkpoint(TRUNCATE)");
   std::string bytes = bytes_of(StoredMotions::path(folder()));
@@ -155,8 +155,8 @@ TEST_F(StoredMotionsTest, AFileDamagedWithinIsMadeAnew) {
 }
 
 TEST_F(StoredMotionsTest, GrowsToItsBound) {
-  // Goal: a file exceeds its size limit by no more than the motions that wait to be written, and
-  // its stored motions stay. Method: use a limit of 1 MB and motions of 100 kB.
+  // Goal: a file grows beyond its size limit only by the motions that wait to be written. Stored
+  // motions stay. Method: use a limit of 1 MB and motions of 100 kB.
   StoredMotions motions(folder(), "a", 1 << 20);
   const archive::Motion large{.segments = std::vector<motion::Segment>(521)};
   for (int number = 0; number < 400; ++number)

@@ -34,8 +34,8 @@ class StoredRunOf : public testing::RunFolder {
 
 TEST_F(StoredRunOf, KeepsEveryBit) {
   // Goal: a scan's record is read from the store with the exact bits that the worker returned.
-  // Method: store a record with extreme values: NaNs with payloads as outcomes, a density of minus
-  // infinity, empty lists, and the largest lineage.
+  // Method: store a record of extreme values: outcomes that are NaNs with payloads, a density of
+  // minus infinity, empty lists, and the largest lineage.
   plan::ScanRecord record;
   record.log_prior = std::numeric_limits<double>::denorm_min();
   record.log_constraint = -std::numeric_limits<double>::infinity();
@@ -47,8 +47,8 @@ TEST_F(StoredRunOf, KeepsEveryBit) {
 }
 
 TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
-  // Goal: the two densities, which have their own columns, keep their bits. Method: store doubles
-  // that a database might convert: whole numbers, signed zeros, the largest double.
+  // Goal: the two densities have their own columns and keep their bits. Method: store doubles that
+  // a database might convert: whole numbers, signed zeros, the largest double.
   const std::vector<double> values{-0.0,
                                    0.0,
                                    1.0,
@@ -75,8 +75,8 @@ TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
 }
 
 TEST_F(StoredRunOf, CutsWhereItIsTold) {
-  // Goal: a reader that is limited to a number of scans gets exactly these scans of each chain.
-  // Method: limit a reader to 7 scans, and another reader to none, while the store is open for
+  // Goal: if a reader is limited to n scans, it gets exactly the first n scans of each chain.
+  // Method: limit one reader to 7 scans and another reader to 0, while the store is open for
   // writing.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 9));
@@ -101,7 +101,7 @@ TEST_F(StoredRunOf, CutsWhereItIsTold) {
 TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
   // Goal: failures() counts the failures of all replicas in the scans before the cut, and no
   // others. Method: for each cut, compare the counts with the sum over the example records. Then
-  // damage a stored count, which must throw an error.
+  // damage a stored count; failures() must throw.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 40));
   store.put(result_of(1, 0, 40));
@@ -159,8 +159,8 @@ TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
 
 TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
   // Goal: a replay advances dependent replicas together, so that a plan buffers few scans. Each
-  // replica's scans come once and in order. Method: store three replicas with more scans than one
-  // batch, and measure by how many scans the replay is ahead in one replica.
+  // replica's scans come once and in order. Method: store three replicas with more scans than a
+  // batch. No replica may get far ahead of another.
   constexpr std::uint64_t k_scans = 10'000;
   constexpr std::uint64_t k_apart_max = 4096;
   RunStore store(folder(), example_identity(1));
@@ -190,14 +190,14 @@ TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
 }
 
 TEST_F(StoredRunOf, MissingStoreIsAnError) {
-  // Goal: reading from a folder without a store throws an error and creates no file.
+  // Goal: if a folder has no store, reading from it throws an error and creates no file.
   EXPECT_THROW(StoredRun(folder(), {.chains = 1, .scans = 1}), base::Error);
   EXPECT_TRUE(std::filesystem::is_empty(folder()));
 }
 
 TEST_F(StoredRunOf, MissingScansAreDamage) {
-  // Goal: reading more scans than are stored throws an error, so that no archive is silently cut
-  // short.
+  // Goal: if a reader asks for more scans than are stored, it gets an error, so no archive is
+  // silently too short.
   RunStore store(folder(), example_identity(1));
   store.put(result_of(0, 0, 3));
   store.flush();

@@ -1,5 +1,5 @@
-// Goal: a run's events are numbered and committed together with its results. Readers get the events
-// from the event log and the store.
+// Goal: a run's events are numbered and committed together with its results. Readers get events
+// from the event log and from the store.
 #include "common/store/told_events.h"
 
 #include <fmt/format.h>
@@ -64,7 +64,7 @@ class ToldEventsTest : public testing::RunFolder {
     }
     return {};
   }
-  /// Writes a log of numbered rounds, in the form that a session's log has.
+  /// Writes a log of numbered rounds, as a session does.
   void log(std::uint64_t first, std::uint64_t last) const {
     events::EventLog log(folder());
     for (std::uint64_t number = first; number <= last; ++number) {
@@ -81,9 +81,9 @@ class ToldEventsTest : public testing::RunFolder {
 };
 
 TEST_F(ToldEventsTest, NumbersGoOnOverSessionsAndEnds) {
-  // Goal: events are numbered from 1 without a gap, in the order of put(), and so is a session's
-  // end. A session that dies stores no end, and told() returns the counts of the last committed
-  // events. Method: run three sessions, of which the second dies. Compare the events that each
+  // Goal: events are numbered from 1 without a gap, in the order of put(). A session's end is an
+  // event too. If a session dies, it stores no end, and told() returns the counts of the last
+  // committed events. Method: run three sessions. The second dies. Compare the events that each
   // session reports with the events that are read back.
   std::vector<std::uint64_t> heard;
   const auto hear = [&](std::span<const events::RunEvent> told) {
@@ -120,9 +120,9 @@ TEST_F(ToldEventsTest, NumbersGoOnOverSessionsAndEnds) {
 }
 
 TEST_F(ToldEventsTest, AreCommittedBehindTheirResultsAndFenced) {
-  // Goal: an event is reported only after its results are committed, and never by a session that is
-  // presumed dead. Method: at each report, read the results from the store. Then open a newer
-  // session; the store must refuse the older session's events and end.
+  // Goal: an event is reported only after its results are committed. A session that is presumed
+  // dead reports nothing. Method: at each report, read the results from the store. Then open a
+  // newer session. The store must refuse the older session's events and end.
   RunStore store(folder(), example_identity(1));
   std::uint64_t heard = 0;
   store.on_told([&](std::span<const events::RunEvent> told) {
@@ -146,7 +146,7 @@ TEST_F(ToldEventsTest, AreCommittedBehindTheirResultsAndFenced) {
 }
 
 TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
-  // Goal: without a flush, an event is committed soon, even if no results follow.
+  // Goal: an event is committed soon, even without a flush or further results.
   RunStore store(folder(), example_identity(1));
   std::atomic<bool> has_heard = false;
   store.on_told([&](std::span<const events::RunEvent>) { has_heard = true; });
@@ -158,9 +158,9 @@ TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
 
 TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
   // Goal: a reader gets each event once and in order, even if the log lacks some events. Method:
-  // store twenty events. Write logs with all events, only the last, only the first, only the
-  // middle, or none, and a log with a damaged line. Read from several start numbers, with small and
-  // large limits per call.
+  // store twenty events. Write logs that have all events, the last events, the first events, some
+  // middle events, or no events. Damage a line of a log. Begin at several numbers, and limit the
+  // events per call.
   store_rounds(20);
   const auto read_all = [&](std::uint64_t first, std::size_t at_once) {
     ToldEvents told(folder(), first);
@@ -189,8 +189,7 @@ TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
   text[text.size() / 2] = '\n';
   put_bytes(path, text);
   EXPECT_EQ(read_all(1, 100), from_to(1, 20));
-  // If an event is neither in the log nor in the store, a reader reports the gap instead of
-  // stopping silently.
+  // If an event is neither in the log nor in the store, a reader reports the gap.
   std::filesystem::remove(path);
   log(22, 22);
   EXPECT_THAT(failure(), HasSubstr("event 21 is missing"));
@@ -198,9 +197,9 @@ TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
 
 TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
   // Goal: a follower gets each event exactly once while the log rotates, is deleted or is created
-  // again. If there are no new events, the follower gets nothing. Method: store all events, and
-  // write them to a small log that is deleted several times. One follower reads after each event,
-  // and another after every ninth event.
+  // again. If there are no new events, the follower gets nothing. Method: store all events. Write
+  // the events to a small log, and delete the log several times. One follower reads after each
+  // event; the other reads after every ninth event.
   store_rounds(2000);
   ToldEvents quick(folder());
   ToldEvents slow(folder());
@@ -233,8 +232,8 @@ TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
 }
 
 TEST_F(ToldEventsTest, TellsTheNewestOfWhatHasNoNumber) {
-  // Goal: a reader gets numbered events first, then the newest unread event of each kind that has
-  // no number, such as progress.
+  // Goal: some kinds of events have no number, such as progress. A reader gets the numbered events
+  // first, and then the newest unread event of each kind without numbers.
   store_rounds(1);
   events::EventLog log(folder());
   log.append({.what = events::Phase{.words = "a"}});

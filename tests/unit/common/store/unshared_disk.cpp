@@ -23,7 +23,7 @@ std::atomic<std::uint64_t> calls_left{k_never};
 sqlite3_vfs* real_disk = nullptr;
 sqlite3_vfs unshared_disk;
 
-/// A set of file functions without shared memory, and the set that it wraps.
+/// File functions that offer no shared memory, and the real functions that they call.
 struct Methods {
   sqlite3_io_methods unshared;
   const sqlite3_io_methods* real = nullptr;

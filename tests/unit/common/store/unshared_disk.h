@@ -1,5 +1,5 @@
-// A disk that machines share, which SQLite sees as a disk without shared memory. Databases that are
-// opened while an UnsharedDisk exists are on this disk, and every disk counts as a network disk.
+// A disk that machines share, and on which SQLite has no shared memory. While an UnsharedDisk
+// exists, databases are opened on it, and every disk counts as a network disk.
 //
 // A process can pause within a commit, as on a suspended machine.
 #pragma once

@@ -1,5 +1,5 @@
-// Goal: messages between the daemon and a backend follow docs/BACKENDS.md. Missing keys have
-// default values, and errors name the wrong key.
+// Goal: messages between the daemon and a backend follow docs/BACKENDS.md. If a key is missing, it
+// has its default value. Errors name the wrong key.
 #include "service/backend/messages.h"
 
 #include <gmock/gmock.h>

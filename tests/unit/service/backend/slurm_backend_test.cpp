@@ -1,6 +1,6 @@
 // Goal: the Slurm backend runs the right commands and interprets their output, even if the output
-// is lost or unusual. Method: use scripts in place of sbatch, squeue and scancel, which log their
-// arguments and print prepared files. test_slurm_backend.py uses a real Slurm.
+// is lost or unusual. Method: use scripts in place of sbatch, squeue and scancel. The scripts log
+// their arguments and print prepared files. test_slurm_backend.py uses a real Slurm.
 #include "service/backend/slurm_backend.h"
 
 #include <fmt/format.h>
@@ -47,7 +47,7 @@ class SlurmBackendTest : public ::testing::Test {
     text << std::ifstream(path(name)).rdbuf();
     return text.str();
   }
-  /// Creates a program that logs its arguments, one per line, then runs the script.
+  /// Creates a program that writes each of its arguments to a line of a log, then runs the script.
   void program(const std::string& name, const std::string& script) {
     write(name, fmt::format("#!/bin/sh\ncd {0}\nprintf '%s\\n' \"$@\" >> {1}.asked\necho >> "
                             "{1}.calls\n{2}\n",
@@ -78,8 +78,8 @@ class SlurmBackendTest : public ::testing::Test {
 };
 
 TEST_F(SlurmBackendTest, SubmitsAnAttemptOnce) {
-  // Method: compare the whole sbatch command. Launch the same attempt again with the same backend
-  // object and with a new one; sbatch must run only once.
+  // Method: compare the whole sbatch command. Launch the same attempt again, with the same backend
+  // object and with a new backend object. sbatch must run only once.
   auto slurm = backend({{"partition", "long"}});
   Order wanted = order();
   wanted.memory_bytes = 3'000'000'001;
@@ -144,9 +144,9 @@ TEST_F(SlurmBackendTest, AsksSqueueOnceForAllAndNotSoonAgain) {
 }
 
 TEST_F(SlurmBackendTest, ALostAnswerIsFoundAgainByItsComment) {
-  // Goal: if sbatch's answer is lost, the next launch finds the submitted job in the queue instead
-  // of submitting it again. Method: let sbatch submit the job, then be killed, report a timeout, or
-  // print nothing.
+  // Goal: if sbatch's answer is lost, the next launch finds the job in the queue and doesn't submit
+  // it again. Method: sbatch submits the job, but then is killed, reports a timeout, or prints
+  // nothing.
   for (const char* loss : {"kill -9 $$",
                            "echo 'sbatch: error: Batch job submission failed: Socket timed out on "
                            "send/recv operation' >&2; exit 1",
@@ -190,8 +190,8 @@ TEST_F(SlurmBackendTest, ARefusalIsNoSilence) {
 }
 
 TEST_F(SlurmBackendTest, AControllerThatIsAwayIsAskedOnce) {
-  // Goal: while squeue can't reach the controller, no job is submitted, and twenty calls run squeue
-  // only once.
+  // Goal: while squeue can't reach the controller, no job is submitted, and squeue runs only once
+  // for twenty calls.
   program("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2; exit 1");
   auto slurm = backend();
   for (std::uint64_t job = 1; job <= 10; ++job) {

@@ -1,5 +1,5 @@
-// Goal: a job's Slurm options become arguments of sbatch. Options that would break the service are
-// refused, even if their names are abbreviated.
+// Goal: a job's Slurm options become arguments of sbatch. If an option would break the service, it
+// is refused, even if its name is abbreviated.
 #include "service/backend/slurm_options.h"
 
 #include <gmock/gmock.h>

@@ -28,8 +28,8 @@ TEST(SlurmQueue, HasTheAttemptsOfComments) {
 }
 
 TEST(SlurmQueue, PassesOddRowsOver) {
-  // Method: read rows of foreign jobs, incomplete rows, a job array, a comment with a vertical bar,
-  // and a last row without a newline.
+  // Method: read rows of foreign jobs, incomplete rows, and a job array. One comment contains a
+  // vertical bar. The last row has no newline.
   const SlurmQueue queue = slurm_queue_of(
       "\n|||\nslurm_load_jobs error\n"
       "1|RUNNING|None|my own|words\n"

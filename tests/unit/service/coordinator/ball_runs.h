@@ -18,11 +18,11 @@ namespace sleight::coordinator::testing {
 
 class BallRuns : public archive::testing::Scratch {
  protected:
-  /// Makes scans slow enough that a session can be stopped between two units (for request_text()).
+  /// For request_text(): scans become so slow that a session can be stopped between two units.
   static constexpr const char* k_slow = "iterations_per_scan = 200\n";
 
-  /// Returns a request for three chains or ladders. `stop` is the content of [stop], and `more`
-  /// precedes this section.
+  /// Returns a request for three chains or ladders. `stop` is the content of [stop]; `more` is put
+  /// before [stop].
   static std::string request_text(const std::string& stop, const std::string& more = {},
                                   const std::string& method = "metropolis_hastings") {
     return "[world]\nname = \"ball_2d\"\n[sampler]\nmethod = \"" + method +
@@ -67,7 +67,7 @@ class BallRuns : public archive::testing::Scratch {
   }
 
   /// Like stop_at(), but requests no stop if the previous session was stopped while it wrote its
-  /// archive. Otherwise the run would never end, because writing an archive takes more calls.
+  /// archive. Otherwise the run would never end: writing an archive takes more than n calls.
   static std::function<bool()> stop_before_writing(std::uint64_t question,
                                                    const RunSummary& before) {
     return before.is_archive_given_up ? std::function<bool()>() : stop_at(question);

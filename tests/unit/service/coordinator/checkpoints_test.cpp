@@ -41,8 +41,8 @@ class CheckpointsTest : public ::testing::Test {
 
 TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
   // Goal: a run makes a checkpoint at its first solution, and then a checkpoint of its newest cut
-  // every minute. Method: make one offer per second for five minutes, with a solution from the
-  // tenth second on.
+  // every minute. Method: make one offer per second for five minutes. From the tenth second on,
+  // there is a solution.
   std::vector<std::uint64_t> cuts;
   Checkpoints checkpoints(
       [&](const request::Cut& reached, const std::atomic<bool>&) {
@@ -61,8 +61,8 @@ TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
 }
 
 TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
-  // Goal: no checkpoint is made without results, in the first half second, after stop(), or if
-  // checkpoints are turned off.
+  // Goal: no checkpoint is made if there are no results, in the first half second, after stop(), or
+  // if checkpoints are turned off.
   std::atomic<int> made = 0;
   const auto derive = [&](const request::Cut&, const std::atomic<bool>&) {
     ++made;
@@ -109,9 +109,9 @@ TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
 }
 
 TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
-  // Goal: during a derivation, offers return at once and don't start a second derivation, and
-  // stop() cancels the running derivation. Method: make offers during a derivation that runs until
-  // it is cancelled.
+  // Goal: during a derivation, offers return at once and don't start a second derivation. stop()
+  // cancels the derivation. Method: make offers during a derivation that runs until it is
+  // cancelled.
   std::atomic<int> begun = 0;
   std::atomic<bool> was_told = false;
   Checkpoints checkpoints(
@@ -138,9 +138,9 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
 }
 
 TEST_F(CheckpointsTest, CostlyOnesAreRare) {
-  // Goal: deriving archives takes at most 1% of the workers' time, not counting the simulation of
-  // new motions. Method: let each checkpoint compute for 0.2 s, of which motions take 0 s or 0.15
-  // s. With two workers, the next checkpoint must wait for 50 times the remaining time, which is at
+  // Goal: deriving archives takes at most 1% of the workers' time. The simulation of new motions
+  // doesn't count. Method: let each checkpoint compute for 0.2 s. Motions take 0 s or 0.15 s of
+  // this. With two workers, the next checkpoint must wait for 50 times the rest of the 0.2 s: at
   // least 10 s or 2.5 s.
   for (const double motions_s : {0.0, 0.15}) {
     std::atomic<double> cost_s = 0;
@@ -171,10 +171,9 @@ TEST_F(CheckpointsTest, CostlyOnesAreRare) {
 }
 
 TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
-  // Goal: checkpoints continue after any failure and after a checkpoint without draws. A run tries
-  // each second to make its first archive, and makes its second archive a minute after the first.
-  // Method: let two tries fail in different ways, let the third have no draws, and let the later
-  // tries succeed.
+  // Goal: checkpoints continue even if one fails or has no draws. A run tries each second to make
+  // its first archive, and makes its second archive a minute after the first. Method: let two tries
+  // fail in different ways. The third has no draws. Later tries succeed.
   std::atomic<int> tries = 0;
   Checkpoints checkpoints(
       [&](const request::Cut&, const std::atomic<bool>&) {
@@ -191,7 +190,7 @@ TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
   offer(1);
   await([&] { return tries == 1; });
   for (int nth = 2; nth <= 4; ++nth) {
-    // A new attempt shows that the previous one has ended.
+    // If a new attempt begins, the previous attempt has ended.
     await([&] {
       offer(1.5);
       return tries >= nth;

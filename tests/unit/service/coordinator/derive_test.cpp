@@ -64,10 +64,10 @@ class DeriveArchive : public testing::BallRuns {
 };
 
 TEST_F(DeriveArchive, IsTheRunsOwn) {
-  // Goal: an archive derived from a run's folder alone equals the run's own archive byte for byte.
-  // This holds for each kind of method, for finished and stopped runs, and for fewer scans than the
-  // store has. Method: run each request with two threads, once to its end and once with an early
-  // stop.
+  // Goal: if an archive is derived from a run's folder alone, it equals the run's own archive byte
+  // for byte. This holds for each kind of method, and for finished and stopped runs. This also
+  // holds if the archive has fewer scans than the store. Method: run each request with two threads,
+  // once to its end and once with an early stop.
   const auto word = [](const std::string& sampler, const std::string& stop) {
     return "[world]\nname = \"spelling\"\nbitmap = \"#.#\"\n[sampler]\nseed = 5\n" + sampler +
            "[stop]\n" + stop;
@@ -105,8 +105,8 @@ TEST_F(DeriveArchive, IsTheRunsOwn) {
 
 TEST_F(DeriveArchive, HangsOnItsCutAlone) {
   // Goal: the archive of a run's first scans doesn't depend on later scans, even if ladders get
-  // more levels later. Method: request 40 scans of a run of 2000 scans, and compare the archive
-  // with the archive of a new run of 40 scans.
+  // more levels later. Method: derive an archive of the first 40 scans of a run of 2000 scans.
+  // Compare it with the archive of a new run of 40 scans.
   const auto text = [](int scans) {
     return request_text("scans = " + std::to_string(scans), "", "parallel_tempering");
   };
@@ -123,9 +123,9 @@ TEST_F(DeriveArchive, HangsOnItsCutAlone) {
 }
 
 TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
-  // Goal: a run simulates the motion of each kept animation only once for all checkpoints and
-  // archives, even if the run is resumed. Method: count the simulated motions of a run with very
-  // frequent checkpoints, and of a session that resumes the run.
+  // Goal: a run simulates each kept animation's motion only once for all checkpoints and archives,
+  // even if the run is resumed. Method: run with very frequent checkpoints, then resume the run.
+  // Count the simulated motions.
   const run::Catalogue catalogue;
   const auto read = [&](const std::string& stop) {
     return request::read_request(
@@ -182,10 +182,10 @@ TEST_F(DeriveArchive, CanBeStopped) {
 }
 
 TEST_F(DeriveArchive, ARunThatIsToldToStopWhileItWritesKeepsTheOldOne) {
-  // Goal: if a session is stopped while it writes its archive, the old archive stays, the store is
-  // complete, and the session ends as interrupted. The next session of the same request writes the
+  // Goal: if a session is stopped while it writes its archive, the old archive stays and the store
+  // is complete. The session ends as interrupted. The next session of the same request writes the
   // archive. Method: request a stop when the run reports that it begins to write the archive. Use a
-  // new run and a run that has an archive.
+  // new run. Then use a run that has an archive.
   const std::string text = request_text("scans = 200");
   const std::string longer = request_text("scans = 300");
   for (const bool has_archive : {false, true}) {

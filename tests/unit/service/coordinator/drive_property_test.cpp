@@ -1,4 +1,4 @@
-// A run's result depends neither on the crew nor on stops.
+// A run's result doesn't depend on the crew or on stops.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ constexpr std::uint32_t k_chains = 4;
 constexpr std::uint64_t k_round_scans = 10;
 constexpr std::uint64_t k_solutions = 40;
 
-/// Returns the scan at which a run for k_solutions must stop, computed from the example records.
+/// Computes the scan at which a run for k_solutions must stop, from the example records.
 std::uint64_t scans_at_stop() {
   std::uint64_t end = 0;
   for (std::uint64_t length = k_round_scans;; length *= 2) {
@@ -37,11 +37,11 @@ std::uint64_t scans_at_stop() {
 class DriveProperty : public store::testing::RunFolder {};
 
 TEST_F(DriveProperty, AnyCrewAndAnyStopsGiveOneResult) {
-  // Goal: results don't depend on when and where units complete, on their costs, on lost states, or
-  // on where sessions stop or fail. Method: run sessions that stop or fail at random. Choose the
-  // numbers of workers and threads, the orders and costs of units, and the lost states at random.
-  // Compare the final scan and every stored bit with the example records. Control: the crews held
-  // states and lost some of them.
+  // Goal: results don't depend on when and where units complete, what they cost, which states are
+  // lost, and where sessions stop or fail. Method: run sessions that stop or fail at random. Choose
+  // workers, threads, costs, the order of units, and lost states at random. Compare the final scan
+  // and every stored bit with the example records. The crews must hold states and lose some of
+  // them.
   const std::uint64_t end = scans_at_stop();
   EXPECT_GT(end, 2 * k_round_scans);
   std::uint64_t states_held = 0;

@@ -40,7 +40,7 @@ class Drive : public store::testing::RunFolder {
     return drive(plan, *store_, *crew_, clock_, options);
   }
 
-  /// Returns the number of committed scans of all chains, counted by a concurrent reader.
+  /// Counts the committed scans of all chains with a second reader.
   std::uint64_t committed_scans() const {
     store::Database reader(store::RunStore::database_path(folder()), store::Access::read_only);
     store::Statement count = reader.prepare("SELECT count(*) FROM scan");
@@ -90,9 +90,9 @@ TEST_F(Drive, RunsAPlanToItsEnd) {
 }
 
 TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
-  // Goal: after a stop request, the session assigns no more blocks, and finishes and stores the
-  // running blocks. The next session resumes the run. Method: request a stop after ten checks, and
-  // compare the number of stored scans with the number of submitted scans.
+  // Goal: after a stop request, the session assigns no more blocks. The session finishes the
+  // running blocks and stores their results. The next session resumes the run. Method: request a
+  // stop after ten checks. The number of stored scans must equal the number of submitted scans.
   int questions = 0;
   const DriveOutcome outcome = session(scans(500), {.seconds_per_scan = 0.001},
                                        {.stop_requested = [&] { return ++questions > 10; }});
@@ -121,8 +121,8 @@ TEST_F(Drive, AFinishedRunIsFinishedWhateverIsAsked) {
 }
 
 TEST_F(Drive, TimeLimitEndsInOrder) {
-  // Goal: a session exceeds its time limit by no more than the time of its running units, and cuts
-  // all chains at the same scan. Method: let each scan take 10 ms, and set a limit of 2 s.
+  // Goal: a session exceeds its time limit only by the time of its running units, and cuts all
+  // chains at the same scan. Method: let each scan take 10 ms, and set a limit of 2 s.
   clock_.advance(1000);  // a clock may start at any time
   const DriveOutcome outcome =
       session(scans(100'000), {.seconds_per_scan = 0.010}, {.time_limit_s = 2});
@@ -135,7 +135,7 @@ TEST_F(Drive, TimeLimitEndsInOrder) {
 
 TEST_F(Drive, UnitsFollowWhatScansCost) {
   // Goal: measured costs determine the sizes of units (see block_size_test). Units grow until they
-  // take the target duration, and units of cheap scans grow to the maximum block size. Method: run
+  // take the target duration. If scans are cheap, units grow to the maximum block size. Method: run
   // scans of 0.5 ms, and scans that cost almost nothing.
   const core::BlockSizeOptions size{};
   (void)session(scans(5000), {.seconds_per_scan = 0.0005});
@@ -191,9 +191,9 @@ TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
 }
 
 TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
-  // Goal: the callback `standing` gets cuts that never shrink, and has_solution stays true after
-  // the first solution. A flush commits the scans of the cut. Method: at each call, flush and read
-  // the store.
+  // Goal: the cuts that the callback `standing` gets never shrink. After the first solution,
+  // has_solution stays true. A flush commits the scans of the cut. Method: at each call, flush and
+  // read the store.
   std::vector<std::uint64_t> cuts;
   bool had_solution = false;
   const auto standing = [&](const Standing& now) {
@@ -251,9 +251,10 @@ TEST_F(Drive, SupersededSessionEnds) {
 }
 
 TEST_F(Drive, SaysWhatHandlingTook) {
-  // Goal: an outcome's `handling` has the scheduler's counts, the crew's messages, and the sum of
-  // all workers' last reported cache numbers. Method: compare `handling` with the counts of a crew
-  // of three workers, whose cache numbers grow with each delivery.
+  // Goal: an outcome's `handling` has the scheduler's counts and the crew's messages. `handling`
+  // also has the sum of the cache numbers that the workers reported last. Method: compare
+  // `handling` with the counts of a crew of three workers. The workers' cache numbers grow with
+  // each delivery.
   const DriveOutcome outcome =
       session(scans(400), {.workers = 3, .threads = 2, .seconds_per_scan = 0.001});
   EXPECT_EQ(outcome.progress.workers, 6U);
@@ -284,7 +285,7 @@ TEST_F(Drive, SaysWhatHandlingTook) {
 }
 
 TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
-  // Goal: if the clock starts at a large time, no worker counts as silent and no lease ends.
+  // Goal: even if the clock starts at a large time, no worker counts as silent, and no lease ends.
   clock_.advance(1e6);
   const DriveOutcome outcome =
       session(scans(1000), {.workers = 2, .threads = 2, .seconds_per_scan = 1}, {});
@@ -294,9 +295,9 @@ TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
 }
 
 TEST_F(Drive, ReportsRoundTripsOfItsPlan) {
-  // Goal: a session's progress includes the round trips of all sessions, if the plan counts round
-  // trips. Method: run two sessions. The second session's plan reports its consumed scans as round
-  // trips.
+  // Goal: if the plan counts round trips, a session's progress includes the round trips of all
+  // sessions. Method: run two sessions. The second session's plan counts each consumed scan as a
+  // round trip.
   class Travelling final : public plan::Plan {
    public:
     explicit Travelling(const sampling::IndependentChainsOptions& options) : chains_(options) {}

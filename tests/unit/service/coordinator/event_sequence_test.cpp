@@ -74,7 +74,7 @@ std::unique_ptr<plan::Plan> plan_of(const Asked& asked) {
           .stop = {.scans = asked.scans, .rounds = {}, .independent_solutions = {}}}));
 }
 
-/// Numbers events in their order of arrival, which the checks below must detect as a mistake.
+/// Numbers events in their order of arrival. The checks below must detect this mistake.
 class CompletionOrder {
  public:
   explicit CompletionOrder(const store::ToldFrontier& told) : told_(told) {}
@@ -96,13 +96,13 @@ class CompletionOrder {
   std::vector<events::RunEvent> found_;
 };
 
-/// A run of several sessions with any number of workers, whose results arrive in any order. If a
-/// session dies, the results and events from before its death remain.
+/// A run of several sessions with any number of workers. Results arrive in any order. If a session
+/// dies, its earlier results and events remain.
 class PlayedRun {
  public:
   explicit PlayedRun(const World& world) : world_(world) {}
 
-  /// Runs until the run is done or results_max results have arrived.
+  /// Runs until the run is done or `results_max` results have arrived.
   template <class Sequence = EventSequence>
   void session(const Asked& asked, Dice& dice, std::size_t workers,
                std::uint64_t results_max = UINT64_MAX) {
@@ -157,7 +157,7 @@ class PlayedRun {
   store::ToldFrontier told_;
 };
 
-/// Returns a run of one session and one worker, which reports results one by one.
+/// Returns a run of one session. The only worker reports results one by one.
 PlayedRun quiet_run(const World& world, const Asked& asked) {
   Dice dice(0);
   PlayedRun run(world);
@@ -168,8 +168,8 @@ PlayedRun quiet_run(const World& world, const Asked& asked) {
 TEST(EventSequence, IsTheSameHoweverResultsCome) {
   // Goal: a run's events and their order don't depend on the number of workers, the order of
   // results or the number of calls (invariant 1). Sessions that die don't change the events.
-  // Method: make random runs of a search followed by chains, in sessions that die at random.
-  // Compare each run's events with the events of an undisturbed run.
+  // Method: make random runs that consist of a search and then chains. Their sessions die at
+  // random. Compare each run's events with the events of an undisturbed run.
   std::uint64_t failures = 0;
   for (const std::uint64_t index : property::cases(150)) {
     Dice dice(index);
@@ -208,9 +208,9 @@ TEST(EventSequence, NumberedInCompletionOrderItWouldBeCaught) {
 }
 
 TEST(EventSequence, OfALongerStopGoesOn) {
-  // Goal: a run that is extended to more scans reports the same events as one long run (invariant
-  // 2). A request of fewer scans in between adds no event. A request of more finds adds only the
-  // events of these finds. Method: extend random runs step by step.
+  // Goal: if a run is extended to more scans, it reports the events of one long run (invariant 2).
+  // If fewer scans are requested in between, no event is added. If more finds are requested, only
+  // the events of these finds are added. Method: extend random runs step by step.
   for (const std::uint64_t index : property::cases(60)) {
     Dice dice(index);
     const World world{.seed = index};
@@ -236,7 +236,7 @@ TEST(EventSequence, OfALongerStopGoesOn) {
 
 TEST(EventSequence, TellsInTheOrderOfItsHeader) {
   // Goal: events have the order that event_sequence.h defines, and the right places, numbers and
-  // files. Method: consume constructed results of two chains, those of the second chain first. The
+  // files. Method: construct results of two chains. Consume the second chain's results first. The
   // failures of both chains must come first, then the solutions, then the round.
   sampling::IndependentChains plan(
       {.seed = 1,
@@ -291,8 +291,8 @@ TEST(EventSequence, TellsInTheOrderOfItsHeader) {
 }
 
 TEST(EventSequence, TellsSoManyFailuresAndNoMore) {
-  // Goal: if every simulation fails, a run reports the same first failures for any order of
-  // results. The limit on their number applies to all sessions together.
+  // Goal: if every simulation fails, a run reports the same first failures in any order of results.
+  // All sessions together report at most as many as the limit.
   const World world{.seed = 5, .failing = 1};
   const Asked asked{.scans = 500, .finds = 0};
   const PlayedRun quiet = quiet_run(world, asked);

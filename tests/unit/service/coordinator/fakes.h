@@ -23,20 +23,21 @@ struct FakeCrewOptions {
   double seconds_per_scan = 0;  ///< passes on the clock when an assignment completes
   /// The reported cost of a unit. Empty: the seconds above.
   std::function<double(const plan::Unit&)> cost_s{};
-  /// Returns the index of the waiting assignment that completes next, given the number of waiting
-  /// assignments. Empty: the oldest.
+  /// Takes the number of waiting assignments. Returns the index of the assignment that completes
+  /// next. Empty: the oldest.
   std::function<std::size_t(std::size_t)> choose{};
   /// Called before each unit completes. May throw, as a failing worker would.
   std::function<void(const plan::Unit&)> before{};
-  /// Whether the worker has lost the state that the scheduler expects it to hold. Empty: never.
+  /// Returns true if the worker has lost the state that the scheduler expects it to hold. Empty:
+  /// never.
   std::function<bool(const plan::Unit&)> forgets{};
   /// From this time on, no assignment completes.
   double hangs_from_s = std::numeric_limits<double>::infinity();
 };
 
-/// Completes one assignment per receive. Checks that each unit comes with the preceding state as
-/// bytes, unless the worker made this state last and hasn't reported its loss. Checks that no
-/// worker has more assignments than the scheduler may give.
+/// Completes one assignment per receive. Checks that each unit comes with the bytes of the
+/// preceding state. If the worker made this state last and hasn't reported its loss, the bytes are
+/// not needed. Checks that no worker has more assignments than the scheduler may give.
 class FakeCrew final : public Crew {
  public:
   FakeCrew(base::ManualClock& clock, FakeCrewOptions options)
@@ -92,7 +93,7 @@ class FakeCrew final : public Crew {
   std::size_t outstanding() const { return waiting_.size(); }
   /// All units in the order of submission.
   const std::vector<plan::Unit>& submitted() const { return submitted_; }
-  /// Number of units that came without state bytes, excluding a replica's first unit.
+  /// Number of units that came without state bytes. A replica's first unit doesn't count.
   std::uint64_t states_held() const { return states_held_; }
   std::uint64_t states_given() const { return states_given_; }
   std::uint64_t deliveries(core::WorkerId worker) const { return deliveries_.at(worker); }
@@ -146,8 +147,8 @@ class FakeCrew final : public Crew {
     return delivery;
   }
 
-  /// Returns cache numbers that are proportional to worker + 1. All except `bytes_max` are also
-  /// proportional to the worker's number of deliveries.
+  /// Returns cache numbers that are proportional to worker + 1. All numbers except `bytes_max` are
+  /// also proportional to the number of the worker's deliveries.
   plan::CacheUse cache_after(core::WorkerId worker) {
     const std::uint64_t n = ++deliveries_[worker];
     const std::uint64_t factor = worker.value + 1;

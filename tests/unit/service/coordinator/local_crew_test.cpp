@@ -24,7 +24,7 @@ class FakeWorker final : public plan::BlockWorker {
   using Act = std::function<void(const plan::Unit&)>;
   explicit FakeWorker(Act act = {}) : act_(std::move(act)) {}
 
-  /// Returns each member's given state as its result, or no results if a state is missing.
+  /// Returns each member's given state as its result. If a state is missing, returns no results.
   std::vector<plan::UnitResult> run(const plan::Block& block,
                                     std::span<const plan::GivenState> states) const override {
     ++started_;
@@ -58,7 +58,7 @@ schema::Assignment assignment(std::uint64_t number, base::Bytes state = {}) {
           .states = {std::move(state)}};
 }
 
-/// Returns the next `count` deliveries, waiting for them if necessary.
+/// Waits for the next `count` deliveries and returns them.
 std::vector<schema::Delivery> collect(LocalCrew& crew, std::size_t count) {
   std::vector<schema::Delivery> all;
   while (all.size() < count) {
@@ -82,7 +82,7 @@ std::vector<std::uint64_t> before(LocalCrew& crew) {
   return answered.pong.assignments;
 }
 
-/// A gate that blocks workers until it is opened.
+/// Blocks workers until the gate is opened.
 class Gate {
  public:
   void pass() {
@@ -139,9 +139,9 @@ TEST(LocalCrew, ComputesEveryAssignmentOnce) {
 }
 
 TEST(LocalCrew, BlocksComeBackWhole) {
-  // Goal: a block's members and states reach the worker unchanged, and the delivery reaches the
-  // driver, even if it has no results. Method: send a block of three members twice: with all
-  // states, then with one state missing.
+  // Goal: a block's members and states reach the worker unchanged. The delivery reaches the driver,
+  // even if it has no results. Method: send a block of three members twice. The second time, one
+  // state is missing.
   const FakeWorker worker;
   LocalCrew crew(worker, 1);
   schema::Assignment block = assignment(1);
@@ -163,8 +163,8 @@ TEST(LocalCrew, BlocksComeBackWhole) {
 }
 
 TEST(LocalCrew, AnswersPingsWithWhatIsBeforeIt) {
-  // Goal: a pong lists exactly the running and waiting assignments, without delay. Method: send six
-  // assignments to two blocked threads, then release the threads.
+  // Goal: a ping is answered at once with a list of exactly the running and waiting assignments.
+  // Method: send six assignments to two blocked threads, then release the threads.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 2);
@@ -193,7 +193,7 @@ TEST(LocalCrew, TakesTheOldestFirst) {
 
 TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
   // Goal: as many assignments run at once as there are threads. Method: run units that wait for
-  // each other; with fewer threads they would wait forever.
+  // each other. If there were fewer threads, they would wait forever.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 4);
@@ -205,8 +205,8 @@ TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
 }
 
 TEST(LocalCrew, ReceiveEndsWithoutResults) {
-  // Goal: receive() returns nothing after its timeout, and a later delivery is not lost. Method:
-  // block the worker, then release it.
+  // Goal: after its timeout, receive() returns nothing. A later delivery is not lost. Method: block
+  // the worker, then release it.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 1);
@@ -219,7 +219,7 @@ TEST(LocalCrew, ReceiveEndsWithoutResults) {
 
 TEST(LocalCrew, WorkersExceptionComesOutOfReceive) {
   // Goal: if a unit throws an exception, every later receive() throws an exception of the same
-  // type, and the process doesn't end. Method: let the third of five units throw.
+  // type. The process doesn't end. Method: let the third of five units throw.
   const FakeWorker worker([](const plan::Unit& failing) {
     if (failing.replica.chain.value == 2) {
       throw base::Error(base::ExitCode::environment, "no memory");
@@ -241,8 +241,8 @@ TEST(LocalCrew, WorkersExceptionComesOutOfReceive) {
 }
 
 TEST(LocalCrew, DestructorDropsWhatWaits) {
-  // Goal: the destructor waits for running blocks and starts no waiting block. Method: block one
-  // thread in the first of a hundred assignments while another thread destroys the crew.
+  // Goal: the destructor waits for running blocks and starts no waiting block. Method: send a
+  // hundred assignments. Block the first assignment while another thread destroys the crew.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   auto crew = std::make_unique<LocalCrew>(worker, 1);
@@ -262,7 +262,7 @@ TEST(LocalCrew, DestructorDropsWhatWaits) {
   EXPECT_LE(worker.started(), 2);
 }
 
-/// A worker whose units each take 2.5 s of a manual clock.
+/// A worker that moves a manual clock by 2.5 s for each unit.
 class TimedWorker final : public plan::UnitWorker {
  public:
   explicit TimedWorker(base::ManualClock& clock) : clock_(clock) {}
@@ -276,7 +276,7 @@ class TimedWorker final : public plan::UnitWorker {
 };
 
 TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
-  // Goal: a result's cost_s is the duration of its unit, measured with the runner's clock.
+  // Goal: a result's cost_s is the duration of its unit by the runner's clock.
   base::ManualClock clock;
   const TimedWorker worker(clock);
   const sampling::BlockRunner runner(worker, clock);
@@ -286,7 +286,7 @@ TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
 }
 
 TEST(LocalCrewDeathTest, ForeignWorkerIsABug) {
-  // Goal: sending to a worker other than the local one fails a CHECK.
+  // Goal: if an assignment or a ping is sent to a worker that isn't the local one, a CHECK fails.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const FakeWorker worker;
   LocalCrew crew(worker, 1);

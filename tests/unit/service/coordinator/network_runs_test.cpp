@@ -26,7 +26,7 @@ class NetworkRuns : public testing::BallRuns {
     return {.output = output, .checkpoint_every_s = 0.02};
   }
 
-  /// Rewrites the folder's lease as if its holder were on another machine.
+  /// Rewrites the folder's lease, so that its holder seems to be on another machine.
   static void move_holder_to_another_node(const std::string& folder) {
     store::PosixLeaseFiles files(folder, store::this_process());
     const std::uint64_t newest = files.list().back();
@@ -38,9 +38,9 @@ class NetworkRuns : public testing::BallRuns {
 };
 
 TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
-  // Goal: a run on a network disk that is stopped and resumed has the same archive as a run on a
-  // local disk. Method: run plain chains and ladders with checkpoints in two sessions of two
-  // threads. Compare the digests with runs on a local disk.
+  // Goal: if a run on a network disk is stopped and resumed, its archive equals that of a run on a
+  // local disk. Method: run plain chains and ladders in two sessions of two threads, with
+  // checkpoints. Compare the digests.
   const std::vector<std::string> texts{
       request_text("scans = 300", k_slow),
       request_text("rounds = 3", std::string(k_slow) + "replicas = 4\n", "parallel_tempering")};
@@ -88,9 +88,9 @@ TEST_F(NetworkRuns, MakeCheckpointsOverTheWritersConnection) {
 }
 
 TEST_F(NetworkRuns, ARunIsTakenOverFromADeadNode) {
-  // Goal: after a run's node dies, another node can resume the run and gets the digest of an
-  // undisturbed run. Method: kill a child process after its first commits, and rewrite its lease as
-  // another node's lease of one second.
+  // Goal: if a run's node dies, another node can resume the run and gets the digest of an
+  // undisturbed run. Method: kill a child process after its first commits. Rewrite the child's
+  // lease as another node's lease of one second.
   const std::string text = request_text("scans = 200", k_slow);
   const std::string expected = session(text, {.output = path("quiet.h5")}).digest;
   const store::testing::UnsharedDisk disk;

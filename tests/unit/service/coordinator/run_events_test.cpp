@@ -1,4 +1,4 @@
-// Events of whole runs, as stored in their folders and as sent to a listener.
+// Events of whole runs, both in their folders and at a listener.
 #include "service/coordinator/run_events.h"
 
 #include <gmock/gmock.h>
@@ -36,7 +36,7 @@ class RunEventsOf : public testing::BallRuns {
       lines.push_back(events::to_line(event));
     return lines;
   }
-  /// Returns the events except the ends of sessions, without their numbers.
+  /// Returns the events without their numbers, and without the ends of sessions.
   static std::vector<std::string> without_ends(std::vector<events::RunEvent> events) {
     std::erase_if(events, [](const events::RunEvent& event) {
       return std::holds_alternative<events::RunEnd>(event.what);
@@ -92,10 +92,10 @@ TEST_F(RunEventsOf, OneRunHaveTheirContents) {
 }
 
 TEST_F(RunEventsOf, SessionsGoOnWithTheSameNumbers) {
-  // Goal: a run that is stopped, resumed, shortened and extended reports the same events in the
-  // same order as one uninterrupted run. Each session adds an event for its end, and reported
-  // events keep their numbers. Method: compare the events of several sessions with the events of
-  // one session.
+  // Goal: even if a run is stopped, resumed, shortened and extended, it reports the events of an
+  // uninterrupted run in the same order. Each session adds an event for its end. Reported events
+  // keep their numbers. Method: compare the events of several sessions with the events of one
+  // session.
   const std::string shorter = request_text("scans = 200", k_slow, "parallel_tempering");
   const std::string longer = request_text("scans = 320", k_slow, "parallel_tempering");
   (void)session(longer, {.output = path("at_once.h5")});
@@ -128,8 +128,8 @@ TEST_F(RunEventsOf, SessionsGoOnWithTheSameNumbers) {
 
 TEST_F(RunEventsOf, ALogThatIsLostChangesNothing) {
   // Goal: if the event log is deleted or can't be written, no numbered event is lost and the run
-  // doesn't end. Method: delete one run's log, and create a folder in the place of another run's
-  // log. Both runs' stores must have the same events, and a later session must start a new log.
+  // doesn't end. Method: delete one run's log. Put a folder in the place of another run's log. Both
+  // stores must have the same events. A later session must start a new log.
   const std::string request = request_text("scans = 150");
   (void)session(request, {.output = path("ball.h5")});
   const auto events = lines_of(told("ball.h5"));
@@ -150,9 +150,9 @@ TEST_F(RunEventsOf, ALogThatIsLostChangesNothing) {
 }
 
 TEST_F(RunEventsOf, ListenersHearAllInTheirThread) {
-  // Goal: the listener is called with each numbered event once and in order, and with progress,
-  // phases and archives, in the thread that runs the request. Method: compare the numbered events
-  // with the events in the store.
+  // Goal: the listener gets each numbered event once and in order, and also progress, phases and
+  // archives. The listener is called in the thread that runs the request. Method: compare the
+  // numbered events with the events in the store.
   const auto here = std::this_thread::get_id();
   std::vector<events::RunEvent> heard;
   const auto hear = [&](const events::RunEvent& event) {
@@ -172,7 +172,6 @@ TEST_F(RunEventsOf, ListenersHearAllInTheirThread) {
   const auto archives = of_kind<events::ArchiveWritten>(heard);
   ASSERT_FALSE(archives.empty());
   EXPECT_EQ(archives.back(), (events::ArchiveWritten{.digest = second.digest, .scans = 300}));
-  // The log contains the newest events.
   const auto logged = events::read_event_log(folder("ball.h5"));
   EXPECT_EQ(of_kind<events::ArchiveWritten>(logged).back(), archives.back());
   EXPECT_EQ(of_kind<events::Progress>(logged).back().scans_done, 900U);
@@ -180,7 +179,7 @@ TEST_F(RunEventsOf, ListenersHearAllInTheirThread) {
 
 TEST_F(RunEventsOf, StartingOverForgetsThem) {
   // Goal: --fresh restarts numbering at 1 and reports no event of the deleted run. Method: run two
-  // sessions, then run a shorter request with --fresh and the same output.
+  // sessions. Then run a shorter request with --fresh to the same output.
   (void)session(request_text("scans = 150"), {.output = path("ball.h5")});
   (void)session(request_text("scans = 200"), {.output = path("ball.h5")});
   (void)session(request_text("scans = 100"), {.output = path("other.h5")});

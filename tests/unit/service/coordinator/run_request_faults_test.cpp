@@ -1,5 +1,5 @@
 // Goal: if any file call of a session fails, the error names the file and the reason. The old
-// archive stays or is replaced by a complete one, and the next session has the digest of an
+// archive stays, or a complete archive replaces it. The next session has the digest of an
 // undisturbed run. Method: run sessions on a file system in which each call fails in turn.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -31,11 +31,12 @@ class RunRequestFaults : public testing::BallRuns {
  protected:
   std::string output() const { return path("ball.h5"); }
 
-  /// Returns the error of a session with this fault, or an empty string if the session succeeded.
+  /// Runs a session with this fault. Returns its error, or an empty string if the session
+  /// succeeded.
   std::string failure_of(const Fault& fault, const std::string& request) {
     files_.fail(fault);
     try {
-      // Make no checkpoints, because the order of their calls varies.
+      // The order of a checkpoint's calls varies, so make no checkpoints.
       (void)session_on(files_, request, {.output = output(), .checkpoint_every_s = 0});
     } catch (const base::Error& error) {
       EXPECT_EQ(error.exit_code(), base::ExitCode::environment) << error.what();
@@ -48,10 +49,9 @@ class RunRequestFaults : public testing::BallRuns {
 };
 
 TEST_F(RunRequestFaults, AnyCallMayFail) {
-  // In a first series of sessions, the disk becomes full at the k-th call and stays full, for each
-  // k. In a second series, only the k-th call fails, for every third k. The fast tier tries only
-  // every 25th and every 40th k. With sanitizers, a session takes ten times as long, and the test
-  // tries every 15th and every 22nd k.
+  // First, the disk becomes full at the k-th call and stays full, for each k. Then only the k-th
+  // call fails, for every third k. The fast tier tries only every 25th and every 40th k. With
+  // sanitizers, a session takes ten times as long, so try only every 15th and every 22nd k.
 #ifdef SLEIGHT_SANITIZED
   const std::uint64_t for_good_every = 15, once_every = 22;
 #else
@@ -97,9 +97,9 @@ TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
 }
 
 TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
-  // Goal: if the archive can't be written, the results stay stored, and the next session writes the
-  // archive without computing anything. Method: let each kind of call that writes the archive fail,
-  // one kind per session.
+  // Goal: if the archive can't be written, the results stay stored. The next session writes the
+  // archive and computes nothing. Method: in each session, let one kind of call fail while the
+  // archive is written.
   const std::string request = request_text("scans = 30");
   const std::string expected = session(request, {.output = path("s.h5")}).digest;
   for (const Fault& fault :
@@ -129,9 +129,9 @@ TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
 }
 
 TEST_F(RunRequestFaults, LeftoversThatStayStopNobody) {
-  // Goal: a run deletes the unfinished archives that a killed process left, and continues if the
-  // deletion fails. Method: leave two unfinished archives. Let a removal fail in one session, and
-  // the listing of the folder in the next session.
+  // Goal: a run deletes unfinished archives of a killed process. If the deletion fails, the run
+  // continues. Method: leave two unfinished archives. Let a removal fail in one session. Let the
+  // listing of the folder fail in the next session.
   const std::string request = request_text("scans = 30");
   const auto put_leftovers = [&] {
     put_bytes(path("ball.h5.tmp.11"), "half");

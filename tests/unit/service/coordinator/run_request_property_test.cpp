@@ -27,9 +27,10 @@ class RunRequestProperty : public testing::BallRuns {};
 
 TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
   // Goal: an archive's bytes depend only on the request (C1), not on threads or on the moments when
-  // sessions stop. Method: run each request in sessions of 1, 2 or 5 threads that stop at random,
-  // and compare the archive with an uninterrupted run's archive. The requests end after scans,
-  // rounds or independent solutions, and include ladders, whose blocks contain several replicas.
+  // sessions stop. Method: run each request in sessions of 1, 2 or 5 threads. Stop sessions at
+  // random. Compare the archive with an uninterrupted run's archive. Requests end after scans,
+  // rounds or independent solutions. Some requests have ladders. A ladder's blocks contain several
+  // replicas.
   std::uint64_t sessions = 0;
   struct Case {
     std::string stop;

@@ -54,8 +54,8 @@ TEST_F(RunRequest, FromRequestToArchive) {
 }
 
 TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
-  // Goal: if a finished run's request runs again, the session computes nothing and restores a
-  // deleted archive with the same bytes.
+  // Goal: if a finished run's request runs again, the session computes nothing. If the archive was
+  // deleted, the session writes the same bytes again.
   const RunSummary first = session(request_text("scans = 150"), {.output = output()});
   const std::string bytes = bytes_of(output());
   std::filesystem::remove(output());
@@ -67,8 +67,8 @@ TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
 }
 
 TEST_F(RunRequest, GoesOnWhereItStopped) {
-  // Goal: a run that is resumed, or extended by a longer request, has the same archive as an
-  // uninterrupted run. Method: stop a run early, finish it, then request more scans of it.
+  // Goal: if a run is resumed, or extended by a longer request, its archive equals an uninterrupted
+  // run's archive. Method: stop a run early, finish it, then request more scans of it.
   const std::string shorter = request_text("scans = 300", k_slow);
   const std::string longer = request_text("scans = 500", k_slow);
   const RunSummary stopped = session(shorter, {.output = output(), .stop_requested = stop_at(6)});
@@ -84,10 +84,10 @@ TEST_F(RunRequest, GoesOnWhereItStopped) {
 }
 
 TEST_F(RunRequest, LeavesHowEachSessionEnded) {
-  // Goal: each session's end is stored and reported once, with the archive's digest, even if the
-  // session fails after it opened the store. Method: stop one session, and let another session
-  // reach its time limit. Put a foreign file in the place of a third session's archive, and finish
-  // a fourth session.
+  // Goal: each session's end is stored and reported once, with the archive's digest. This holds
+  // even if the session fails after it opened the store. Method: run four sessions. Stop the first
+  // session. Let the second session reach its time limit. Put a foreign file in the place of the
+  // third session's archive. Finish the fourth session.
   const std::string request = request_text("scans = 300", k_slow);
   std::vector<events::RunEnd> heard;
   RunOptions options{.output = output(),
@@ -130,10 +130,10 @@ TEST_F(RunRequest, LeavesHowEachSessionEnded) {
 }
 
 TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {
-  // Goal: a run that is stopped after n scans has the archive of a run that requests n scans (C1).
-  // This holds even if the store has more scans. Method: compare a stopped run with a new run of
-  // the request in its archive. Then request fewer scans of a finished run, and compare with a new
-  // run of these scans.
+  // Goal: if a run is stopped after n scans, its archive equals that of a run that requests n scans
+  // (C1), even if the store has more scans. Method: compare a stopped run with a new run of the
+  // request in its archive. Then request fewer scans of a finished run, and compare with a new run
+  // of as many scans.
   const RunSummary stopped = session(request_text("independent_solutions = 3\nscans = 100000"),
                                      {.output = output(), .stop_requested = stop_at(3)}, 2);
   ASSERT_GT(stopped.scans, 0U);
@@ -160,9 +160,9 @@ TEST_F(RunRequest, StoppedBeforeAnythingWritesNoArchive) {
 }
 
 TEST_F(RunRequest, AnotherRequestIsRefused) {
-  // Goal: a request never overwrites another request's output. Method: run requests with one
-  // changed option of the sampler or the constraint. They must be refused, and the archive and the
-  // run must stay unchanged.
+  // Goal: a request never overwrites another request's output. Method: change one option of the
+  // sampler or the constraint. The request must be refused, and the archive and the run must stay
+  // unchanged.
   const RunSummary first = session(request_text("scans = 60"), {.output = output()});
   const std::string bytes = bytes_of(output());
   for (const std::string& other :
@@ -176,8 +176,9 @@ TEST_F(RunRequest, AnotherRequestIsRefused) {
 }
 
 TEST_F(RunRequest, FreshStartsOver) {
-  // Goal: --fresh deletes an earlier run of any request, and is harmless for a new output. Method:
-  // use --fresh where there is no run, another request's run, or the same request's run.
+  // Goal: --fresh deletes an earlier run of any request. If there is no earlier run, --fresh has no
+  // effect. Method: use --fresh three times: without a run, on another request's run, and on the
+  // same request's run.
   const std::string other = request_text("scans = 40", "change_probability = 0.25\n");
   EXPECT_EQ(session(other, {.output = output(), .fresh = true}).epoch, 1U);
   const RunSummary fresh = session(request_text("scans = 60"), {.output = output(), .fresh = true});
@@ -190,9 +191,9 @@ TEST_F(RunRequest, FreshStartsOver) {
 }
 
 TEST_F(RunRequest, FreshGivesUpAStoreOfAKilledProcess) {
-  // Goal: if a process ends while it deletes a store, the next run doesn't use the files that are
-  // left. Method: put another run's write-ahead log and the log's index into a run folder without a
-  // database.
+  // Goal: if a process ends while it deletes a store, the next run doesn't use the remaining files.
+  // Method: make a run folder that has no database. Put another run's write-ahead log and the log's
+  // index into it.
   (void)session(request_text("scans = 200"), {.output = path("other.h5")});
   std::filesystem::create_directory(path("ball.h5.run"));
   const std::string target = store::RunStore::database_path(path("ball.h5.run"));
@@ -213,8 +214,8 @@ TEST_F(RunRequest, FreshGivesUpAStoreOfAKilledProcess) {
 }
 
 TEST_F(RunRequest, ForeignFileIsNotTouched) {
-  // Goal: if a foreign file has the output's path, the file stays, even with --fresh, and no file
-  // is created beside it. Method: use a text file as the output. Then add an empty run folder.
+  // Goal: if the output's path is a foreign file, the file stays, even with --fresh. No file is
+  // created beside it. Method: use a text file as the output. Then add an empty run folder.
   put_bytes(output(), "my thesis");
   for (const bool fresh : {false, true}) {
     EXPECT_THAT(conflict_of(request_text("scans = 5"), fresh),
@@ -227,8 +228,8 @@ TEST_F(RunRequest, ForeignFileIsNotTouched) {
 }
 
 TEST_F(RunRequest, RunningRunIsNotDisturbed) {
-  // Goal: while a process holds a run's lock, other sessions are refused, even with --fresh, and
-  // change no file.
+  // Goal: while a process holds a run's lock, other sessions are refused and change no file, even
+  // with --fresh.
   (void)session(request_text("scans = 30"), {.output = output()});
   const std::string bytes = bytes_of(output());
   const store::RunLock lock(run_folder(output()));
@@ -240,10 +241,10 @@ TEST_F(RunRequest, RunningRunIsNotDisturbed) {
 }
 
 TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
-  // Goal: each archive of an unfinished run is complete and equals the archive of a run with its
-  // number of scans. Method: make checkpoints as often as possible, and compare copies of two
-  // checkpoints with the archives of such runs. With sanitizers, checkpoints are rare, so compare
-  // only one copy.
+  // Goal: each archive of an unfinished run is complete. If the archive has n scans, it equals the
+  // archive of a run of n scans. Method: make checkpoints as often as possible. Compare copies of
+  // two checkpoints with the archives of such runs. With sanitizers, checkpoints are rare, so
+  // compare one copy.
 #ifdef SLEIGHT_SANITIZED
   constexpr std::size_t k_copies = 1;
 #else
@@ -281,8 +282,8 @@ TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
 }
 
 TEST_F(RunRequest, IdentityIsWhatDecidesTheStoredResults) {
-  // Goal: two requests have the same identity exactly if their stored results agree. Method: change
-  // one key of a request at a time.
+  // Goal: two requests have the same identity if and only if their stored results agree. Method:
+  // change one key of a request at a time.
   const auto identity = [](const std::string& text) {
     const run::Catalogue catalogue;
     return run_identity(request::read_request(text, "r", catalogue.bindings()).value());

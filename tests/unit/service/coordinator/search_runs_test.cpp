@@ -1,5 +1,5 @@
-// Goal: a run keeps the finds of a search, which runs alone or before chains. The archive doesn't
-// depend on threads or stops. Method: compare whole runs for a word with two bins.
+// Goal: a run keeps the finds of a search. A search runs alone or before chains. The archive
+// doesn't depend on threads or stops. Method: compare whole runs for a word with two bins.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// Factor by which stops are rarer with sanitizers, because sessions then take ten times as long.
+// With sanitizers, sessions take ten times as long, so stops are rarer by this factor.
 #ifdef SLEIGHT_SANITIZED
 constexpr std::uint64_t k_rarer = 8;
 #else
@@ -71,9 +71,9 @@ TEST_F(SearchRuns, FindTheSameWithAnyNumberOfThreads) {
 }
 
 TEST_F(SearchRuns, GoOnAndAreCutShort) {
-  // A request of more finds extends a run, a request of fewer finds shortens its archive, and a
-  // stopped run keeps its finds. Each archive equals the archive of an uninterrupted run with the
-  // same number of finds.
+  // A request of more finds extends the run. A request of fewer finds shortens the archive. A
+  // stopped run keeps its finds. Each archive equals that of an uninterrupted run with as many
+  // finds.
   const std::string straight = session(search(12), {.output = path("s.h5")}).digest;
   const std::string shorter = session(search(3), {.output = path("t.h5")}).digest;
   EXPECT_EQ(session(search(3), {.output = path("a.h5")}).digest, shorter);
@@ -94,8 +94,8 @@ TEST_F(SearchRuns, GoOnAndAreCutShort) {
 
 TEST_F(SearchRuns, TakesAreTheSame) {
   // Goal: takes are stored like finds and marked as relaxed. The archive doesn't depend on threads
-  // or stops, can be cut to fewer takes, and is reproduced by the request stored in it. If a run is
-  // stopped before its first take, its archive contains the finds without relaxation.
+  // or stops, and can be cut to fewer takes. The request in the archive reproduces the archive. If
+  // a run is stopped before its first take, its archive contains the finds without relaxation.
   const auto takes = [](int count) {
     return words("method = \"search\"\nrelax_scans = 6\niterations_per_scan = 4\n",
                  "takes = " + std::to_string(count) + "\n");
@@ -113,7 +113,7 @@ TEST_F(SearchRuns, TakesAreTheSame) {
   EXPECT_EQ(session(takes(8), {.output = path("t.h5")}, 3).digest, straight.digest);
   EXPECT_EQ(session(summary.request_text, {.output = path("again.h5")}).digest, straight.digest);
 
-  // Stop the run often, and reproduce archives from the requests stored in them.
+  // Stop the run often. Reproduce each archive from the request that it stores.
   RunSummary last{.end = DriveEnd::stop_requested};
   int sessions = 0;
   for (; last.end != DriveEnd::finished && sessions < 1000; ++sessions) {
@@ -217,10 +217,10 @@ TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
 }
 
 TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
-  // Goal: chains that start from a search give the same archive for any number of threads and any
-  // stops. The archive's draws begin with the judged scans, and each chain's counted scan is its
-  // first kept animation. Method: compare a run with threads, a run in sessions, and a run of the
-  // request stored in the archive.
+  // Goal: if chains start from a search, the archive doesn't depend on threads or stops. The
+  // archive's draws begin with the judged scans. Each chain's counted scan is its first kept
+  // animation. Method: compare a run of three threads, a run of several sessions, and a run of the
+  // archive's request.
   const auto judged = [](const std::string& stop) {
     return words(
         "method = \"metropolis_hastings\"\nstart = \"search\"\nchains = 4\nround_scans = 8\n"
@@ -256,7 +256,6 @@ TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
       source->read(archive::k_animations, "chain", 0, summary.animations));
   for (std::size_t chain = 0; chain < 4; ++chain) {
     if (std::isnan(counted[chain])) continue;
-    // Each chain's counted scan is its first kept animation.
     std::int64_t first = -1;
     for (std::size_t i = 0; i < drawn.size() && first < 0; ++i)
       if (of_chain[i] == static_cast<std::int64_t>(chain)) first = drawn[i];

@@ -15,8 +15,8 @@ namespace sleight::core::block_size_test {
 constexpr std::uint64_t k_seed = 662607;
 constexpr std::uint64_t k_any = 1'000'000;  ///< larger than any block
 
-/// Options with round numbers. A block should take 20 ms, and handling (1 ms per thread) may take
-/// half of the time.
+/// Options with round numbers. A block should take 20 ms. Handling takes 1 ms per thread, and may
+/// take half of the time.
 constexpr BlockSizeOptions k_round{.target_s = 0.020,
                                    .handling_s = 0.001,
                                    .handling_share = 0.5,
@@ -24,7 +24,7 @@ constexpr BlockSizeOptions k_round{.target_s = 0.020,
                                    .least_s = 0.004,
                                    .scans_max = 8192};
 
-/// Runs blocks, each as large as allowed, until the allowed size is stable.
+/// Runs blocks until the allowed size is stable. Each block is as large as allowed.
 void settle(BlockSize& size, double scan_s, std::uint64_t threads = 1) {
   for (int i = 0; i < 60; ++i) {
     const std::uint32_t scans =
@@ -34,7 +34,7 @@ void settle(BlockSize& size, double scan_s, std::uint64_t threads = 1) {
 }
 
 TEST(BlockSize, BeginsWithOneScan) {
-  // Goal: before any measurement, a block is one scan for any number of threads.
+  // Goal: before any measurement, a block has one scan, whatever the number of threads.
   const BlockSize size(k_round);
   EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).unit_scans_max, 1U);
   EXPECT_EQ(size.limits({.all = 5000, .at_work = 5000}, k_any).block_scans_max, 1U);
@@ -70,7 +70,7 @@ TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
 }
 
 TEST(BlockSize, DearScansComeOneByOne) {
-  // Goal: a scan that takes longer than the target is a block of its own, even after cheap scans.
+  // Goal: if a scan takes longer than the target, it is a block of its own, even after cheap scans.
   BlockSize size(k_round);
   settle(size, 1e-6);
   EXPECT_GT(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 1000U);
@@ -82,7 +82,7 @@ TEST(BlockSize, DearScansComeOneByOne) {
 TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
   // Goal: a replica's maximum number of scans limits its unit, but never a block of several units.
   // A unit may exceed this maximum if a shorter block would overload the coordinator. Method: limit
-  // units in blocks of 20 scans. Four scans take least_s, the shortest duration of a block.
+  // units in blocks of 20 scans. A block takes at least least_s, which is four scans.
   BlockSize size(k_round);
   settle(size, 0.001);
   for (const auto& [may, expected] : {std::pair{0U, 4U}, {1U, 4U}, {7U, 7U}, {500U, 20U}}) {
@@ -94,9 +94,9 @@ TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
 }
 
 TEST(BlockSize, StartsCountUntilMoreIsKnown) {
-  // Goal: a chain's start makes no proposal, so its duration counts as the cost of a scan only
-  // until real scans are measured. Method: measure a block of eight starts, then a block of one
-  // start and nine scans, then eight starts that take a minute.
+  // Goal: a chain's start makes no proposal. A start's duration counts as a scan's cost only until
+  // real scans are measured. Method: measure three blocks: eight starts, then one start and nine
+  // scans, then eight starts that take a minute.
   BlockSize size(k_round);
   size.measured(8, 0, 0.016);
   EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 10U);
@@ -110,8 +110,8 @@ TEST(BlockSize, StartsCountUntilMoreIsKnown) {
 }
 
 TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
-  // Goal: with many threads, blocks take so long that handling one block per thread takes
-  // handling_share of the time. A block takes between target_s and target_s_max.
+  // Goal: if there are many threads, blocks are so long that handling one block for each thread
+  // takes handling_share of the time. A block takes between target_s and target_s_max.
   const std::vector<std::pair<std::uint64_t, double>> expected{
       {0, 0.020}, {1, 0.020}, {10, 0.020}, {11, 0.022}, {100, 0.2}, {500, 1}, {100'000, 1}};
   for (const auto& [threads, block_s] : expected) {
@@ -127,7 +127,7 @@ TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
 TEST(BlockSize, HungerMakesBlocksShorter) {
   // Goal: while threads find no work, blocks shrink to least_s, or to the shortest duration that
   // the coordinator can handle. Afterwards they grow again. Method: call starved() many times, then
-  // fed() many times, with 1 and with 8 threads.
+  // fed() many times. Use 1 thread and 8 threads.
   for (const auto& [threads, shortest_s] : {std::pair{1U, 0.004}, {8U, 0.016}}) {
     BlockSize size(k_round);
     settle(size, 0.0001, threads);
@@ -164,9 +164,9 @@ TEST(BlockSize, AWellFedRunHasNoCredit) {
 }
 
 TEST(BlockSize, LongHungerIsForgottenSoon) {
-  // Goal: even after many calls of starved(), blocks return to their target as fast as from their
-  // minimum length. Method: call starved() 10,000 times, then fed() 170 times, because 1.01^170 >
-  // 0.020 / 0.004.
+  // Goal: starved() never makes blocks shorter than their minimum. So even after many calls of
+  // starved(), calls of fed() soon bring blocks back to their target. Method: call starved() 10,000
+  // times, then fed() 170 times. That is enough because 1.01^170 > 0.020 / 0.004.
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)
@@ -179,7 +179,7 @@ TEST(BlockSize, LongHungerIsForgottenSoon) {
 
 TEST(BlockSize, StrangeCostsDoNoHarm) {
   // Goal: whatever costs are reported, block sizes stay within their bounds, and wrong costs are
-  // forgotten. Method: report random costs, some of which are invalid and must change nothing. Then
+  // forgotten. Method: report random costs. Some costs are invalid and must change nothing. Then
   // report correct costs.
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<double> costs{std::numeric_limits<double>::quiet_NaN(),

@@ -72,7 +72,7 @@ struct Happened {
 };
 
 /// A scheduler, its workers and the messages in transit. After every input, the scheduler's
-/// invariants are checked from outside.
+/// invariants are checked.
 class Scene {
  public:
   Scene(const Case& given, const plan::UnitWorker& numbers, Dice& dice, Happened& happened)
@@ -109,8 +109,8 @@ class Scene {
     }
   }
 
-  /// Continues without faults until the scheduler has ended and expects nothing from any worker.
-  /// Time advances when nothing else happens.
+  /// Continues without faults until the scheduler has ended and expects nothing from any worker. If
+  /// nothing else happens, time advances.
   void all_goes_well() {
     all_well_ = true;
     for (std::uint32_t id = 0; id < k_workers; ++id) {
@@ -142,7 +142,7 @@ class Scene {
     std::unique_ptr<sampling::RecordingWorker> memory;
     std::vector<schema::Assignment> before_it;
     std::set<sampling::Place> made;  ///< replica and next scan of each state that it made
-    // What the scheduler should know about the worker.
+    // The scheduler should know the fields below.
     bool joined = false;
     bool silent = false;
     std::set<std::uint64_t> given;
@@ -373,8 +373,8 @@ TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
   // Goal: even if messages are lost, repeated, late or corrupt, each scan is kept once and in
   // order. No worker gets more assignments than its limit. When the faults end, the run finishes
   // with the results of a serial run. Method: run chains and ladders on workers that join and leave
-  // at random. Compare the scheduler's counts with the test's own list of each worker's
-  // assignments. Check that faults of each kind occurred.
+  // at random. The test lists each worker's assignments, and compares the list with the scheduler's
+  // counts. Check that faults of each kind occurred.
   Happened happened;
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_seed, index);
@@ -405,9 +405,8 @@ TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
 }
 
 TEST(SchedulerProperty, EndsAfterAStop) {
-  // Goal: after a stop at any moment nothing more is assigned, and the run ends once workers have
-  // delivered or their leases have ended. Method: run random cases with faults, and stop after a
-  // random number of steps.
+  // Goal: after a stop, nothing more is assigned. The run ends once workers have delivered or their
+  // leases have ended. Method: run random cases with faults. Stop after a random number of steps.
   Happened happened;
   std::uint64_t kept_after = 0;
   for (const std::uint64_t index : property::cases(k_cases)) {

@@ -20,9 +20,9 @@ SchedulerOptions blocks_ahead(std::uint32_t count) {
 
 TEST(Scheduler, GivesToTheLeastLoaded) {
   // Goal: until every thread has a block, the next block goes to the worker with the fewest
-  // assignments per thread. Among equals, the worker with the lowest id gets the block. A worker
-  // that delivers gets up to two blocks per thread. Method: make ten blocks available at once, then
-  // let three workers deliver.
+  // assignments per thread. Among equals, the worker with the lowest id gets the block. After a
+  // worker has delivered, it gets up to two blocks per thread. Method: make ten blocks available at
+  // once, then let three workers deliver.
   expect_goes("a b<a c<a d<a e<a f<a g<a h<a i<a j<a k<a", blocks_ahead(1), R"(join 3
   assign 3 #0 a@0+1 starts
 join 1 threads=2
@@ -47,8 +47,8 @@ done 1 #1
 }
 
 TEST(Scheduler, SendsNothingAheadOfLongScans) {
-  // Goal: a worker has one block per thread while scans take longer than ahead_s_max, and otherwise
-  // two. Method: let the cost of scans rise and fall.
+  // Goal: while scans take longer than ahead_s_max, a worker has one block per thread. Otherwise it
+  // has two. Method: let the cost of scans rise and fall.
   SchedulerOptions options = blocks_ahead(1);
   options.ahead_s_max = 0.1;
   expect_goes("a2 b2 c2 d2 e2 f9 g9 h9 i9 j9 k9", options, R"(join 1 threads=2
@@ -82,7 +82,7 @@ done 1 #7 cost=0
 }
 
 TEST(Scheduler, SendsAStateOnceToWhoMadeIt) {
-  // Goal: the scheduler sends a state as bytes to each worker except the one that made the state.
+  // Goal: the scheduler sends a state's bytes to each worker except the worker that made the state.
   // If that worker has lost the state, it gets the bytes too. Method: move one replica between two
   // workers.
   expect_goes("a3 a2 a a", blocks_ahead(0), R"(join 1
@@ -123,9 +123,9 @@ done 1 #0
 }
 
 TEST(Scheduler, GivesPartsOfLaddersToWhoHoldsMost) {
-  // Goal: a block of several members contains the bytes of each state that its worker doesn't hold,
-  // and each member advances. Method: let two workers make the states of a ladder of three members,
-  // then run the ladder on one of these workers.
+  // Goal: if a worker doesn't hold a state of a block, the block contains the state's bytes. Each
+  // member of the block advances. Method: let two workers make the states of three replicas. Then
+  // run the replicas as a ladder on one worker.
   expect_goes("a b c [abc] [abc]", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 join 2 threads=2
@@ -149,7 +149,7 @@ done 1 #4 scans=1
 
 TEST(Scheduler, PrefersBlocksWhoseStatesAreHeld) {
   // Goal: a worker gets the waiting block whose states it holds, even if another block is older.
-  // Method: let the first worker hold the state of the second waiting block.
+  // Method: the first worker holds the state of the second waiting block.
   expect_goes("a b c b<c a<c", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 join 2
@@ -168,9 +168,9 @@ done 3 #2
 }
 
 TEST(Scheduler, PassesABlockOverABoundedNumberOfTimes) {
-  // Goal: a block whose states no worker holds is passed over at most k_passed_over_max times, even
-  // if a returned block precedes it in the queue. Method: keep two workers busy forever. The third
-  // worker always has a next block of its own replica.
+  // Goal: if no worker holds a block's states, the block is passed over at most k_passed_over_max
+  // times, even if a returned block is before it in the queue. Method: keep two workers busy
+  // forever. The third worker always has a next block of its own replica.
   std::string plan = "a x y z";
   std::string script = R"(join 1
   assign 1 #0 a@0+1 starts
@@ -200,8 +200,8 @@ done 1 #{}
 }
 
 TEST(Scheduler, TakesTheFirstResultOfABlock) {
-  // Goal: when a lease ends, another worker also gets the block. The first result counts, and later
-  // results of the block have no effect. Method: deliver the two workers' results in both orders.
+  // Goal: when a lease ends, another worker also gets the block. The block's first result counts;
+  // later results have no effect. Method: deliver the two workers' results in both orders.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -247,9 +247,10 @@ done 1 #0
 }
 
 TEST(Scheduler, RefusesWhatDoesNotFit) {
-  // Goal: a delivery of another epoch has no effect. A delivery with a wrong replica, scan, number
-  // of members or number of scans is refused, and its block is assigned exactly once more. Method:
-  // use a worker with room for two assignments, so that a second copy would be seen.
+  // Goal: a delivery of another epoch has no effect. A delivery is refused if its replica, scan,
+  // number of members or number of scans is wrong. A refused delivery's block is assigned exactly
+  // once more. Method: use a worker that has room for two assignments. If the block were assigned
+  // twice, the script would show it.
   expect_goes("a2", blocks_ahead(1), R"(join 1
   assign 1 #0 a@0+2 starts
 done 1 #0 epoch=2
@@ -276,7 +277,7 @@ done 1 #6
   keep a@0+2
   (ended)
 )");
-  // A block of a ladder limits the scans of each member, and the scans of all members together.
+  // A ladder's block limits the scans of each member and their sum.
   expect_goes("[ab] [ab] [ab]", blocks_ahead(1), R"(join 1
   assign 1 #0 [a@0 starts, b@0 starts]
 done 1 #0 scans=4
@@ -303,8 +304,8 @@ done 1 #1 scans=2
 }
 
 TEST(Scheduler, LeasesRunFromTheClocksBeginning) {
-  // Goal: a lease that is granted before the first tick begins at the first tick. Method: use first
-  // ticks with times far from 0.
+  // Goal: if a lease is granted before the first tick, it begins at the first tick. Method: the
+  // first tick's time is far from 0.
   expect_goes("a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 tick 17000
@@ -324,10 +325,11 @@ tick -370
 }
 
 TEST(Scheduler, AsksTheSilentUntilTheyAnswer) {
-  // Goal: a worker whose lease has ended gets nothing and is asked repeatedly for its assignments.
-  // Assignments that its answer lacks are assigned again. Assignments that the answer lists keep
-  // their leases and aren't given to other workers. Method: send an answer of another epoch, which
-  // is ignored, then an answer that lists one of two assignments.
+  // Goal: if a worker's lease has ended, it gets nothing and is asked repeatedly for its
+  // assignments. If the answer lacks an assignment, the assignment is made again. If the answer
+  // lists an assignment, the assignment keeps its lease and isn't given to another worker. Method:
+  // send an answer of another epoch; it must be ignored. Then send an answer that lists one of two
+  // assignments.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -351,9 +353,9 @@ tick 100
 }
 
 TEST(Scheduler, TakesAnAnswerForWhatWasBeforeTheQuestion) {
-  // Goal: an assignment that was made after a question doesn't count as lost, although the answer
-  // doesn't list it. Method: let a result arrive between the question and the answer and cause a
-  // new assignment.
+  // Goal: if an assignment was made after a question, it doesn't count as lost, although the answer
+  // doesn't list it. Method: after the question, deliver a result, which causes a new assignment.
+  // Then send the answer.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -370,10 +372,9 @@ done 1 #1
 }
 
 TEST(Scheduler, AsksAgainForWhatItHeardNothingOf) {
-  // Goal: if a silent worker sends a message that is not the list of its assignments, the worker is
-  // asked again. Otherwise, lost assignments would occupy the worker's room forever. Method: lose
-  // the assignments and the question. Then let the worker rejoin with the same incarnation, or
-  // deliver a result.
+  // Goal: if a silent worker sends a message that doesn't list its assignments, the worker is asked
+  // again. Otherwise, lost assignments would take up its room forever. Method: lose the assignments
+  // and the question. Then let the worker rejoin with the same incarnation, or deliver a result.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -405,9 +406,9 @@ pong 1 #2
 }
 
 TEST(Scheduler, KeepsLeasesOfCopiesApart) {
-  // Goal: if two workers have the same block and one of them leaves, no third worker gets the block
-  // while the other worker's lease runs. Method: let the first worker answer that it has the block,
-  // then let the second worker leave.
+  // Goal: if two workers have the same block and one leaves, no third worker gets the block while
+  // the lease of the other worker runs. Method: the first worker answers that it has the block.
+  // Then the second worker leaves.
   expect_goes("a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -433,8 +434,8 @@ done 3 #2
 }
 
 TEST(Scheduler, GivesOnAllOfASilentWorkerInOrder) {
-  // Goal: if a worker with several blocks leaves or its leases end, other workers get all its
-  // blocks, the oldest first. A silent worker is asked only once.
+  // Goal: if a worker leaves or its leases end, other workers get all its blocks, the oldest first.
+  // A silent worker is asked only once.
   expect_goes("a b c", blocks_ahead(0), R"(tick 0
 join 1 threads=3
   assign 1 #0 a@0+1 starts
@@ -455,8 +456,9 @@ leave 2
 }
 
 TEST(Scheduler, ForgetsAnEarlierIncarnation) {
-  // Goal: if a worker joins with a new incarnation, its blocks are assigned again, its states are
-  // sent as bytes, and older results are refused. A worker with the same incarnation loses nothing.
+  // Goal: if a worker joins again with a new incarnation, its blocks are assigned again, its states
+  // are sent as bytes, and its older results are refused. If a worker joins again with the same
+  // incarnation, it loses nothing.
   expect_goes("a b a b", blocks_ahead(1), R"(join 1 incarnation=7
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts
@@ -478,9 +480,10 @@ done 1 #3
 }
 
 TEST(Scheduler, StopsWhenAllCameBack) {
-  // Goal: after a stop, the scheduler assigns nothing and keeps results that arrive in time. It
-  // ends once all blocks have returned or their leases have ended. Method: stop before results
-  // arrive, before a lease ends, before invalid deliveries, and when no block is assigned.
+  // Goal: after a stop, the scheduler assigns nothing and keeps results that arrive in time. The
+  // scheduler ends once all blocks have returned or their leases have ended. Method: stop at four
+  // moments: before results arrive, before a lease ends, before invalid deliveries, and while no
+  // block is assigned.
   expect_goes("a b c a", blocks_ahead(0), R"(join 1 threads=2
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts
@@ -519,8 +522,8 @@ leave 1
 }
 
 TEST(Scheduler, ListensToNobodyItDoesNotKnow) {
-  // Goal: answers and departures of unknown workers have no effect. A result of an unknown worker
-  // counts, but when this worker joins later, it gets states as bytes.
+  // Goal: if a worker is unknown, its answers and its departure have no effect. A result of an
+  // unknown worker counts. If the worker joins later, it gets states as bytes.
   expect_goes("a a", blocks_ahead(0), R"(leave 4
 pong 4 #0
 join 1

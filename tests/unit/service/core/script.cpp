@@ -19,7 +19,7 @@ char name_of(const plan::ReplicaKey& key) {
   return static_cast<char>('a' + key.chain.value);
 }
 
-/// Returns a replica's state before a scan: a text made of both.
+/// Returns a replica's state before a scan: a text that names the replica and the scan.
 base::Bytes state_of(const plan::ReplicaKey& key, std::uint64_t scan) {
   base::Bytes bytes;
   for (const char c : fmt::format("{}{}", name_of(key), scan))
@@ -96,7 +96,7 @@ bool ListedPlan::finished() const {
   return std::ranges::all_of(jobs_, &Job::done);
 }
 
-/// A line's words, and separately its settings (words of the form name=value).
+/// A line's words and its settings. A setting is a word of the form name=value.
 struct Script::Line {
   std::vector<std::string> words;
   std::map<std::string, std::string, std::less<>> settings;
@@ -207,7 +207,7 @@ void Script::take(const Line& line) {
   }();
   bool gave = false;
   for (const Effect& effect : scheduler_.step(input)) {
-    // All Keep effects must precede the Assign effects, which may depend on them.
+    // Assign effects may depend on Keep effects, so all Keep effects must come first.
     EXPECT_FALSE(gave && std::holds_alternative<Keep>(effect));
     gave = gave || std::holds_alternative<Assign>(effect);
     played_ += "  " + printed(effect) + "\n";

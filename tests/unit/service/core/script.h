@@ -1,5 +1,5 @@
-// Scripts for the scheduler. A script's line is an input, and the indented lines below are the
-// resulting effects. Script::play() returns the script with the actual effects.
+// Scripts for the scheduler. Each line of a script is an input. The indented lines below it are its
+// effects. Script::play() returns the script with the actual effects.
 //
 // Example:
 //   join 1 threads=2
@@ -27,9 +27,9 @@
 
 namespace sleight::core {
 
-/// A plan of listed blocks. A block waits for all earlier blocks of its replicas and of the
-/// replicas named after `<`. Example: "a2 a [bc] d<a" has a block of two scans of a, a block of one
-/// scan of a, a ladder's part with b and c, and a block of d after the blocks of a.
+/// A plan of listed blocks. A block waits for all earlier blocks of its replicas, and for those of
+/// the replicas after `<`. Example: "a2 a [bc] d<a" has four blocks: two scans of a; one scan of a;
+/// a ladder's part of b and c; a scan of d, after the blocks of a.
 class ListedPlan final : public plan::Plan {
  public:
   explicit ListedPlan(std::string_view list);

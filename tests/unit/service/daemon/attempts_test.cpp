@@ -1,5 +1,5 @@
 // Goal: an attempt is reported as begun once its keeper has written a record. If the keeper exits
-// earlier, the failure is reported at once. Method: run real keepers in an event loop, and let some
+// earlier, the failure is reported at once. Method: run real keepers in an event loop. Let some
 // keepers kill themselves at a given moment. A script replaces `sleight`.
 #include "service/daemon/local_attempts.h"
 
@@ -34,7 +34,7 @@ class AttemptsTest : public keeper::testing::JobTest {
     program_is("[ \"$1\" = --version ] && { echo results 1; exit 0; }; exec sleep 1000");
   }
 
-  /// Launches an attempt and returns the first input after that. If a moment is given, the
+  /// Launches an attempt and returns the first input that follows. If `dies_at` is set, the
   /// attempt's keeper dies at that moment.
   jobs::Input first_heard(std::optional<keeper::Moment> dies_at) {
     const keeper::LocalBackend backend = this->backend(dies_at.has_value());

@@ -62,7 +62,8 @@ TEST_F(AuditLogTest, ALineSaysWhoDidWhat) {
   EXPECT_EQ(read[1]["outcome"], "not_allowed: No.");
 }
 
-// Logins with wrong tokens cause at most one line per second, and the lines count all these logins.
+// If logins have wrong tokens, the log gets at most one line per second. The lines count all these
+// logins.
 TEST_F(AuditLogTest, StrangersCantFillTheLog) {
   for (int i = 0; i < 1000; ++i) {
     audit_.note_stranger("203.0.113.9:1");
@@ -115,7 +116,8 @@ TEST_F(AuditLogTest, NobodyPushesOutWhatHappenedBefore) {
   EXPECT_EQ(lines().back()["of"], "16");
 }
 
-// Users choose names, so a name with control characters must not break a line of the log.
+// Users choose names, so a name may have control characters. Such a name must not break a line of
+// the log.
 TEST_F(AuditLogTest, OddTextsStayInTheirLine) {
   audit_.note({.user = 1, .pid = 1},
               {.call = "submit", .of = "a\n{\"call\":\"stop\"}\x1b[2J\xff\xc3", .outcome = "done"});

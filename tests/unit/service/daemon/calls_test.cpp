@@ -1,7 +1,7 @@
-// Goal: callers see and do only what their rights allow. A submission is accepted only once, and
-// either as a whole or not at all. Method: send calls to the handler, with a real event loop, store
-// and state machine. The keeper and `sleight` don't exist, so jobs stay queued. The callers' user
-// ids need not exist on this machine.
+// Goal: callers see and do only what their rights allow. A submission is accepted once, and whole
+// or not at all. Method: send calls to the handler. The event loop, the store and the state machine
+// are real. The keeper and `sleight` don't exist, so jobs stay queued. The callers' user ids need
+// not exist on this machine.
 #include "service/daemon/calls.h"
 
 #include <gmock/gmock.h>
@@ -90,7 +90,7 @@ class CallsTest : public ::testing::Test {
                [&](rpc::Reply<rpc::JobPage> reply) { calls_->list(caller, ask, std::move(reply)); })
         .value();
   }
-  /// `scans` is the new number of scans if the kind is `extend`.
+  /// If the kind is `extend`, `scans` is the new number of scans.
   base::Result<std::vector<rpc::Touched>, rpc::Refusal> change(const rpc::Caller& caller,
                                                                rpc::JobId job, rpc::ChangeKind kind,
                                                                double scans = 0) {
@@ -220,7 +220,8 @@ TEST_F(CallsTest, CancelExtendAndDelete) {
   EXPECT_EQ(gone.error().kind, rpc::RefusalKind::gone);
 }
 
-// A token's limits (on its jobs, and on cores of a job) apply in addition to its user's limits.
+// A token limits its jobs and the cores of a job. These limits apply in addition to the user's
+// limits.
 TEST_F(CallsTest, ATokensLimits) {
   rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_jobs_max = 2};
   ASSERT_TRUE(submit(k_ada, submission("own", 2)).ok());
@@ -238,7 +239,8 @@ TEST_F(CallsTest, ATokensLimits) {
   EXPECT_TRUE(submit(k_ada, submission("f", 1)).ok());
 }
 
-// A token's limit on its jobs applies to resuming ended jobs, as it does to submitting jobs.
+// A token limits how many of its jobs may be unfinished. The limit applies both to submitted jobs
+// and to ended jobs that are resumed.
 TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   const rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_jobs_max = 1};
   const auto own = submit(k_ada, submission("own", 1));
@@ -259,15 +261,15 @@ TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   ASSERT_TRUE(second.ok());
   EXPECT_EQ(resume(caller, one).error().kind, rpc::RefusalKind::limit);
   EXPECT_EQ(extend(caller, one).error().kind, rpc::RefusalKind::limit);
-  // The job hasn't ended, so the token's limit already counts it, and the job can be extended.
+  // The job hasn't ended, so the limit already counts it, and it can be extended.
   EXPECT_TRUE(extend(caller, second.value().jobs.front()).ok());
-  // A limited token can't resume jobs submitted without it.
+  // A limited token can't resume a job that was submitted without it.
   const rpc::JobId others = own.value().jobs.front();
   EXPECT_THAT(extend(caller, others).error().sentence, HasSubstr("was not submitted with it"));
   cancel(others);
   EXPECT_EQ(resume(caller, others).error().kind, rpc::RefusalKind::limit);
-  // The user's unlimited token can resume the job. After another cancellation the limited token has
-  // room for its own job again.
+  // The user's unlimited token can resume the job. Once another job is cancelled, the limited token
+  // has room for its own job again.
   EXPECT_TRUE(resume({.user = 4001, .token_id = "1123456789"}, others).ok());
   cancel(second.value().jobs.front());
   EXPECT_TRUE(resume(caller, one).ok());
@@ -301,7 +303,7 @@ TEST_F(CallsTest, ATokensCores) {
   EXPECT_EQ(list(caller).jobs.at(0).cores_wanted, 2U);
 }
 
-// A token of the daemon's own user that lacks the scope `operate` has an ordinary user's rights.
+// If a token of the daemon's own user lacks the scope `operate`, it has an ordinary user's rights.
 TEST_F(CallsTest, AnOperatorsTokenSeesLessWithoutOperate) {
   ASSERT_TRUE(submit(k_ada, submission("a", 1)).ok());
   rpc::Caller own{.user = ::geteuid(), .token_id = "0123456789"};
@@ -326,9 +328,8 @@ TEST_F(CallsTest, OptionsComeBackWithTheJob) {
   EXPECT_EQ(stored->options.at("partition"), "long");
 }
 
-// Goal: only a limited number of a user's fetches may wait, and they don't block other users'
-// fetches. Method: keep the thread that makes archives busy, and start more fetches than the limit
-// allows.
+// Goal: a limited number of a user's fetches may wait, and they don't block other users' fetches.
+// Method: the thread that makes archives is busy. Start more fetches than the limit allows.
 TEST_F(CallsTest, AUsersFetchesThatWaitAreBounded) {
   const auto of_ada = submit(k_ada, submission("key", 1)).value().jobs.front();
   const auto of_bob = submit(k_bob, submission("key", 1)).value().jobs.front();

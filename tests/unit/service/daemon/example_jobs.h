@@ -7,7 +7,7 @@
 
 namespace sleight::daemon::testing {
 
-/// A job in which no field has its default value, so that a record that lacks a field is noticed.
+/// A job. No field has its default value, so a test notices if a record lacks a field.
 inline jobs::Job full_job(std::uint64_t id) {
   jobs::Job job;
   job.id = jobs::JobId{id};

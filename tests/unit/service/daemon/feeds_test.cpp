@@ -1,4 +1,5 @@
-// Goal: watchers get one notification of new events, even if another reader reads the events first.
+// Goal: if there are new events, watchers get one notification, even if another reader reads the
+// events first.
 #include "service/daemon/feeds.h"
 
 #include <gtest/gtest.h>

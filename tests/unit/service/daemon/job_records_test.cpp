@@ -1,6 +1,5 @@
 // Goal: a job's record in the job store has all fields of the job, and invalid records are refused.
-// Method: read back a job whose fields are all set, and count the fields, so that a forgotten field
-// is noticed.
+// Method: read back a job whose fields are all set. Count the fields to notice if one is forgotten.
 #include "service/daemon/job_records.h"
 #include "common/json/value.h"
 
@@ -28,7 +27,7 @@ TEST(JobRecords, ReadBackWhatWasWritten) {
   EXPECT_EQ(usage_of(to_line(usage)), usage);
 }
 
-// The structured binding compiles only with the right number of fields. One field is optional.
+// The structured binding compiles only if it has the right number of fields. One field is optional.
 TEST(JobRecords, HaveEveryField) {
   const jobs::Job job = testing::full_job(1);
   const auto written = json::Value::parse(to_line(job)).size();

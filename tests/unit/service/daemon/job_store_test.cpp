@@ -1,6 +1,6 @@
-// Goal: a save is stored completely or not at all. A store that was changed from outside is refused
-// and left as it is. Method: compare the stored jobs with a simple model of the tables after random
-// saves. Change rows and formats with SQL.
+// Goal: a save is stored completely or not at all. If another program changed a store, the store is
+// refused and stays as it is. Method: make random saves. Compare the stored jobs with a simple
+// model of the tables. Change rows and formats with SQL.
 #include "service/daemon/job_store.h"
 
 #include <gtest/gtest.h>

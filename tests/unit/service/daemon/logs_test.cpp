@@ -1,6 +1,6 @@
-// Goal: a reader that follows a log gets each byte once, except bytes that the bounded log has
-// dropped. Method: write random pieces to the keeper's bounded log, and compare them with the bytes
-// that a reader gets.
+// Goal: a reader that follows a log gets each byte once, unless the bounded log has dropped it.
+// Method: write random pieces to the keeper's bounded log. Compare the pieces with the bytes that a
+// reader gets.
 #include "service/daemon/logs.h"
 
 #include <gtest/gtest.h>

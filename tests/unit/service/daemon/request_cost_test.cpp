@@ -1,5 +1,5 @@
-// Goal: a request whose cost exceeds a limit is refused, and the error shows how the cost is
-// computed.
+// Goal: if a request's cost exceeds a limit, the request is refused, and the error shows how the
+// cost is computed.
 #include "service/daemon/request_cost.h"
 
 #include <gmock/gmock.h>
@@ -48,7 +48,7 @@ TEST(RequestCostTest, SimulationsFollowFromScansAndRounds) {
   asked.stop.scans.reset();
   asked.stop.rounds = 3;
   EXPECT_EQ(cost_of(asked).simulations, 4U * 10U * 64U * 7U);
-  // A product that would overflow becomes the largest 64-bit number.
+  // If a product would overflow, it becomes the largest 64-bit number.
   asked = request_with(Method::sequential, 65536);
   asked.sampler.particles = 4096;
   asked.sampler.iterations_per_scan = 4'000'000'000U;

@@ -1,6 +1,6 @@
-// Goal: each save's callback `then` is called after the save is durable, in the order of the put()
-// calls. Method: put many saves from one thread. Each callback checks that the store has the save's
-// job.
+// Goal: once a save is durable, its callback `then` is called. Callbacks are called in the order of
+// the put() calls. Method: put many saves from one thread. Each callback checks that the store has
+// the save's job.
 #include "service/daemon/save_queue.h"
 
 #include <gtest/gtest.h>

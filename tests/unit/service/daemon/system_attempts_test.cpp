@@ -1,6 +1,6 @@
 // Goal: a batch system's answers and a job's folder determine the inputs of the jobs' state
-// machine. An attempt never ends because the system doesn't answer. Method: use a backend that
-// returns the test's answers, and write the keeper's records from the test.
+// machine. If the system doesn't answer, this never ends an attempt. Method: use a backend that
+// returns the test's answers. The test writes the keeper's records.
 #include "service/daemon/system_attempts.h"
 
 #include <fmt/format.h>
@@ -32,7 +32,7 @@ constexpr jobs::JobId k_job{17};
 constexpr jobs::Attempt k_attempt{3};
 /// Timeout of a failing test.
 constexpr double k_patience_s = 20;
-/// Number of list() calls after which an unwanted input would have arrived.
+/// If an input is going to arrive, it arrives within this number of list() calls.
 constexpr std::uint64_t k_lists = 20;
 
 /// A backend that returns the test's answers.
@@ -154,14 +154,14 @@ class SystemAttemptsTest : public ::testing::Test {
     const std::uint64_t before = backend_->lists();
     until([&] { return backend_->lists() >= before + k_lists; });
   }
-  /// Waits for a sight of this kind and returns the newest one.
+  /// Waits for a sight of this kind. Returns the newest sight of this kind.
   template <class Kind>
   Kind sight() {
     until([&] { return newest<Kind>() != nullptr; });
     const Kind* kind = newest<Kind>();
     return kind == nullptr ? Kind{} : *kind;
   }
-  /// Like sight(), but calls look() repeatedly, because an answer in progress may have the old
+  /// Like sight(), but calls look() repeatedly: an answer that is on its way may have the old
   /// state.
   template <class Kind>
   Kind sight_of_looks() {
@@ -298,15 +298,16 @@ TEST_F(SystemAttemptsTest, ThatLeaveNoEndHaveDied) {
   EXPECT_EQ(died.outside, jobs::Outside::taken);
 }
 
-/// Waits so long for late files on a shared disk that the delays of a busy machine don't matter.
+/// Waits for late files on a shared disk so long that delays of a busy machine don't matter.
 class SystemAttemptsOnASlowDisk : public SystemAttemptsTest {
  protected:
   SystemAttemptsOnASlowDisk() : SystemAttemptsTest(k_patience_s) {}
 };
 
 TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
-  // Goal: an attempt whose end is recorded late on a shared disk doesn't count as died. Method: let
-  // the backend report that the job is gone, then write the end within the allowed time.
+  // Goal: if an attempt's end appears late on a shared disk, the attempt doesn't count as died.
+  // Method: let the backend report that the job is gone. Then write the end within the allowed
+  // time.
   launch_and_begin();
   is_gone("COMPLETED", Cause::itself);
   await_lists();
@@ -317,7 +318,7 @@ TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
 
 TEST_F(SystemAttemptsTest, WhoseRunMayLiveOnALostNodeAreWaitedFor) {
   // Goal: while another machine renews the run's lease, an attempt on a failed node doesn't count
-  // as died. Method: renew a lease of 1.5 s for two seconds, then stop.
+  // as died. Method: renew a lease of 1.5 s during two seconds. Then stop.
   launch_and_begin();
   const std::string run = folders_.run(k_job);
   files_.make_folder(run);
@@ -345,8 +346,8 @@ TEST_F(SystemAttemptsTest, ThatNeverHadARecordSayWhatTheSystemSays) {
 }
 
 TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
-  // Method: call look(), as a new daemon does. The folder has a record with an end, then a record
-  // without an end, then no record.
+  // Method: call look(), as a new daemon does. The folder first has a record with an end, then a
+  // record without an end, and at last no record.
   look();
   begins();
   ends(events::End::stop_requested);

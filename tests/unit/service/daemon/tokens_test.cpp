@@ -171,7 +171,7 @@ TEST_F(TokensTest, ARepeatedCreateMakesNoSecondOne) {
   ASSERT_TRUE(again.ok());
   EXPECT_EQ(first.value(), again.value());
   EXPECT_EQ(tokens_->of(4001).size(), 1U);
-  // A token with an existing id but another user or another secret is refused.
+  // If a token's id exists but its user or its secret is another, the token is refused.
   access::Token other = *access::token_of(text);
   other.secret[0] ^= std::byte{1};
   EXPECT_EQ(tokens_->create(4001, ask(access::text_of(other))).error().kind,

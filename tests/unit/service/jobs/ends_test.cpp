@@ -1,4 +1,4 @@
-// Goal: each end of an attempt leads to the state, reason and back-off that ends.h defines.
+// Goal: each end of an attempt leads to the state, the reason and the delay that ends.h defines.
 #include "service/jobs/ends.h"
 
 #include <gmock/gmock.h>
@@ -85,7 +85,7 @@ TEST(Ends, MeanWhatTheRecordSays) {
 }
 
 TEST(Ends, MeanWhatTheSurroundingsExplain) {
-  // A program that can't write reports only the system's error, but the daemon may see the cause.
+  // If a program can't write, it reports only the system's error, but the daemon may see the cause.
   EXPECT_EQ(judged(running_job(), error(ExitCode::environment), {.is_disk_low = true}).reason,
             Reason::disk_full);
   EXPECT_EQ(judged(running_job(), error(ExitCode::conflict), {.has_other_results = true}).reason,
@@ -132,8 +132,8 @@ TEST(Ends, AnExtendedJobGoesOn) {
   EXPECT_EQ(judged(job, {.kind = EndKind::finished}).reason, Reason::extended);
 }
 
-/// Lets an attempt die `deaths` times, with `commits` scans committed before each death. Returns
-/// the delay after each death.
+/// Lets an attempt die `deaths` times. Before each death, the attempt commits `commits` scans.
+/// Returns the delay after each death.
 std::vector<double> waits_of_deaths(Job& job, int deaths, std::uint64_t commits) {
   std::vector<double> waits;
   for (int i = 0; i < deaths; ++i) {
@@ -164,7 +164,7 @@ TEST(Ends, DeathsWithCommitsBetweenWaitLongerAndLonger) {
   EXPECT_THAT(waits_of_deaths(job, 11, 1),
               testing::ElementsAre(1, 2, 4, 8, 16, 32, 64, 128, 256, 300, 300));
   EXPECT_EQ(job.deaths, 1U);
-  // A long-lived attempt resets the back-off.
+  // An attempt that lived long resets the delay.
   const Verdict verdict = judge(job, Died{}, Options{});
   EXPECT_EQ(count_end(job, verdict, {}, 1e4, Options{}), 1);
 }

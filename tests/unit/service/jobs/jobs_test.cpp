@@ -1,5 +1,5 @@
 // Goal: each input of the jobs' state machine has the right effects. Method: send inputs to the
-// state machine of a computer with four cores.
+// state machine. The computer has four cores.
 #include "service/jobs/jobs.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ namespace {
 constexpr UserId k_ann{1};
 constexpr UserId k_bob{2};
 
-/// The jobs' state machine with a simulated store and clock.
+/// The jobs' state machine with a simulated store and a simulated clock.
 class Bench {
  public:
   explicit Bench(const Options& options = {}) : options_(options) { begin(); }
@@ -215,8 +215,8 @@ TEST(Jobs, ThatWaitInABatchSystemAreStartingAndNothingIsCharged) {
 }
 
 TEST(Jobs, ThatWaitInABatchSystemUseNothingOfTheirUsersLimit) {
-  // Method: let a job of four cores wait for 1,000 s and then run for 100 s. Its user has a limit
-  // of 360 core-seconds a day.
+  // Method: let a job of four cores wait for 1,000 s and then run for 100 s. The job's user has a
+  // limit of 360 core-seconds a day.
   Bench bench({.limits = {.core_hours_per_day = 0.1}});
   const JobId id = bench.job();
   bench.see(id, Pending{});
@@ -254,8 +254,8 @@ TEST(Jobs, AskedToStopBeforeTheBatchSystemIsHeardOfAreStoppedThen) {
 }
 
 TEST(Jobs, CancelledInTheBatchSystemAreHeld) {
-  // Method: let the batch system stop one attempt cleanly, kill another attempt, and remove a third
-  // attempt from its queue.
+  // Method: use three attempts. The batch system stops the first attempt cleanly, kills the second
+  // attempt, and removes the third attempt from its queue.
   const auto ends = std::vector<decltype(Sight::seen)>{
       Ended{.kind = EndKind::stop_requested,
             .outside = Outside::cancelled,

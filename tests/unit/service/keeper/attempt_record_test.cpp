@@ -1,5 +1,5 @@
-// Goal: a record is read back as it was written, is never incomplete, and has reserved space for
-// the attempt's end.
+// Goal: a record is read back as it was written and is never incomplete. Space is reserved for the
+// attempt's end.
 #include "service/keeper/attempt_record.h"
 
 #include <gtest/gtest.h>
@@ -55,8 +55,8 @@ TEST(AttemptRecord, IsReadAsItWasWritten) {
 }
 
 TEST(AttemptRecord, AnythingElseIsNone) {
-  // Method: cut a record at each byte. In other copies, rename one field, or change the type or
-  // value of one field.
+  // Method: cut a record at each byte. In other copies, rename one field, or change its type or
+  // value.
   const std::string text = to_text(ended());
   for (std::size_t size = 0; size + 1 < text.size(); ++size)
     ASSERT_EQ(record_of(text.substr(0, size)), std::nullopt) << size;
@@ -79,8 +79,9 @@ TEST(AttemptRecord, AnythingElseIsNone) {
 }
 
 TEST(AttemptRecord, StaysUnderItsBound) {
-  // Goal: the record fits into its reserved space, for any program output and any command. Method:
-  // use long commands and the longest log tail, whose characters take six bytes each in JSON.
+  // Goal: whatever the program's output and command, the record fits into its reserved space.
+  // Method: use long commands and the longest log tail. Each character of the tail takes six bytes
+  // in JSON.
   AttemptRecord record = ended();
   record.end->log_tail.assign(k_tail_lines_max, std::string(400, '\x01'));
   std::string text = to_text(record);
@@ -130,7 +131,8 @@ TEST_F(RecordFileTest, NothingIsThereUntilItIsWhole) {
 }
 
 TEST_F(RecordFileTest, WhatIsNoneOfOursIsSaid) {
-  // Goal: a damaged record never counts as missing. Reading it throws an error that names the file.
+  // Goal: if a record is damaged, it never counts as missing. Reading the record throws an error
+  // that names the file.
   std::ofstream(path(k_record_name)) << "{\"attempt\":1";
   try {
     static_cast<void>(read_record(folder()));

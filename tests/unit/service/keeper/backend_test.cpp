@@ -1,4 +1,5 @@
-// Goal: a daemon and its successor can see, adopt and stop attempts, and start no attempt twice.
+// Goal: a daemon and its successor can see, adopt and stop attempts. Neither starts an attempt
+// twice.
 #include "service/keeper/backend.h"
 
 #include <gmock/gmock.h>
@@ -64,8 +65,8 @@ TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
 }
 
 TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
-  // Method: launch the same attempt from eight threads at once. Later launches of this attempt or
-  // an earlier attempt must do nothing.
+  // Method: launch the same attempt from eight threads at once. If this attempt or an earlier
+  // attempt is launched later, nothing may happen.
   program_is("echo run >> runs; sleep 0.2");
   std::vector<std::optional<RunningKeeper>> keepers(8);
   std::vector<std::thread> threads;
@@ -85,8 +86,8 @@ TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
 }
 
 TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
-  // Method: let a child process launch an attempt, and adopt the attempt in this process. Kill the
-  // child with its process group. The program must still run until this test ends it.
+  // Method: let a child process launch an attempt. Adopt the attempt in this process. Kill the
+  // child and its process group. The program must run until this test ends it.
   program_is(
       "echo $$ > ready; while [ ! -e go ] && [ -e ready ]; do sleep 0.01; done; echo $$ > "
       "survived");
@@ -110,7 +111,7 @@ TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
 }
 
 TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
-  // Goal: when a launched keeper has ended, the daemon has no zombie and no additional descriptor.
+  // Goal: once a launched keeper has ended, the daemon has no zombie and no additional descriptor.
   program_is("exit 0");
   const auto descriptors = [] {
     return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
@@ -123,8 +124,8 @@ TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
 }
 
 TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
-  // Method: launch with a keeper that doesn't exist, in a missing folder, and with too many ranks.
-  // Then launch in a folder where the keeper can't write its record.
+  // Method: try four launches: the keeper doesn't exist; the folder is missing; there are too many
+  // ranks; the keeper can't write its record.
   Programs none = backend().programs();
   none.keeper = path("none");
   EXPECT_THROW(LocalBackend(none).launch(spec()), base::Error);
@@ -145,9 +146,9 @@ TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
 }
 
 TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
-  // Goal: a process that reuses a dead keeper's process id gets no signal, even if the folder seems
-  // active. Method: while a lock is held, write a record with a bystander's process id and a wrong
-  // start time. Then write a record of an earlier boot.
+  // Goal: if a process reuses a dead keeper's process id, the process gets no signal, even if the
+  // folder seems active. Method: hold the lock, and write a record with a bystander's process id
+  // and a wrong start time. Then write a record of an earlier boot.
   const pid_t bystander = ::fork();
   if (bystander == 0) {
     while (true)
@@ -188,7 +189,7 @@ TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
 }
 
 TEST_F(BackendTest, AFolderThatCantBeTrustedIsAnError) {
-  // Goal: a look throws an error if the record is damaged or belongs to a later attempt. A launch
+  // Goal: if the record is damaged or belongs to a later attempt, look() throws an error. launch()
   // doesn't overwrite a damaged record.
   program_is("exit 0");
   run(spec(5));

@@ -1,4 +1,5 @@
-// Goal: the log stores output in order and within its size limit, and reports lost output.
+// Goal: the log stores output in order and never exceeds its size limit. If output is lost, the log
+// says so.
 #include "service/keeper/bounded_log.h"
 
 #include <gmock/gmock.h>
@@ -15,8 +16,8 @@ namespace {
 class BoundedLogTest : public testing::JobTest {};
 
 TEST_F(BoundedLogTest, KeepsTheNewestUnderItsBound) {
-  // Method: append pieces of many sizes, one of which exceeds the limit. The two files together
-  // must contain the last part of the output.
+  // Method: append pieces of many sizes. One piece exceeds the limit. The two files together must
+  // contain the last part of the output.
   std::string all;
   BoundedLog log(folder(), 2000);
   for (const std::size_t size : {1UL, 300UL, 699UL, 1UL, 5000UL, 10UL, 990UL}) {
@@ -34,7 +35,7 @@ TEST_F(BoundedLogTest, KeepsTheNewestUnderItsBound) {
 }
 
 TEST_F(BoundedLogTest, GoesOnWithMarkedLines) {
-  // Method: continue a log that a killed keeper left with an incomplete line.
+  // Method: a killed keeper left a log whose last line is incomplete. Continue the log.
   {
     BoundedLog log(folder());
     log.mark("attempt 1: a\nb");
@@ -48,7 +49,7 @@ TEST_F(BoundedLogTest, GoesOnWithMarkedLines) {
 }
 
 TEST_F(BoundedLogTest, SaysWhatWasLost) {
-  // Method: put a folder in the log's place, so that writing fails, then remove it.
+  // Method: put a folder in the log's place, so that writing fails. Then remove the folder.
   std::filesystem::create_directory(path("log"));
   BoundedLog log(folder());
   log.append("lost\n");
@@ -59,7 +60,7 @@ TEST_F(BoundedLogTest, SaysWhatWasLost) {
 }
 
 TEST_F(BoundedLogTest, TheBoundHoldsWhereItCantTurnOver) {
-  // Method: put a non-empty folder in the old log's place, so that no file can replace it.
+  // Method: put a folder that isn't empty in the old log's place, so that no file can replace it.
   std::filesystem::create_directories(path("log.old/x"));
   BoundedLog log(folder(), 200);
   for (int i = 0; i < 100; ++i)
@@ -69,7 +70,7 @@ TEST_F(BoundedLogTest, TheBoundHoldsWhereItCantTurnOver) {
 }
 
 TEST(LastLines, AreTheLastOnes) {
-  // Method: append lines in pieces, among them an overlong line and an incomplete line.
+  // Method: append lines in pieces. One line is too long, and the last line is incomplete.
   LastLines last(3);
   EXPECT_TRUE(last.lines().empty());
   last.append("one\ntw");

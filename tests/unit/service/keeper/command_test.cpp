@@ -32,8 +32,8 @@ TEST(Command, WithoutRanksNoMpiIsStarted) {
 }
 
 TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
-  // Method: compare the whole command line. An attempt with more ranks than this machine has cores
-  // must be refused.
+  // Method: compare the whole command line. If an attempt has more ranks than this machine has
+  // cores, it must be refused.
   AttemptSpec spec{.folder = "/jobs/1 7", .ranks = 3, .grace_s = 0.5};
   EXPECT_EQ(
       joined(command_of(spec, k_programs)),
@@ -58,7 +58,7 @@ TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
 }
 
 TEST(Command, InABatchSystemsJobMpirunHasThatJobsMachines) {
-  // Goal: in a batch system's job, neither this machine's cores nor its mpirun matter.
+  // Goal: inside a batch system's job, this machine's cores and mpirun don't matter.
   AttemptSpec spec{.folder = "/jobs/17", .ranks = 100'000, .in_batch = true};
   EXPECT_EQ(obstacle_of(spec, k_programs), "");
   EXPECT_EQ(joined(command_of(spec, k_programs)),
@@ -74,8 +74,8 @@ TEST(Command, InABatchSystemsJobMpirunHasThatJobsMachines) {
 }
 
 TEST(Command, TheEnvironmentIsCleaned) {
-  // Method: use one variable of each kind that is removed, and variables with similar names that
-  // stay.
+  // Method: set one variable of each kind that must be removed. Set variables that have similar
+  // names and must stay.
   const std::vector<std::string> all{
       "PATH=/bin",        "OMPI_MCA_btl=tcp", "OMPI_ALLOW_RUN_AS_ROOT=1",
       "PMIX_RANK=3",      "LD_PRELOAD=x.so",  "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",

@@ -1,7 +1,7 @@
-// Goal: after a keeper's death at any moment, look() returns how far the attempt got, and no
-// process is left. The daemon repeats an attempt that never began, and starts the next attempt
-// after a death. So each attempt's program starts at most once. Method: kill keepers at each moment
-// of an attempt and at random times.
+// Goal: if a keeper dies at any moment, look() returns how far the attempt got, and no process is
+// left. The daemon repeats an attempt that never began, and starts the next attempt after a death.
+// So each attempt's program starts at most once. Method: kill keepers at each moment of an attempt
+// and at random times.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -25,8 +25,8 @@ constexpr std::uint64_t k_seed = 2025;
 
 class DeathsTest : public testing::JobTest {
  protected:
-  /// Returns the state after the keeper's death. A child that hasn't called exec yet holds the lock
-  /// until the kernel kills it.
+  /// Returns the state after the keeper's death. If a child hasn't called exec yet, it holds the
+  /// lock until the kernel kills it.
   Look look_after(const RunningKeeper& keeper, std::uint32_t attempt) const {
     EXPECT_TRUE(testing::comes_true([&] { return keeper.has_gone(); }));
     Look look;
@@ -45,7 +45,8 @@ Look::State state_after(Moment moment) {
 }
 
 TEST_F(DeathsTest, AtEachMoment) {
-  // The program writes one line when it starts, and none if the keeper was killed before exec.
+  // The program writes one line when it starts. If the keeper was killed before exec, there is no
+  // line.
   std::uint32_t attempt = 0;
   std::size_t runs = 0;
   for (std::size_t i = 0; i < k_moment_names.size(); ++i) {
@@ -62,7 +63,7 @@ TEST_F(DeathsTest, AtEachMoment) {
     EXPECT_GE(runs_now, moment > Moment::started ? runs + 1 : runs) << k_moment_names[i];
     EXPECT_LE(runs_now, moment > Moment::in_child ? runs + 1 : runs) << k_moment_names[i];
     runs = runs_now;
-    // Launching the attempt again runs the program only if the attempt never began.
+    // If the attempt is launched again, the program runs only if the attempt never began.
     program_is("echo run >> runs");
     const Look second = look_after(backend().launch(spec(attempt)), attempt);
     runs += look.state == Look::State::never_began ? 1 : 0;
@@ -76,9 +77,9 @@ TEST_F(DeathsTest, AtEachMoment) {
 }
 
 TEST_F(DeathsTest, AtRandomTimes) {
-  // Method: kill the keeper at a random time up to 30 ms after the launch of a program that takes
-  // 10 ms. Then launch attempts by the daemon's rule until an attempt has ended. Each attempt must
-  // write its number at most once.
+  // Method: launch a program that takes 10 ms. Kill the keeper at a random time up to 30 ms after
+  // the launch. Then launch attempts by the daemon's rule until an attempt has ended. Each attempt
+  // must write its number at most once.
   program_is("cat attempt.json | tr ',' '\\n' | grep -m1 '\"attempt\"' >> runs; sleep 0.01");
   std::uint32_t attempt = 0;
   for (const std::uint64_t n : property::in_turn(property::long_run() ? 300 : 15)) {

@@ -1,4 +1,4 @@
-// A job's folder for real keepers. The job's program is a shell script.
+// A folder of a job, for tests with real keepers. The job's program is a shell script.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,13 +20,15 @@ class JobTest : public ::testing::Test {
   const std::string& folder() const { return folder_; }
   std::string path(const std::string& name) const { return folder_ + "/" + name; }
 
-  /// Creates a script that replaces `sleight`, or mpirun if there are ranks.
+  /// Creates a script that runs in place of `sleight`. If there are ranks, the script runs in place
+  /// of mpirun.
   void program_is(const std::string& script);
-  /// Returns a backend with the real keeper, or with a keeper that dies at SLEIGHT_KEEPER_DIES_AT.
+  /// Returns a backend that starts the real keeper. If `dies` is true, the keeper dies at
+  /// SLEIGHT_KEEPER_DIES_AT.
   LocalBackend backend(bool dies = false) const;
   AttemptSpec spec(std::uint32_t attempt = 1) const;
 
-  /// Waits until the attempt has ended, as a daemon does; fails the test after 20 s.
+  /// Like a daemon, waits until the attempt has ended. Fails the test after 20 s.
   Look await_end(std::uint32_t attempt = 1) const;
   /// Launches the script and returns its recorded end.
   AttemptEnd run(const AttemptSpec& spec) const;

@@ -31,7 +31,7 @@ class KeepTest : public testing::JobTest {
         {.epoch = 1, .end = end, .exit_code = static_cast<base::ExitCode>(code), .scans = 7});
     return "echo '" + line.substr(0, line.size() - 1) + "' > end.pipe";
   }
-  /// Returns whether the process that wrote its id into the file has ended.
+  /// Returns true if the process whose id is in the file has ended.
   bool has_gone(const std::string& name) const {
     const pid_t pid = std::stoi(text_in(name));
     return ::kill(pid, 0) != 0 && errno == ESRCH;
@@ -39,8 +39,8 @@ class KeepTest : public testing::JobTest {
 };
 
 TEST_F(KeepTest, HowItEnded) {
-  // Method: run a program that exits with a code, a program that is killed by a signal, and a
-  // missing program.
+  // Method: run three programs. One program exits with a code, one is killed by a signal, and one
+  // is missing.
   program_is("echo out; echo err >&2; printf 'no end'; exit 7");
   AttemptEnd end = run(spec(1));
   EXPECT_EQ(end.exit_code, 7);
@@ -68,8 +68,8 @@ TEST_F(KeepTest, HowItEnded) {
 }
 
 TEST_F(KeepTest, WhatTheProgramTold) {
-  // Goal: the record has the first end that the program reports. Method: let the program open the
-  // pipe late, then write garbage and two ends.
+  // Goal: the record has the first end that the program reports. Method: the program opens the pipe
+  // late, then writes garbage and two ends.
   program_is("sleep 0.1; echo garbage > end.pipe; " + told(events::End::no_draws, 0) + "; " +
              told(events::End::finished, 0));
   const AttemptEnd end = run();
@@ -80,8 +80,8 @@ TEST_F(KeepTest, WhatTheProgramTold) {
 }
 
 TEST_F(KeepTest, NothingOfItIsLeft) {
-  // Method: let the program end while three of its processes still run. One ignores signals, one
-  // has forked twice into its own session, and one forks constantly.
+  // Method: let the program end while three of its processes still run. One process ignores
+  // signals, one has forked twice into its own session, and one forks constantly.
   program_is(
       "(trap '' TERM HUP INT; echo $$ > /dev/null; while :; do sleep 1; done) & echo $! > child\n"
       "setsid sh -c '(sh -c \"echo \\$\\$ > daemon; sleep 1000\" &)'\n"
@@ -128,7 +128,8 @@ TEST_F(KeepTest, StoppedNow) {
 }
 
 TEST_F(KeepTest, ASignalThatComesAtOnceIsNotLost) {
-  // Goal: a stop right after launch ends the attempt, even before the keeper handles signals.
+  // Goal: if a stop comes right after the launch, the attempt ends, even if the keeper can't handle
+  // signals yet.
   program_is("sleep 1000");
   for (std::uint32_t attempt = 1; attempt <= 10; ++attempt) {
     const auto keeper = backend().launch(spec(attempt));
@@ -141,7 +142,7 @@ TEST_F(KeepTest, ASignalThatComesAtOnceIsNotLost) {
 }
 
 TEST_F(KeepTest, AProgramThatLingersIsKilled) {
-  // Method: let the program report its end and then not exit.
+  // Method: the program reports its end but doesn't exit.
   program_is(told(events::End::finished, 0) + "; sleep 1000");
   AttemptSpec graced = spec();
   graced.grace_s = 0.2;
@@ -154,8 +155,9 @@ TEST_F(KeepTest, AProgramThatLingersIsKilled) {
 }
 
 TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
-  // Method: use a script in place of mpirun that hangs after its rank has ended, as Debian 12's
-  // mpirun sometimes does. The keeper must not kill the script before the first rank has started.
+  // Method: use a script in place of mpirun. The script hangs after its rank has ended, as Debian
+  // 12's mpirun sometimes does. The keeper must not kill the script before the first rank has
+  // started.
   program_is("sleep 0.5 & wait; while :; do read x < /dev/zero; done");
   AttemptSpec ranks = spec();
   ranks.ranks = 1;
@@ -167,8 +169,9 @@ TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
 }
 
 TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
-  // Goal: a stop before the first rank starts isn't lost, although mpirun passes signals only to
-  // existing ranks. Method: use a script in place of mpirun that starts its rank late.
+  // Goal: if a stop comes before the first rank starts, the stop isn't lost, although mpirun passes
+  // signals only to existing ranks. Method: use a script in place of mpirun. The script starts its
+  // rank late.
   program_is(
       "echo $$ > ready; read -r x < gate\n"
       "trap 'touch taken; kill $!; exit 130' USR1; sleep 1000 & while :; do wait; done");
@@ -188,9 +191,9 @@ TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
 }
 
 TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
-  // Goal: the program doesn't inherit descriptors, the terminal, blocked or ignored signals, limits
-  // or variables of the keeper or the daemon. Method: open files, ignore signals and set variables
-  // in the daemon. Let the script write down what it inherits.
+  // Goal: the program inherits nothing from the keeper or the daemon: no descriptors, terminal,
+  // blocked or ignored signals, limits or variables. Method: open files, ignore signals and set
+  // variables in the daemon. Let the script write down what it inherits.
   program_is(
       "ls /proc/self/fd > fds; readlink /proc/self/fd/0 > stdin; env > env; pwd > pwd\n"
       "grep -E 'SigBlk|SigIgn' /proc/self/status > signals; ulimit -c > core\n"
@@ -216,7 +219,7 @@ TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
 }
 
 TEST_F(KeepTest, WhatADeadAttemptLeftIsCleared) {
-  // Method: before an attempt, create Open MPI's files, and a regular file in the pipe's place.
+  // Method: before an attempt, create Open MPI's files. Put a regular file in the pipe's place.
   std::filesystem::create_directories(path("mpi/ompi.vm.0/pid.1"));
   std::ofstream(path("mpi/vader_segment.vm.0")) << "x";
   std::ofstream(path("end.pipe")) << "no pipe";
@@ -259,9 +262,9 @@ TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
 }
 
 TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
-  // Goal: on a disk without locks, where records may appear late, the file `begun.N` prevents a
-  // second start of attempt N. Method: delete the record as if it weren't visible yet, and launch
-  // the same attempt again.
+  // Goal: on a disk without locks, records may appear late. There, the file `begun.N` prevents a
+  // second start of attempt N. Method: delete the record as if it weren't visible yet. Launch the
+  // same attempt again.
   ::setenv("SLEIGHT_NETWORK_DISK", "1", 1);
   program_is("echo started >> starts");
   AttemptSpec in_batch = spec();
@@ -282,9 +285,9 @@ TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
 }
 
 TEST_F(KeepTest, StartedTwiceByABatchSystemTheSecondKeeperWaitsForTheFirst) {
-  // Goal: if an attempt has two keepers, the second keeper doesn't end while the first keeper
-  // lives, and passes a stop on to the first keeper. Method: start two keepers of an attempt, on a
-  // local disk and on a network disk, and stop the second keeper.
+  // Goal: if an attempt has two keepers, the second doesn't end while the first lives, and passes a
+  // stop on to the first. Method: start two keepers of an attempt and stop the second. Use a local
+  // disk, then a network disk.
   for (const char* network : {"0", "1"}) {
     ::setenv("SLEIGHT_NETWORK_DISK", network, 1);
     program_is("echo started >> starts; trap 'exit 130' USR1; while true; do sleep 0.02; done");

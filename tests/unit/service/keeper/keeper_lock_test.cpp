@@ -1,4 +1,4 @@
-// Goal: only one process at a time holds the lock, the lock is free when its holder has ended, and
+// Goal: only one process at a time holds the lock. Once the holder has ended, the lock is free.
 // is_held() doesn't take the lock.
 #include "service/keeper/keeper_lock.h"
 
@@ -21,7 +21,7 @@ namespace {
 class KeeperLockTest : public testing::JobTest {};
 
 TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
-  // Method: take and release the lock in this process, then let a child take the lock, and kill the
+  // Method: take and release the lock in this process. Then let a child take the lock, and kill the
   // child.
   EXPECT_FALSE(KeeperLock::is_held(folder()));
   EXPECT_FALSE(KeeperLock::is_held(path("nowhere")));
@@ -49,8 +49,8 @@ TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
 }
 
 TEST_F(KeeperLockTest, AnAttemptIsMarkedAsBegunOnce) {
-  // Method: mark an attempt from eight threads at once; only one thread may succeed. Then mark a
-  // later attempt, which removes the first mark.
+  // Method: mark an attempt from eight threads at once. Only one thread may succeed. Then mark a
+  // later attempt; this removes the first mark.
   EXPECT_FALSE(KeeperLock::has_begun(folder(), 1));
   std::atomic<int> marked = 0;
   std::vector<std::thread> several;
@@ -67,8 +67,8 @@ TEST_F(KeeperLockTest, AnAttemptIsMarkedAsBegunOnce) {
 }
 
 TEST_F(KeeperLockTest, ALookIsNeverInTheWay) {
-  // Goal: a keeper that starts while a daemon looks at the folder gets the lock. Method: let
-  // another process call is_held() constantly while this process takes the lock.
+  // Goal: if a keeper starts while a daemon looks at the folder, the keeper gets the lock. Method:
+  // another process calls is_held() constantly while this process takes the lock.
   ASSERT_TRUE(KeeperLock::take(folder()));
   const pid_t looker = ::fork();
   if (looker == 0) {

@@ -15,8 +15,8 @@ namespace sleight::keeper {
 namespace {
 
 TEST(ProcessTable, ChildrenAreFoundInBothWays) {
-  // Method: start children from two threads, and compare children_of() with a search of all
-  // processes. Then kill the children.
+  // Method: start children from two threads. Compare children_of() with a search of all processes.
+  // Then kill the children.
   const auto wait_for_ever = [] {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -46,8 +46,8 @@ TEST(ProcessTable, ChildrenAreFoundInBothWays) {
 }
 
 TEST(ProcessTable, AnIdentityIsAProcessOfItsOwn) {
-  // Goal: a process's identity differs from the identity of a process that started later, and a
-  // process that has ended has no identity.
+  // Goal: two processes that started one after the other have different identities. Once a process
+  // has ended, it has no identity.
   const auto self = identity_of(::getpid());
   ASSERT_TRUE(self);
   EXPECT_EQ(self, identity_of(::getpid()));

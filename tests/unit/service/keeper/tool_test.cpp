@@ -1,4 +1,4 @@
-// Goal: programs run with a limited time and a limited output, and leave no processes.
+// Goal: a program's time and output are limited, and it leaves no processes.
 #include "service/keeper/tool.h"
 
 #include <gmock/gmock.h>
@@ -53,8 +53,8 @@ TEST(Tools, AreBounded) {
 }
 
 TEST(Tools, ThatTakeTooLongAreKilled) {
-  // Method: run a program that waits, a program whose child keeps the output open, and a program
-  // that closes its output and waits. Without a time limit, each program would take 1,000 s.
+  // Method: run three programs. One program waits, one has a child that keeps the output open, and
+  // one closes its output and waits. Without a time limit, each program would take 1,000 s.
   for (const char* script : {"sleep 1000", "sleep 1000 & exit 0", "exec >&- 2>&-; sleep 1000"})
     EXPECT_TRUE(run_shell(script, {.seconds_max = 0.2}).was_too_slow) << script;
   const std::atomic<bool> stop = true;

@@ -1,6 +1,6 @@
-// Goal: an index that is stored between commands is used only for its own archive. Several archives
-// together count each animation once, and all given queries are applied. Method: store indexes of
-// made-up animations in a scratch folder, then change or truncate them.
+// Goal: an index that is stored between commands is used only for its own archive. If several
+// archives contain an animation, it counts once. All given queries are applied. Method: store
+// indexes of made-up animations in a scratch folder, then change or truncate them.
 #include "clients/browse/archives/browsed.h"
 
 #include <gmock/gmock.h>
@@ -65,7 +65,7 @@ TEST_F(IndexCache, GivesBackWhatItKept) {
   for (std::size_t i = 0; i < index.entries.size(); ++i)
     EXPECT_TRUE(kept->index.entries[i] == index.entries[i]);
   EXPECT_TRUE(kept->of == *state_of_file(archive_));
-  // A link to the archive finds the stored index, but another archive doesn't.
+  // The stored index is found through a link to its archive, but not for another archive.
   fs::create_symlink(archive_, path("link.h5"));
   EXPECT_TRUE(kept_index(path("link.h5")).has_value());
   std::ofstream(path("b.h5")) << "another";

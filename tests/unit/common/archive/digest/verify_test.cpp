@@ -1,5 +1,5 @@
 // Goal: verify() accepts sound archives and reports each kind of fault. Method: change one part of
-// an in-memory archive, recompute the stored digest, and look for a finding about the fault.
+// an in-memory archive and recompute the stored digest. verify() must report that change.
 #include "common/archive/digest/verify.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Goal: a file that Sleight can't have written is refused with an error that names the file and the
-// object. Method: change a sound archive with the HDF5 library, for example by adding a foreign
+// Goal: if Sleight can't have written a file, the file is refused. The error names the file and the
+// object. Method: let the HDF5 library change a sound archive, for example by adding a foreign
 // object.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -90,9 +90,9 @@ TEST_F(Hostile, OtherFiles) {
 }
 
 TEST_F(Hostile, OtherFormats) {
-  // Goal: the error about another format version names the archive's format, the writer's version
-  // and the supported format. Method: write older, newer and invalid format versions into a sound
-  // archive.
+  // Goal: if an archive has another format version, the error names both format versions and the
+  // version of the program that wrote the archive. Method: write older, newer and invalid format
+  // versions into a sound archive.
   const auto of_format = [&](std::int64_t version) {
     return changed([version](hid_t id) {
       const hid_t attribute = H5Aopen(id, "format_version", H5P_DEFAULT);
@@ -174,7 +174,7 @@ TEST_F(Hostile, Types) {
                  "/", "added is not a fixed-length text");
 }
 
-/// Overwrites the text of a root attribute, but keeps the length of the attribute's type.
+/// Overwrites the text of a root attribute. The length of the attribute's type stays the same.
 void overwrite_root_text(hid_t file, const char* name, const std::string& text) {
   const hid_t attribute = H5Aopen(file, name, H5P_DEFAULT);
   const hid_t type = H5Aget_type(attribute);

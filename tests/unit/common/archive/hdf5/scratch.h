@@ -1,4 +1,4 @@
-// A folder for one test's files, removed with its contents.
+// A folder for the files of one test. The destructor removes the folder and its contents.
 #pragma once
 
 #include <gtest/gtest.h>

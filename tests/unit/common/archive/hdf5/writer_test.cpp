@@ -1,6 +1,6 @@
-// Goal: a file holds the same values as an in-memory archive, equal content gives equal bytes, and
-// a failed write leaves the old file. Method: compare digests. Compare files that different
-// processes wrote. Limit the size of files, and make calls of the file system fail.
+// Goal: a file holds the values of the in-memory archive. Equal content gives equal bytes. If a
+// write fails, the old file stays. Method: compare digests. Compare files that different processes
+// wrote. Limit the size of files. Let calls of the file system fail.
 #include "common/archive/hdf5/writer.h"
 
 #include <fmt/format.h>
@@ -78,8 +78,8 @@ TEST_F(Writer, ReadsAnyRangeOfElements) {
 }
 
 TEST_F(Writer, EqualContentIsEqualBytesInEveryProcess) {
-  // MALLOC_PERTURB_ fills fresh and freed memory with a given byte, so uninitialised bytes would
-  // differ between the files.
+  // MALLOC_PERTURB_ fills new and freed memory with a given byte. If the writer wrote uninitialised
+  // memory, the files would differ.
   std::string first;
   for (const char* byte : {"0", "165", "90", "255"}) {
     const std::string file = path("sample.h5");
@@ -91,7 +91,7 @@ TEST_F(Writer, EqualContentIsEqualBytesInEveryProcess) {
     if (first.empty()) first = bytes;
     EXPECT_TRUE(bytes == first) << "MALLOC_PERTURB_=" << byte;
   }
-  // A process that writes the same archive twice gets the same bytes.
+  // If a process writes the same archive twice, both files have the same bytes.
   const FakeRunOptions run{.scans = 20000};
   write_file(path("x.h5"), files_, filler({.chains = 1}));
   write_file(path("y.h5"), files_, filler(run));
@@ -119,7 +119,7 @@ TEST_F(Writer, AFullDiskLeavesTheOldFileAlone) {
   write_file(path("b.h5"), files_, filler(run));
   const std::string whole = bytes_of(path("b.h5"));
 
-  // One process tries all limits, so that a failed write must not harm the next write.
+  // One process tries all limits. A failed write must not harm the next write.
   const auto write_within_limits = [&] {
     std::signal(SIGXFSZ, SIG_IGN);
     const auto try_with = [&](rlim_t bytes) {
@@ -163,15 +163,16 @@ TEST_F(Writer, FailuresOfTheFileSystemLeaveAWholeFile) {
     }
     EXPECT_GE(failing.failures(), 1U) << name_of(call);
     EXPECT_THAT(names(), ElementsAre("a.h5")) << name_of(call);
-    // Only sync_directory is called after the rename that puts the new file in place.
+    // Only sync_directory is called after the new file is renamed to its final name.
     EXPECT_EQ(bytes_of(path("a.h5")) == old, call != FileCall::sync_directory);
     EXPECT_THAT(verify(*open_file(path("a.h5"))), ::testing::IsEmpty());
   }
 }
 
 TEST_F(Writer, AFileHasItsAllocatedLength) {
-  // Goal: a file has its full length even if HDF5 never writes its last bytes. A failure to extend
-  // the file is reported. Method: create a dataset whose space is allocated but never written.
+  // Goal: even if HDF5 never writes a file's last bytes, the file has its full length. If the file
+  // can't be extended, the failure is reported. Method: create a dataset whose space is allocated
+  // but never written.
   const hsize_t bytes = 100000;
   const auto write = [&](base::FileSystem& files) {
     OutputFile output(path("a.h5"), files);
@@ -201,8 +202,8 @@ TEST_F(Writer, AFileHasItsAllocatedLength) {
 
 TEST_F(Writer, EachCallMayFailOnce) {
   // Goal: whichever call of the file system fails, the old file stays or the complete new file
-  // replaces it. Method: let only the k-th call fail, for each k until a write succeeds. Sanitizer
-  // builds try every third k.
+  // replaces it. Method: for k = 1, 2, ..., let only the k-th call fail, until a write succeeds.
+  // Sanitizer builds try every third k.
 #ifdef SLEIGHT_SANITIZED
   constexpr std::uint64_t k_step = 3;
 #else

@@ -1,6 +1,6 @@
-// Goal: a damaged file never hangs or crashes the program that reads it, and is never taken for the
-// original. Method: truncate a small archive, flip its bits, or overwrite parts of it. Each time,
-// the reader must report an error or findings, or return the original digest.
+// Goal: a program that reads a damaged file never hangs or crashes, and never takes the file for
+// the original. Method: truncate a small archive, flip its bits, or overwrite parts of it. For each
+// damaged file, the reader must report an error or findings, or return the original digest.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ class Damage : public archive::testing::Scratch {
     try {
       const auto source = open_remote_by(SLEIGHT_READER, file, {.cpu_s = 20, .timeout_s = 30});
       if (!verify(*source).empty()) return Outcome::found;
-      // Compare with the original's digest, because the stored digest may be damaged.
+      // The stored digest may be damaged, so compare with the original's digest.
       EXPECT_EQ(digest(*source), digest_);
       return Outcome::equal;
     } catch (const base::Error& error) {

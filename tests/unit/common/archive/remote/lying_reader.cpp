@@ -1,5 +1,6 @@
-// A reader process taken over by a hostile file, for remote_source_test.cpp. The process is
-// confined like the real reader and then misbehaves as the first word of its "archive" orders.
+// Acts as a reader process that a hostile file has taken over, for remote_source_test.cpp. The
+// process is confined like the real reader. Then the process misbehaves: the first word of its
+// "archive" tells how.
 #include <fcntl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -31,7 +32,8 @@ std::string told() {
   return {bytes.data(), static_cast<std::size_t>(got > 0 ? got : 0)};
 }
 
-/// An honest reader's contents: /posterior with its coordinate (dataset 0) and words (dataset 1).
+/// Returns the contents that an honest reader sends. /posterior has a coordinate (dataset 0) and
+/// words (dataset 1).
 std::vector<Group> groups() {
   const Dimension draw{"draw", k_elements};
   return {{.name = std::string(k_root),
@@ -48,7 +50,7 @@ bool say_contents(const std::vector<Group>& said) {
   return say({.kind = AnswerKind::contents, .bytes = bytes.size()}, bytes);
 }
 
-/// Sends the head and `bytes` zeros, whatever size the head states.
+/// Sends the head and then `bytes` zeros, even if the head states another size.
 void say_zeros(const AnswerHead& head, std::size_t bytes) {
   say(head, base::Bytes(bytes));
 }

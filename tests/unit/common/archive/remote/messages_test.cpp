@@ -1,6 +1,6 @@
-// Goal: a description of an archive survives encoding and decoding, and an invalid description is
-// refused with a reason. Method: encode and decode descriptions, also with cut or changed bytes.
-// Break one invariant of contents_check.h at a time.
+// Goal: an archive's description stays equal when it is encoded and decoded. If a description is
+// invalid, it is refused with a reason. Method: encode and decode descriptions. Cut or change the
+// encoded bytes. Break one invariant of contents_check.h at a time.
 #include "common/archive/remote/messages.h"
 
 #include <gmock/gmock.h>
@@ -149,7 +149,7 @@ TEST(Contents, DatasetsThatCantBeAreNamed) {
   EXPECT_THAT(with({.name = "mine", .dims = {{"a b", 3}}}), HasSubstr("invalid name"));
   EXPECT_THAT(with({.name = "mine", .dims = self(k_growing)}), HasSubstr("more than"));
   EXPECT_THAT(with({.name = "mine", .dims = self(k_dataset_bytes_max)}), HasSubstr("more than"));
-  // The size of 2^62 elements of 8 bytes overflows to 0 in 64 bits.
+  // 2^62 elements of 8 bytes have 2^65 bytes, which overflow to 0 in 64 bits.
   const std::size_t half = std::size_t{1} << 31;
   EXPECT_THAT(with({.name = "mine", .dims = {{"mine", half}, {"mine", half}}}),
               HasSubstr("more than"));

@@ -1,6 +1,6 @@
 // Goal: the calling program survives any archive and any fault of a reader process, and reports the
 // cause. Method: open sound and damaged archives with the real reader. Also use a faulty reader
-// (lying_reader.cpp) that crashes, hangs, sends wrong answers or makes forbidden calls.
+// (lying_reader.cpp), which crashes, hangs, sends wrong answers or makes forbidden calls.
 #include "common/archive/remote/remote_source.h"
 
 #include <fcntl.h>
@@ -38,8 +38,8 @@ using ::testing::HasSubstr;
 constexpr const char* k_reader = SLEIGHT_READER;
 constexpr const char* k_liar = SLEIGHT_LYING_READER;
 
-/// Returns the message of the error that `work` throws. Fails if `work` throws nothing or an error
-/// with another exit code.
+/// Returns the message of the error that `work` throws. Fails if `work` throws nothing, or if the
+/// error's exit code isn't `code`.
 std::string reason_of(const std::function<void()>& work,
                       base::ExitCode code = base::ExitCode::bad_archive) {
   try {
@@ -79,7 +79,8 @@ class Remote : public archive::testing::Scratch {
     return reason;
   }
 
-  /// Returns the error that a wrong answer causes. A second question must fail with the same error.
+  /// Returns the message of the error that a wrong answer causes. A second question must fail with
+  /// the same message.
   std::string why_not_read(const std::string& word, const std::string& dataset = "draw",
                            const ReaderLimits& limits = {}) {
     const auto source = open_remote_by(k_liar, telling(word), limits);
@@ -167,7 +168,7 @@ TEST_F(Remote, ThoseThatHangCostAListOneTimeLimit) {
   }
   const auto start = std::chrono::steady_clock::now();
   const std::vector<OpenedArchive> opened = open_all_by(k_liar, paths, {.timeout_s = 2});
-  // Waiting for the readers one after the other would take 14 s.
+  // If the program waited for one reader after another, it would take 14 s.
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
   for (std::size_t i = 0; i < paths.size(); ++i)
     EXPECT_EQ(opened[i].source != nullptr, i == 5) << opened[i].refused;
@@ -196,8 +197,7 @@ TEST_F(Remote, AKilledReaderIsNamed) {
   std::array<std::byte, 1> byte{};
   while (process.receive(byte) == Received::all) {
   }
-  // The kernel closes the pipes of a dead process one after the other, so try to send until a send
-  // fails.
+  // The kernel closes the pipes of a dead process one by one, so try to send until a send fails.
   bool is_heard = true;
   for (int i = 0; i < 1000 && is_heard; ++i) {
     is_heard = process.send(byte);
@@ -228,7 +228,7 @@ TEST_F(Remote, LiesAboutValuesAreFound) {
 }
 
 TEST_F(Remote, WordsThatNobodyAskedForAreFound) {
-  // The reader sends a surplus byte after the right first answer. A later question must fail.
+  // The reader sends the right first answer and then one more byte. A later question must fail.
   const auto source = open_remote_by(k_liar, telling("more"));
   source->read(k_posterior, "draw", 0, 4);
   std::string reason;
@@ -281,8 +281,8 @@ TEST_F(Remote, AReaderHasNothingButItsOwn) {
 
 TEST_F(Remote, EndsWithTheProgramThatAsks) {
   telling("spin");
-  // As a subreaper, this process adopts the reader when the reader's parent dies, and can wait for
-  // the reader's end.
+  // This process is a subreaper. If the reader's parent dies, this process adopts the reader and
+  // can wait for its end.
   ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0), 0);
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
@@ -291,7 +291,7 @@ TEST_F(Remote, EndsWithTheProgramThatAsks) {
     const int archive = ::open(path("spin").c_str(), O_RDONLY | O_CLOEXEC);
     ReaderProcess process(k_liar, archive, {});
     const pid_t reader = process.id();
-    // Wait until the reader has used 0.3 s of processor time, which is more than its start takes.
+    // Wait until the reader has used 0.3 s of processor time. Its start takes less.
     clockid_t clock{};
     timespec used{};
     while (::clock_getcpuclockid(reader, &clock) == 0 && ::clock_gettime(clock, &used) == 0 &&

@@ -1,4 +1,4 @@
-// Example messages for tests, and their bitwise comparison.
+// Example messages for tests, and a function that compares messages bit by bit.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,18 @@
 
 namespace sleight::schema::wire::testing {
 
-/// Returns doubles whose bits are easily lost: NaNs, infinities, signed zeros, subnormals.
+/// Returns doubles that easily lose bits: NaNs, infinities, signed zeros, subnormals.
 std::vector<double> awkward_doubles();
 
-/// Returns a result of `scans` scans with every transmitted field filled.
+/// Returns a result of `scans` scans. Every transmitted field is filled.
 plan::UnitResult example_result(std::uint32_t scans);
 
-/// Returns a delivery of results with these numbers of scans. Every field is filled.
+/// Returns a delivery of several results. `scans` has the number of scans of each. Every field is
+/// filled.
 Delivery example_delivery(const std::vector<std::uint32_t>& scans);
 
-/// Returns an assignment of a part of a ladder, starting at level 3 of `members` + 4 levels, with
-/// states of all kinds.
+/// Returns an assignment of `members` levels of a ladder. The ladder has `members` + 4 levels, and
+/// the first assigned level is 3. The assignment has states of all kinds.
 Assignment example_assignment(std::uint32_t members);
 
 /// Returns messages of every kind and shape, including empty and large ones.

@@ -1,6 +1,6 @@
-// Goal: no bytes crash decode(). Each input is refused with a reason or gives a valid message.
-// Method: cut messages, change their bits or words, join two messages, and use random bytes. An
-// accepted message must survive another encoding and decoding.
+// Goal: no bytes crash decode(). decode() refuses an input with a reason or returns a valid
+// message. Method: cut messages, change their bits or words, or join two messages. Use random
+// bytes. If a message is accepted, it must stay equal when it is encoded and decoded again.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,8 @@ std::size_t below(std::size_t count, random::Stream& stream) {
   return random::UniformInteger{.count = count}.draw(stream);
 }
 
-/// Returns short messages, so that a random change hits structure as often as content.
+/// Returns short messages. A random change hits a short message's structure about as often as its
+/// content.
 std::vector<base::Bytes> short_messages() {
   std::vector<base::Bytes> all;
   for (const Message& message : testing::examples()) {
@@ -136,8 +137,8 @@ TEST(HostileMessages, EveryCutIsRefused) {
 }
 
 TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
-  // Goal: random bytes are refused or give a valid message. Method: decode up to 60 words of random
-  // bytes. Half of the inputs begin with a head that claims the right length.
+  // Goal: decode() refuses random bytes or returns a valid message. Method: decode up to 60 words
+  // of random bytes. Half of the inputs begin with a head that states the right length.
   for (const std::uint64_t input : property::cases(inputs())) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::proposal}, input);
     base::Bytes bytes(below(480, stream));
@@ -169,7 +170,8 @@ TEST(HostileMessages, ListsOfNothingCostLittle) {
     for (std::size_t at = 8; at + 8 <= good.size(); at += 8) {
       for (const std::uint64_t element_size : {0U, 7U}) {
         base::Bytes bytes = good;
-        // This list pointer has kind 1, offset 0, an element size and an element count.
+        // A list pointer consists of its kind (1), an offset (0), the element size and the element
+        // count.
         const std::uint64_t pointer =
             1U | (element_size << 32U) | (std::uint64_t{0x1fffffff} << 35U);
         std::memcpy(bytes.data() + at, &pointer, 8);

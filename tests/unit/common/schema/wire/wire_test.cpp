@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(Messages, ComeBackBitForBit) {
-  // Goal: every kind of message survives encoding and decoding bit for bit.
+  // Goal: if a message of any kind is encoded and decoded, it stays equal bit for bit.
   const std::vector<Message> all = testing::examples();
   for (std::size_t i = 0; i < all.size(); ++i) {
     const base::Result<Message, std::string> back = decode(encode(all[i]));
@@ -20,7 +20,7 @@ TEST(Messages, ComeBackBitForBit) {
   }
 }
 
-/// Returns whether the comparison notices `change`. Fails if the comparison reports a difference
+/// Returns true if the comparison notices `change`. Fails if the comparison reports a difference
 /// before the change.
 template <class M, class Change>
 bool is_seen(const M& example, const Change& change) {
@@ -102,8 +102,8 @@ std::string refusal(const Message& message) {
 }
 
 TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
-  // Goal: a result arrives with its unit's replica, first scan and number of records, whatever
-  // number of scans the unit claims. The unit's other fields are not sent.
+  // Goal: a result's unit arrives with its replica, its first scan and the number of scan records,
+  // even if the unit states another number of scans. The unit's other fields are not sent.
   for (const std::uint32_t claimed : {3U, 0U, 2U, 4U, 0xffffffffU}) {
     Delivery delivery = testing::example_delivery({3});
     plan::Unit& unit = delivery.results[0].unit;
@@ -132,14 +132,15 @@ TEST(Messages, ResultWithoutScansIsRefused) {
 }
 
 TEST(Messages, HelloOfNoThreadsIsRefused) {
-  // Goal: a worker that announces 0 threads is refused.
+  // Goal: if a worker announces 0 threads, it is refused.
   EXPECT_THAT(refusal(Hello{.results_version = "1", .identity = "i", .threads = 0}),
               HasSubstr("0 threads"));
 }
 
 TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
-  // Goal: an assignment whose parts contradict each other is refused. Method: break one rule at a
-  // time, in a valid single unit and in a valid part of a ladder. Use numbers that overflow, too.
+  // Goal: if the parts of an assignment contradict each other, it is refused. Method: break one
+  // rule at a time, first in a valid single unit, then in a valid part of a ladder. Use numbers
+  // that overflow, too.
   const plan::Unit unit{.replica = {}, .seed = 0, .first_scan = {}, .scans = 1};
   const Assignment alone{
       .epoch = 1, .assignment = 2, .block = {.members = {unit}, .ladder = {}}, .states = {{}}};
@@ -207,7 +208,7 @@ TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
 }
 
 TEST(Messages, PiecesOfNothingAreRefused) {
-  // Goal: an empty message, and a message with a byte too many or too few, are refused.
+  // Goal: a message is refused if it is empty, or if it has one byte too many or too few.
   EXPECT_FALSE(decode({}).ok());
   const base::Bytes whole = encode(testing::example_delivery({2}));
   EXPECT_FALSE(decode(base::BytesView(whole).first(whole.size() - 1)).ok());
