@@ -70,7 +70,7 @@ TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
 
 TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
   // Goal: if the map can learn nothing, it draws the same throws as the prior, with weight 1. The
-  // map learns nothing if no goal is for a place, if there are too few throws, or if only
+  // map learns nothing if no goal has signed misses, if there are too few throws, or if only
   // orientations are random.
   const DieStart start;
   DieStart fixed;
