@@ -1,7 +1,8 @@
-// The bodies' boxes, as floats and as integer codes (periodic.h), which every broad phase stores.
+// Stores the bodies' boxes, both as floats and as integer codes (periodic.h). Used by every broad
+// phase.
 //
 // Invariant: coded(b) is the code of box(b) for every present b. A broad phase may store its own
-// data in a code's fourth numbers, which `set` doesn't change. Thread safety: none.
+// data in a code's fourth numbers: `set` doesn't change them. Thread safety: none.
 #pragma once
 
 #include <span>

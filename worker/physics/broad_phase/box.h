@@ -1,8 +1,9 @@
-// Axis-aligned boxes that contain a body for a time: temporal bounding volumes (thesis 3.2.1).
+// An axis-aligned box that contains a body for a span of time (temporal bounding volume, thesis
+// 3.2.1).
 //
-// Callers round corners outwards to floats. Floats suffice, because boxes only select which pairs
-// are watched and never affect results. Boxes are closed, so touching boxes overlap. Thread safety:
-// values.
+// Callers round a box's corners outwards to floats. Floats suffice, because boxes only select which
+// pairs are watched and never affect results. Boxes are closed, so touching boxes overlap. Thread
+// safety: values.
 #pragma once
 
 #include <array>

@@ -7,7 +7,7 @@
 namespace sleight::physics {
 namespace {
 
-/// A cell that isn't empty has some five bodies (hierarchical_grid.cpp). So over half of the cell
+/// A non-empty cell contains about five bodies (hierarchical_grid.cpp). So over half of the cell
 /// numbers are free, and cells rarely share a number.
 constexpr std::uint32_t k_bodies_per_cell = 2;
 constexpr std::uint32_t k_cells_least = 64;

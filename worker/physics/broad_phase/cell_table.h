@@ -1,14 +1,15 @@
-// The bodies in each cell of a grid, in a layout that compares eight boxes at once.
+// Stores the bodies in each cell of a grid. The layout permits comparing eight boxes at once.
 //
 // Idea. A grid query spends its time on memory and mispredicted branches, not on arithmetic. So a
-// cell stores sketches of its bodies' boxes. A sketch has 8 bits per axis for the start and 8 bits
-// for the width. Both are in units of a ring that has 2^8 units (periodic.h explains rings). Eight
-// sketches fit one cache line, and some 12 SSE2 instructions compare them with a query. Body ids
-// are stored separately, because a query in a gas finds at most one body per four blocks. Sketches
-// are rounded outwards; the caller compares the exact boxes of the bodies found.
+// cell stores sketches of its bodies' boxes. A sketch stores a box's start and width on each axis,
+// in 8 bits each. Start and width count the points of a ring of 2^8 points (periodic.h explains
+// rings). Eight sketches fit one cache line, and some 12 SSE2 instructions compare them with a
+// query. Body ids are stored elsewhere, because queries rarely read them: in a gas, a query finds
+// at most one body per four blocks. Sketches are rounded outwards; the caller compares the exact
+// boxes of the bodies found.
 //
 // Cells are numbered modulo a power of two, so several cells may share a number. Sharing a number
-// costs time and changes no result, but a query that lists a cell number twice finds its bodies
+// costs time and changes no result. If a query lists a number twice, it finds the cell's bodies
 // twice.
 //
 // Invariants
@@ -33,7 +34,7 @@ namespace sleight::physics {
 
 /// A point on a ring of 2^8 points.
 using RingPoint = std::uint8_t;
-/// A box on three rings. On each axis, it covers the points from start to start + width.
+/// A box on three rings. On each ring, the box covers the points from start to start + width.
 struct Sketch {
   std::array<RingPoint, 3> start{};
   std::array<RingPoint, 3> width{};  ///< k_whole_ring covers the ring
@@ -71,8 +72,9 @@ class CellTable {
     return blocks_[place / k_slots].width[axis][place % k_slots];
   }
 
-  /// Writes the number of a cell's first block to `to`, and returns the address after it; returns
-  /// `to` if the cell is empty. REQUIRES: room for one block number, even if the cell is empty.
+  /// If the cell has bodies, writes the number of its first block to `to`, and returns to + 1. If
+  /// the cell is empty, returns `to`. REQUIRES: `to` has room for one number, even if the cell is
+  /// empty.
   std::uint32_t* add_if_any(std::uint32_t cell, std::uint32_t* to) const {
     *to = cell & mask_;
     return to + (filled_[*to] & 1U);  // invariant 1
@@ -81,8 +83,9 @@ class CellTable {
   std::uint32_t next(std::uint32_t block) const { return blocks_[block].next; }
   std::uint32_t body(std::uint32_t block, std::uint32_t slot) const { return bodies_[block][slot]; }
 
-  /// A sketch prepared for comparisons. Two arcs overlap exactly if, along the ring, the last point
-  /// of one is at most the sum of both widths after the first point of the other.
+  /// A sketch prepared for comparisons. Let d be the distance along the ring from one arc's first
+  /// point to the other arc's last point. The arcs overlap exactly if d is at most the sum of both
+  /// widths.
   class Query {
    public:
     explicit Query(const Sketch& sketch) {
@@ -117,18 +120,19 @@ class CellTable {
 #endif
   };
 
-  /// Returns a bit per slot of the block: whether it holds a body whose sketch overlaps the query.
+  /// Returns one bit per slot of the block. The bit is set if the sketch in the slot overlaps the
+  /// query.
   std::uint32_t overlapping(std::uint32_t block, const Query& query) const {
     const Block& members = blocks_[block];
 #if defined(__SSE2__)
-    // The x and y axes share a register; the z axis uses the lower half of another one.
+    // The x and y axes share a register; the z axis uses the lower half of another register.
     const auto load = [](const auto& eights) {
       return _mm_loadu_si128(reinterpret_cast<const __m128i*>(&eights));
     };
     const auto load_half = [](const auto& eight) {
       return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(&eight));
     };
-    // Compute by how much the distance exceeds the sum of both widths, saturated at 0.
+    // Compute max(0, distance - sum of both widths).
     const __m128i beyond_xy = _mm_subs_epu8(_mm_sub_epi8(query.last_xy_, load(members.start[0])),
                                             _mm_adds_epu8(query.width_xy_, load(members.width[0])));
     const __m128i beyond_z =

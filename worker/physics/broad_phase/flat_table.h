@@ -1,11 +1,12 @@
 // A hash table in one array, with open addressing and linear probing. Allocates only to grow.
 //
-// Idea. A removal closes its gap (Knuth, The Art of Computer Programming, vol. 3, 6.4, Algorithm
-// R). So the table has no marks of removed entries; its speed depends only on present entries.
+// Idea. Removing an entry closes the gap (Knuth, The Art of Computer Programming, vol. 3, 6.4,
+// Algorithm R). So removed entries leave no marks, and the speed depends only on present entries.
 //
 // Invariants
 //   1. At most 5/8 of the slots are taken.
-//   2. The hash selects an entry's home; no slot between the home and the entry is free.
+//   2. The hash of a key selects a slot, the entry's home. No slot between the home and the entry
+//      is free.
 // The entries can't be iterated, because their order would depend on the hash. Thread safety: none.
 #pragma once
 
@@ -67,7 +68,8 @@ class FlatTable {
     std::size_t gap = place_of(key);
     if (slots_[gap].key != key) return false;
     --size_;
-    // Close the gap: a later entry moves into it unless the entry's home is behind the gap.
+    // Close the gap: each later entry moves into the gap, unless the entry's home is behind the
+    // gap.
     for (std::size_t place = next(gap); slots_[place].key != k_no_key; place = next(place)) {
       const std::size_t from_home = (place - home_of(slots_[place].key)) & (slots_.size() - 1);
       const std::size_t from_gap = (place - gap) & (slots_.size() - 1);
@@ -81,14 +83,15 @@ class FlatTable {
 
  private:
   std::size_t next(std::size_t place) const { return (place + 1) & (slots_.size() - 1); }
-  // Multiplies by two odd numbers (the golden ratio's 64 bits, and one of SplitMix64's) with a
-  // shift between. High and low parts of the key both affect the top bits, which select the slot.
+  // Multiplies by an odd number (64 bits of the golden ratio), mixes in the upper half, and
+  // multiplies by another odd number (from SplitMix64). High and low parts of the key affect the
+  // top bits, which select the slot.
   std::size_t home_of(std::uint64_t key) const {
     key *= 0x9e3779b97f4a7c15U;
     key ^= key >> 32;
     return static_cast<std::size_t>(key * 0xbf58476d1ce4e5b9U >> shift_);
   }
-  /// Returns the key's slot, or the free slot at which it would be inserted.
+  /// Returns the key's slot. If the key is absent, returns the free slot for the key.
   std::size_t place_of(std::uint64_t key) const {
     std::size_t place = home_of(key);
     while (slots_[place].key != key && slots_[place].key != k_no_key)

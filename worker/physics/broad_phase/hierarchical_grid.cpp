@@ -5,32 +5,33 @@
 namespace sleight::physics {
 namespace {
 
-/// k_longest is the longest edge of the typical level; the unit is the typical box size. k_cell is
-/// the edge of a cell; the unit is the longest edge of its level. Both values were measured in
-/// gases of hard spheres at packings 0.1 and 0.4, whose longest boxes are just below the typical
-/// level's longest edge. Halving or doubling either value costs 5 to 30% of a simulation's time.
+/// k_longest is the longest box edge of the typical level, divided by the typical box size. k_cell
+/// is a cell's edge, divided by the longest box edge of its level. Both values were measured in
+/// gases of hard spheres at packings 0.1 and 0.4. The longest boxes of these gases are just below
+/// the typical level's longest edge. Halving or doubling either value costs 5 to 30% of a
+/// simulation's time.
 constexpr double k_longest = 2.1;
 constexpr double k_cell = 1.0;
 
-/// Minimum units per cell. A query finds about 1 + 3 / units times as many boxes as necessary. A
-/// sketch's ring has 2^8 units, and boxes should be much shorter than the ring.
+/// Minimum units per cell. With u units per cell, a query finds about 1 + 3 / u times as many boxes
+/// as necessary. A sketch's ring has 2^8 units, and boxes should be much shorter than the ring.
 constexpr int k_unit_bits = 4;
 constexpr int k_sketch_bits = 8;
 
-/// Maximum cells per period, so that products with them fit 64 bits.
+/// Maximum number of cells per period. The limit keeps products with this number in 64 bits.
 constexpr double k_cells_max = 0x1p16;
 /// Coordinates beyond this many units are clamped.
 constexpr double k_unit_limit = 0x1p40;
 
-/// Differences between the numbers of neighbouring cells along each axis, if the grid has more
-/// cells than the table. Cells near each other should not share a number. A search found these
-/// values: for table sizes from 2^6 to 2^20, the shortest distance between cells with the same
-/// number is nearly as long as possible.
+/// Difference between the numbers of neighbouring cells, for each axis. Used only if the grid has
+/// more cells than the table. Cells near each other should not share a number. These values were
+/// found by a search. For table sizes from 2^6 to 2^20, the shortest distance between two cells
+/// with the same number is nearly as long as possible.
 constexpr std::array<std::uint32_t, 3> k_strides = {1, 0x25CEA933U, 0xDA92657BU};
-/// Offset between levels in the table.
+/// Difference between the cell_zero of successive levels.
 constexpr std::uint32_t k_level_stride = 0xC2B2AE3DU;
 
-/// Computes floor() without a call of libm on plain x86-64; saturates.
+/// Computes floor(place), clamped to k_unit_limit. On plain x86-64, std::floor would call libm.
 std::int64_t unit_at(double place) {
   if (place >= k_unit_limit) return static_cast<std::int64_t>(k_unit_limit);
   if (place <= -k_unit_limit) return -static_cast<std::int64_t>(k_unit_limit);
@@ -38,7 +39,7 @@ std::int64_t unit_at(double place) {
   return whole - (static_cast<double>(whole) > place ? 1 : 0);
 }
 
-/// Returns the box's edge in metres; infinite if the difference is NaN.
+/// Returns the length of the box's edge. If the length is NaN, returns infinity.
 double edge_m(const Box& box, std::size_t axis) {
   const double edge = double{box.high_m[axis]} - double{box.low_m[axis]};
   return edge >= 0 ? edge : std::numeric_limits<double>::infinity();
@@ -63,7 +64,7 @@ HierarchicalGrid::HierarchicalGrid(const BroadPhaseOptions& options)
   }
 }
 
-/// Sets the cells of a level whose boxes are up to `edge_m` long.
+/// Sets a level's cells. The level's boxes are up to `edge_m` long.
 void HierarchicalGrid::divide(Level& level, double edge_m, std::uint32_t number) {
   const double cell_m = k_cell * edge_m;
   double cells = 1;
@@ -79,14 +80,14 @@ void HierarchicalGrid::divide(Level& level, double edge_m, std::uint32_t number)
     const double fit = std::clamp(boxes_.periods().length_m(axis) / cell_m, 1.0, k_cells_max);
     divided.cells = static_cast<std::uint32_t>(fit);
     cells *= divided.cells;
-    // A cell has at least 2^k_unit_bits units. The period's number of units is a power of two and
-    // at least 2^k_sketch_bits, so the ring of a sketch divides the period evenly.
+    // A cell has at least 2^k_unit_bits units. The number of units per period is a power of two and
+    // at least 2^k_sketch_bits. So the period is a whole number of a sketch's rings.
     const int more = static_cast<int>(std::bit_width(divided.cells)) + k_unit_bits - k_sketch_bits;
     divided.shift = 32 - k_sketch_bits - std::max(more, 0);
   }
   level.cell_zero = number * k_level_stride;
   if (!dense || cells > cells_.cells()) return;
-  // All cells fit the table, each with its own number.
+  // The table has room for all cells, so each cell gets its own number.
   level.axes[1].stride = level.axes[0].cells;
   level.axes[2].stride = level.axes[0].cells * level.axes[1].cells;
 }
@@ -149,7 +150,8 @@ bool HierarchicalGrid::Span::add(std::uint32_t stride, std::int64_t first, std::
   return true;
 }
 
-// Finds, on one axis, the cells that may contain low corners of boxes that overlap the query.
+// Finds one axis's cells near the query. A box that overlaps the query has its low corner in one of
+// these cells.
 bool HierarchicalGrid::span_of(const Level& level, std::size_t axis, const Extent& extent,
                                Span& span) const {
   const Axis& divided = level.axes[axis];
@@ -159,7 +161,8 @@ bool HierarchicalGrid::span_of(const Level& level, std::size_t axis, const Exten
     return divided.reach != k_whole_ring &&
            span.add(divided.stride, low >> k_unit_bits, high >> k_unit_bits);
   }
-  // Compute the cells as on a line, then wrap them into the period as one or two ranges.
+  // Compute the first and last cell as if the axis didn't repeat. Then wrap this range into the
+  // period: it becomes one range or two.
   const std::int64_t cells = divided.cells;
   const int period_bits = 32 - divided.shift;
   const std::int64_t first = low * cells >> period_bits;
@@ -194,7 +197,7 @@ std::optional<std::size_t> HierarchicalGrid::cells_near(const Level& level, cons
 void HierarchicalGrid::begin_query() {
   begun_.count = 0;
   if (++query_ != 0) return;
-  // After 2^32 queries, the numbers of queries start again at 1.
+  // After 2^32 queries, query numbers start again at 1.
   for (BodyId body{}; body < boxes_.bodies(); ++body)
     boxes_.coded(body).width[3] = 0;
   query_ = 1;

@@ -1,35 +1,34 @@
-// Grids of cells, one per size of box. A move's cost depends only on nearby boxes, even in
+// Grids of cells, one per size of box. The cost of a move depends only on nearby boxes, even in
 // clusters.
 //
-// Idea. The method is spatial hashing by levels (Mirtich 1996), which the thesis (3.4) names as the
-// alternative where sorted lists degrade. A box's longest edge determines its level; levels are a
-// factor of four apart. In its level a box belongs to the one cell that contains its low corner. If
-// a box overlaps a query, the box's low corner is at most the query's high corner, and at least the
-// query's low corner minus the level's greatest extent. So on each level that has boxes, a query
-// visits only the cells in this range. Big and small boxes mix freely: big boxes are not spread
-// over many cells, and small boxes are not crowded into few. All levels share one dense table
-// (cell_table.h).
+// Idea. The method is spatial hashing by levels (Mirtich 1996). The thesis (3.4) names this method
+// as the alternative where sorted lists degrade. A box's longest edge determines its level; levels
+// are a factor of four apart. In its level, a box belongs to the cell that contains the box's low
+// corner. Let w be the greatest width of a level's boxes. If a box overlaps a query, the box's low
+// corner is between the query's low corner minus w and the query's high corner. So a query visits
+// only the cells in this range. Big boxes are not spread over many cells, and small boxes are not
+// crowded into few. All levels share one dense table (cell_table.h).
 //
-// If the cells to visit outnumber the level's boxes, the query is compared with all these boxes
-// instead. Boxes beyond the highest level are always compared.
+// If a query would visit more cells than the level has boxes, the query is compared with all these
+// boxes instead. Boxes in the highest level have no maximum length and are always compared.
 //
 // A move finds the ended overlaps among the neighbours that the sink lists. To find begun overlaps,
-// the move queries with the new box and ignores bodies that the old box overlapped. A new box
-// inside the old one needs no query.
+// the move queries with the new box and ignores bodies that the old box overlapped. If the new box
+// is inside the old box, the move makes no query.
 //
-// Each level rounds coordinates down to whole units, which are a small part of a cell:
+// Each level rounds coordinates down to whole units. A unit is a small part of a cell:
 //
-//   - On a repeating axis, a unit is a power of two of ring points (periodic.h), and cells divide
-//     the period evenly.
+//   - On a repeating axis, a unit is 2^shift ring points (periodic.h), and the period is divided
+//     into equal cells.
 //   - On a non-repeating axis, a unit is 2^-k_unit_bits of a cell.
 //
 // Rounding preserves order, so boxes that overlap also overlap in units. All other steps are exact.
 //
 // Invariants (in addition to broad_phase.h)
-//   1. Each present body is listed once in `members` of its level, and linked in one cell unless
-//      its level is the highest.
-//   2. On each axis a level's `reach` is at least the width of each of its sketches. `reach` is
-//      recomputed after about four times as many changes as the level has boxes.
+//   1. Each present body is listed once in `members` of its level. Unless this level is the
+//      highest, the body is also linked in one cell.
+//   2. On each axis, a level's `reach` is at least the width of each sketch in the level. If a
+//      level has n boxes, `reach` is recomputed after about 4n changes.
 // Thread safety: none.
 #pragma once
 
@@ -61,8 +60,8 @@ class HierarchicalGrid {
  private:
   static constexpr std::uint32_t k_levels = 16;
   static constexpr int k_bits_per_level = 2;
-  /// Level of boxes with an edge of options.size_m. Bounded levels cover 4^-6 to 4^8 times
-  /// options.size_m.
+  /// Level of a box whose longest edge is options.size_m. The bounded levels are for edges of 4^-6
+  /// to 4^8 times options.size_m.
   static constexpr int k_level_typical = 6;
   static constexpr std::uint32_t k_level_unbounded = k_levels - 1;
   /// Maximum number of cells that a query may visit on an axis. A larger query is compared with all
@@ -90,13 +89,13 @@ class HierarchicalGrid {
     std::array<std::int64_t, 3> last;
     Sketch sketch() const;
   };
-  /// A box's level and extent; the highest level has no extents.
+  /// A box's level and extent. In the highest level, boxes have no extents.
   struct Placement {
     std::uint32_t number = 0;  ///< number of the level
     Extent extent;
   };
-  /// A cell's number is a sum with one part per axis. These are one axis's parts for the cells that
-  /// a query visits.
+  /// A cell's number is a sum of one part per axis. A Span contains one axis's parts, for all cells
+  /// that a query visits.
   struct Span {
     std::uint32_t count = 0;
     std::array<std::uint32_t, k_span_max> part;
@@ -111,28 +110,30 @@ class HierarchicalGrid {
   bool span_of(const Level& level, std::size_t axis, const Extent& extent, Span& span) const;
 
   Placement placement_of(const Box& box, const CodedBox& code) const;
-  /// Puts a body that is in no level into a level.
+  /// REQUIRES: the body is in no level.
   void place(BodyId body, const Placement& at);
   void displace(BodyId body);
   void change(BodyId body, const Box& box, const CodedBox& code, const Placement& to);
   void widen_reach(Level& level, const Sketch& sketch);
 
-  /// Writes to near_ the first block of each cell that may contain bodies of this level that
-  /// overlap the box. Returns the number of blocks, or nothing if comparing the whole level is
+  /// Finds the cells of this level that may contain bodies that overlap the box. Writes each cell's
+  /// first block to near_. Returns the number of blocks, or nothing if comparing the whole level is
   /// cheaper.
   std::optional<std::size_t> cells_near(const Level& level, const Extent& extent);
-  /// Stores in begun_, once, each body for which test(body, its coded box) returns true. REQUIRES:
-  /// `test` returns true only for bodies that overlap this box.
+  /// Fills begun_, without repetition. A body is stored if test(body, its coded box) returns true.
+  /// REQUIRES: `test` returns true only for bodies that overlap this box.
   template <class Test>
   void find_begun(const Box& box, const CodedBox& code, const Placement& at, const Test& test);
-  /// Does the same as find_begun(), for the first `cells` entries of near_.
+  /// The part of find_begun() for the cells near_[0] to near_[cells - 1].
   template <class Test>
   void find_in_cells(std::size_t cells, const CellTable::Query& query, const Test& test);
   void begin_query();
-  /// Removes from begun_, from this index on, the bodies that the query has already found.
+  /// Drops bodies that the query has found before. Leaves the entries of begun_ below index `from`
+  /// as they are.
   void drop_repeated(std::size_t from);
 
-  /// A list of bodies whose conditional appends need no branch, since branches may be mispredicted.
+  /// A list of bodies. Appends conditionally without a branch, because a branch may be
+  /// mispredicted.
   struct Chosen {
     std::vector<BodyId> ids;
     std::size_t count = 0;
@@ -234,8 +235,8 @@ void HierarchicalGrid::move(BodyId body, const Box& box, Sink& sink) {
   const std::span<const BodyId> neighbours = sink.neighbours();
   for (const BodyId other : neighbours)
     ended_.add_if(!overlap(after, boxes_.coded(other)), other);
-  // An overlap begins with each body that the new box overlaps and the old one did not. This
-  // excludes the body itself, because the old box overlaps it.
+  // An overlap begins with each body that the new box overlaps and the old box did not. The body
+  // itself is excluded, because its old box overlaps it.
   begun_.count = 0;
   if (!holds(before, after)) {
     find_begun(box, after, to, [&](BodyId, const CodedBox& there) {
@@ -273,7 +274,7 @@ void HierarchicalGrid::move_all(std::span<const Box> boxes, Sink& sink) {
   }
   for (BodyId body{}; body < boxes_.bodies(); ++body) {
     if (!boxes_.contains(body)) continue;
-    // Report each pair only for its body with the lower id.
+    // Report a pair only when `body` has the lower id.
     const CodedBox after = boxes_.coded(body);
     const CodedBox before = before_[body];
     ended_.count = 0;

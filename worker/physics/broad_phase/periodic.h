@@ -1,16 +1,16 @@
-// Which boxes overlap, in a world that may repeat along some axes.
+// Decides which boxes overlap, in a world that may repeat along some axes.
 //
-// Idea. Along an axis of period L two boxes overlap if any of their images do. Comparing images in
+// Idea. Two boxes overlap along an axis of period L if any of their images do. Comparing images in
 // floating point requires wrapped copies, and each wrap rounds. So boxes are coded as integers on a
 // ring of 2^32 points, on which unsigned arithmetic wraps by itself:
 //
 //   - On a repeating axis, the ring is one period, and a box is rounded outwards to ring points.
-//   - On a non-repeating axis, the ring contains all floats in order (their bits, signs inverted),
-//     so the code is exact. The codes of NaNs are between the codes of the two infinities.
+//   - On a non-repeating axis, the points of the ring are all floats in ascending order, so the
+//     code is exact. The codes of NaNs are between the codes of the two infinities.
 //
 // A box covers the points start, start + 1, ..., start + width of each ring. Two boxes overlap on
-// an axis if one of them contains the other's start. The test takes two subtractions and two
-// comparisons on either kind of axis.
+// an axis if one of them contains the other's start. On both kinds of axes, the test takes two
+// subtractions and two comparisons.
 //
 // Invariants
 //   1. Every broad phase reports exactly the pairs whose coded boxes satisfy `overlap`.
@@ -35,7 +35,7 @@
 
 namespace sleight::physics {
 
-/// The part of an axis' ring that a box covers.
+/// The part of a ring that a box covers.
 struct Arc {
   std::uint32_t start = 0;
   std::uint32_t width = 0;  ///< points beyond the start; UINT32_MAX covers the ring
@@ -46,14 +46,13 @@ constexpr bool overlap(Arc a, Arc b) {
   return b.start - a.start <= a.width || a.start - b.start <= b.width;
 }
 
-/// Returns whether `outer` contains all points of `inner`.
 constexpr bool holds(Arc outer, Arc inner) {
   const std::uint32_t offset = inner.start - outer.start;
   return offset <= outer.width && inner.width <= outer.width - offset;
 }
 
-/// A box as three arcs, in half a cache line. Functions here ignore the fourth numbers, which the
-/// owner may use.
+/// A box as three arcs, in half a cache line. The owner may use the fourth numbers; functions here
+/// ignore them.
 struct alignas(32) CodedBox {
   std::array<std::uint32_t, 4> start{};
   std::array<std::uint32_t, 4> width{};
@@ -108,12 +107,13 @@ class Periods {
 
   bool periodic(std::size_t axis) const { return length_m_[axis] != 0; }
   double length_m(std::size_t axis) const { return length_m_[axis]; }
-  /// Number of ring points per metre, on a repeating axis.
+  /// 0 if the axis does not repeat.
   double points_per_m(std::size_t axis) const { return points_per_m_[axis]; }
 
-  /// Returns a box's code. On repeating axes, a box may be in any period. A box as long as the
-  /// period, or more than 2^20 periods from the origin, covers the whole ring. REQUIRES: low_m <=
-  /// high_m on each axis. This order is CHECKed, because a NaN would otherwise hide overlaps.
+  /// Returns a box's code. On repeating axes, a box may be in any period. A box covers the whole
+  /// ring if it is as long as the period, or more than 2^20 periods from the origin. REQUIRES:
+  /// low_m <= high_m on each axis. coded() CHECKs this order, because a NaN would otherwise hide
+  /// overlaps.
   CodedBox coded(const Box& box) const {
     CodedBox made;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -134,8 +134,9 @@ class Periods {
   }
 
  private:
-  // Two roundings change each argument by at most 2^-52 of its size, which is one ring point at
-  // 2^20 periods. One extra point on each side covers this; another covers truncation to zero.
+  // Two roundings change each argument by at most 2^-52 of its size. At 2^20 periods, this is one
+  // ring point. One extra point on each side covers this error, and a second one covers truncation
+  // to zero.
   static Arc wrapped(double low, double high) {
     constexpr double k_limit = k_ring * 0x1p20;
     if (!(low >= -k_limit && high <= k_limit)) return {0, UINT32_MAX};

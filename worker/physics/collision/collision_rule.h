@@ -4,15 +4,15 @@
 //   - Approach: rate < -k_approach; `rate` is the gap's rate of change along the contact normal.
 //   - Region (static geometry only): the closest point is on the given feature, not on a neighbour.
 //
-// From a given tick on, two things collide at the first tick at which all these conditions hold.
-// The functions below compute gap and rate from scratch, from both positions and motions at that
-// tick. A search may skip ticks at which it can show that a condition fails. At all other ticks the
-// search calls these functions. The search for spheres (sphere_search.h) evaluates the conditions
-// itself, to find how long a condition keeps failing; a test checks that this search agrees with
-// the rule. So a verdict doesn't depend on the search, and all searches and engines give the same
-// bits. Changing a constant, or the order of the sums below, changes trajectories.
+// Two things collide at the first tick at which all these conditions hold. The functions below
+// compute gap and rate from scratch: they use only both positions and motions at the tick. A search
+// may skip ticks at which it can show that a condition fails. At all other ticks the search calls
+// these functions. The search for spheres (sphere_search.h) evaluates the conditions with its own
+// code, because it computes how long a condition keeps failing. A test checks that this search
+// agrees with the rule. So a verdict doesn't depend on the search, and all searches and engines
+// give the same bits. If a constant or the order of a sum below changes, trajectories change.
 //
-// The collision of two balls in free flight doesn't use these functions, but a closed form
+// For two balls in free flight, the collision is computed in closed form instead
 // (approach_of_free_spheres in sphere_search.h). A test checks that the closed form agrees with
 // this rule.
 //
@@ -65,8 +65,8 @@ struct HalfSpace {
 };
 
 /// A feature of static geometry. A sphere can touch the feature only while the sphere's centre is
-/// in the feature's region. For centres in the region, the closest point of the geometry is on the
-/// feature.
+/// in the feature's region. If the centre is in the region, the point of the geometry closest to
+/// the centre is on the feature.
 struct SphereFeature {
   FeatureKind kind = FeatureKind::face;
   Vec3 point_m = Vec3::Zero();      ///< on the face's plane, at an end of the edge, or the vertex
@@ -75,14 +75,15 @@ struct SphereFeature {
   std::uint32_t regions_end = 0;
 };
 
-/// A half-space of a feature's region. Faces have closed sides; edges and vertices have open sides
-/// (`strict`), so each point belongs to exactly one feature.
+/// A half-space of a feature's region. A face's region includes its boundary. The regions of edges
+/// and vertices exclude their boundaries (`strict`). So each point belongs to exactly one region.
 struct RegionSide {
   HalfSpace space;
   bool strict = false;
 };
 
-/// Returns the depth of a point inside a side's half-space; negative if the point is outside.
+/// Returns the depth of a point inside a side's half-space. The depth is negative if the point is
+/// outside.
 inline double inside_m(const RegionSide& side, const Vec3& place_m) {
   return math::dot(side.space.normal, place_m) - side.space.offset_m;
 }
@@ -101,14 +102,13 @@ inline Vec3 across(const SphereFeature& edge, const Vec3& v) {
   return v - math::dot(edge.direction, v) * edge.direction;
 }
 
-/// Returns a sphere's gap and rate to a face. `from_m`: from any point of the face's plane to the
-/// sphere's centre.
+/// `from_m` leads from any point of the face's plane to the sphere's centre.
 inline GapAndRate gap_to_face(const SphereFeature& face, const Vec3& from_m,
                               const Vec3& velocity_mps, double radius_m) {
   return {.gap_m = math::dot(face.direction, from_m) - radius_m,
           .rate_mps = math::dot(face.direction, velocity_mps)};
 }
-/// Returns gap_to_round()'s result, given the length of `from_m` and its dot product with the
+/// Returns the same as gap_to_round(), from the length of `from_m` and its dot product with the
 /// velocity.
 inline GapAndRate gap_at_distance(double distance_m, double from_dot_velocity, double radius_m) {
   return {.gap_m = distance_m - radius_m, .rate_mps = from_dot_velocity / distance_m};
@@ -122,12 +122,12 @@ inline GapAndRate gap_to_round(const Vec3& from_m, const Vec3& velocity_mps, dou
   return gap_at_distance(math::norm(from_m), math::dot(from_m, velocity_mps), radius_m);
 }
 
-/// Returns the gap of two spheres. `between_m`: from the first centre to the second.
+/// `between_m` leads from the first centre to the second.
 inline double gap_of_spheres_m(const Vec3& between_m, double radii_m) {
   return math::norm(between_m) - radii_m;
 }
 
-/// Returns gap and rate of a sphere and a feature. Doesn't check the region.
+/// Doesn't check the region.
 inline GapAndRate gap_between(const SphereFeature& feature, const MovingPoint& centre,
                               double radius_m) {
   const Vec3 from_m = centre.position_m - feature.point_m;
@@ -148,14 +148,15 @@ inline bool collides(const SphereFeature& feature, std::span<const RegionSide> s
 
 // ---- two convex pieces --------------------------------------------------------------------------
 
-/// A convex piece at a tick. The bounds on the piece's motion must hold from this tick on. A sphere
-/// is a piece with one vertex and a radius.
+/// A convex piece at a tick. The bounds on the piece's motion hold from this tick on. A sphere is a
+/// piece with one vertex and a radius.
 struct MovingPiece {
   const ConvexView* view = nullptr;
   double radius_m = 0;  ///< added all around the vertices' hull
   PlacedPose pose{};
-  /// Greatest sum of absolute terms from which a coordinate of the position was computed
-  /// (coordinates_m_max). The position's rounding error is relative to this sum.
+  /// Each coordinate of the position was computed as a sum. coordinates_m is the greatest sum of
+  /// absolute terms (coordinates_m_max). The position's rounding error is proportional to
+  /// coordinates_m.
   double coordinates_m = 0;
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 acceleration_mps2 = Vec3::Zero();
@@ -186,14 +187,16 @@ inline bool collides(const PieceContact& contact, double touch_m = k_touch_m) {
   return collides(contact.gap_m, contact.rate_mps, touch_m);
 }
 
-/// Computes the contact from scratch, from the two pieces' poses and velocities only.
+/// Computes the contact from only the two pieces' poses and velocities.
 PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
-/// Returns contact_of()'s result, given closest points found from scratch (closest_cold).
+/// Returns the same as contact_of(). `closest` must have been found from scratch (closest_cold).
 PieceContact contact_from(const Closest& closest, const MovingPiece& a, const MovingPiece& b);
-/// Returns the contact of a piece and the half-space dot(normal, x) <= offset_m, which is at rest.
+/// Returns the contact of a piece and a half-space at rest. The half-space is dot(normal, x) <=
+/// offset_m.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
-/// Returns two spheres' contact without its rate. `between_m`: from the first centre to the second.
+/// Returns two spheres' contact without its rate. `between_m` leads from the first centre to the
+/// second.
 inline PieceContact contact_of_spheres(const Vec3& place_a_m, const Vec3& between_m,
                                        double radius_a_m, double radius_b_m) {
   const double distance_m = math::norm(between_m);
@@ -205,15 +208,14 @@ inline PieceContact contact_of_spheres(const Vec3& place_a_m, const Vec3& betwee
 
 // ---- a point of a body and a spline surface -----------------------------------------------------
 
-/// Returns a point's gap, which is its height above the spline surface, and the gap's rate of
-/// change.
+/// Returns a point's gap and rate. The gap is the point's height above the spline surface.
 inline GapAndRate height_above(const SurfacePlace& below, const Vec3& place_m,
                                const Vec3& velocity_mps) {
   return {.gap_m = place_m.z() - below.height_m,
           .rate_mps = (velocity_mps.z() - below.slope_x * velocity_mps.x()) -
                       below.slope_y * velocity_mps.y()};
 }
-/// Returns the rate along the surface's normal, given the vertical rate.
+/// Converts a vertical rate to the rate along the surface's normal.
 inline double rate_along_normal_mps(double vertical_mps, const Vec3& normal) {
   return vertical_mps * normal.z();
 }

@@ -17,32 +17,33 @@ namespace {
 using envelope::Envelope;
 using envelope::Line;
 
-/// These search margins affect only the speed and how late a collision may be found
-/// (piece_motion.h). Maximum corners of the envelope per look; a look may stop at any corner.
+/// The search margins below affect only the speed, and how late a collision may be found
+/// (piece_motion.h). Maximum number of an envelope's corners that a look visits. A look may stop at
+/// any corner.
 constexpr int k_corners_max = 12;
-/// A gap computed from earlier looks' results differs from the gap computed from scratch by less
-/// than this: the rounding at coordinates of 100 m.
+/// A gap may be computed from earlier looks' results or from scratch. The two values differ by less
+/// than this, the rounding at coordinates of 100 m.
 constexpr double k_warm_error_m = 1e-12;
 
 /// Maximum time span computed for a touching pair.
 constexpr double k_touching_s = 1;
 
-/// The sum of the base and both pieces' lines. A plane has k_no_line.
+/// Adds the base and both pieces' lines. A plane's line is k_no_line.
 Line sum_of(const Line& base, const Line& a, const Line& b) {
   return {(base.place_m + a.place_m) + b.place_m, (base.rate_mps + a.rate_mps) + b.rate_mps};
 }
 constexpr Line k_no_line{0, 0};
 
-/// Returns the time at which the sum of two envelopes may reach the touch distance. For a plane,
-/// `first` is null.
+/// Returns the earliest time at which the sum of two envelopes may reach the touch distance. For a
+/// plane, `first` is null.
 double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& second,
                     double from_s) {
   const auto touch_s = [&](const Line& a, const Line& b, double since_s) {
     const Line line = sum_of(base, a, b);
     return first_touch_s(line.place_m, line.rate_mps, fall, since_s);
   };
-  // The lines that are lowest now bound the result from above. Only lines that pass below these
-  // before `until_s` can lower the result; usually no line does.
+  // The two lines that are lowest now give an upper bound of the result, `until_s`. Only lines that
+  // become lower than these before `until_s` can lower the result. Usually no line does.
   const double until_s =
       touch_s(first != nullptr ? first->first() : k_no_line, second.first(), from_s);
   const bool first_changes = first != nullptr && first->keep_until(until_s);
@@ -68,8 +69,8 @@ double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& se
   return from_s;
 }
 
-/// Let h be the time at which line(h) - fall h^2 / 2 has risen to the touch distance. Returns 2 h
-/// plus a tick, or k_forever_s if it doesn't rise so far.
+/// Returns 2 h plus a tick, where h is the time at which line(h) - fall h^2 / 2 reaches the touch
+/// distance from below. Returns k_forever_s if there is no such time.
 double comes_out_s(const Line& line, double fall) {
   const double deep_m = k_touch_m - line.place_m;
   const double discriminant = line.rate_mps * line.rate_mps - 2 * fall * deep_m;
@@ -78,8 +79,9 @@ double comes_out_s(const Line& line, double fall) {
   return 2 * out_s + k_seconds_per_tick;
 }
 
-/// Returns the earliest time at which a vertex may become the lowest of its piece. Apart from terms
-/// that both lines share, each line errs by at most bend h^2 / 2 after time h, plus rounding.
+/// Returns the earliest time at which a vertex may become the lowest of its piece. After time h,
+/// each line's error is at most bend h^2 / 2 plus rounding, not counting terms that both lines
+/// share.
 double takes_over_s(const Line& line, const Line& lowest, double bend, double rounding_m) {
   const double above_m = line.place_m - lowest.place_m - rounding_m;
   const double faster_mps = lowest.rate_mps - line.rate_mps;
@@ -91,8 +93,8 @@ double takes_over_s(const Line& line, const Line& lowest, double bend, double ro
 
 /// Returns a time, at most `until_s`, for which two touching pieces can't collide. The axis turns
 /// with the touching features. While the same vertices are lowest, the gap falls as fast as these
-/// vertices do. Once other vertices become the lowest, other features may touch along another
-/// normal. So the returned time ends there, unless all these vertices move apart.
+/// vertices do. Once other vertices are the lowest, other features may touch, along another normal.
+/// So the returned time isn't longer, unless all these vertices move apart.
 double touching_along(const Line& base, double fall, double bend, double rounding_m,
                       Envelope* first, Envelope& second, double until_s) {
   const Line lowest_a = first != nullptr ? first->first() : k_no_line;
@@ -131,19 +133,19 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   if (alike_from_s < until_s)
     until_s = std::min(until_s, first_collision_s(lowest.place_m, alike_mps, fall, alike_from_s));
   if (!(takes_over < until_s)) return until_s;
-  // The earliest time at which any vertex may fall.
+  // Compute the earliest time at which any vertex may fall.
   const double left_mps = falls_mps + 0.5 * k_approach_mps;
   const double falls_s = left_mps <= 0 ? 0 : fall > 0 ? left_mps / fall : k_forever_s;
   return std::min(until_s, std::max(takes_over, falls_s));
 }
 
-/// Returns minus the piece's maximum reach from its centre towards the other piece.
+/// Returns the piece's maximum reach from its centre towards the other piece, with a minus sign.
 double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
   return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest_m();
 }
 
-/// An axis's angular velocity, and the acceleration that this turn adds to the fall of the
-/// separation.
+/// An axis's angular velocity. Turning the axis makes the separation fall faster: `fall_mps2` is
+/// this additional acceleration.
 struct AxisTurn {
   Vec3 angular_velocity_radps = Vec3::Zero();
   double fall_mps2 = 0;
@@ -157,8 +159,8 @@ Vec3 direction_of(const MovingPiece& piece, Feature edge) {
 }
 
 /// Returns the angular velocity of the line from a vertex to another vertex or an edge. The line
-/// turns with the edge. If either piece has a radius, the line is long enough to turn with the
-/// closest points' relative motion too.
+/// turns with the edge. If either piece has a radius, the line also turns with the closest points'
+/// relative motion.
 Vec3 turn_of_line(const MovingPiece& a, const MovingPiece& b, const Closest& closest) {
   const Vec3& n = closest.normal;
   Vec3 normal_rate = Vec3::Zero();
@@ -184,16 +186,15 @@ Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& clo
   const bool with_b = closest.feature_b.kind == FeatureKind::face;
   const Vec3& spin_a = a.angular_velocity_radps;
   const Vec3& spin_b = b.angular_velocity_radps;
-  // Choose the face that turns more slowly. If the axis turned with the faster face, far vertices
-  // would move more relative to the axis.
+  // Choose the face that turns more slowly, so that far vertices move less relative to the axis.
   if (with_a && with_b)
     return math::dot(spin_a, spin_a) <= math::dot(spin_b, spin_b) ? spin_a : spin_b;
   if (with_b) return spin_b;
   if (with_a) return spin_a;
   if (closest.feature_a.kind != FeatureKind::edge || closest.feature_b.kind != FeatureKind::edge)
     return turn_of_line(a, b, closest);
-  // Solve n'.n = 0 and n'.e = -n.(w x e) for both edges e, in the basis dual to e_a, e_b in their
-  // plane.
+  // Solve n'.n = 0 and n'.e = -n.(w x e) for both edges e. In the plane of e_a and e_b, use the
+  // basis dual to them.
   const Vec3& n = closest.normal;
   const Vec3 edge_a = math::normalized(direction_of(a, closest.feature_a));
   const Vec3 edge_b = math::normalized(direction_of(b, closest.feature_b));
@@ -206,7 +207,7 @@ Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& clo
   return math::cross(n, turn);
 }
 
-/// Returns an upper bound on the distance of the piece's furthest vertex from a point.
+/// Returns an upper bound on the distance from a point to the piece's furthest vertex.
 double furthest_from(const MovingPiece& piece, const Vec3& point_m) {
   if (std::isfinite(piece.reach_m)) {
     return piece.reach_m + math::norm(piece.pose.position_m - point_m);
@@ -219,8 +220,8 @@ double furthest_from(const MovingPiece& piece, const Vec3& point_m) {
   return std::sqrt(most_m2);
 }
 
-/// Bounds how fast the gap's rate falls because the axis n turns at W about a point O. In a moving
-/// frame, the second derivative of n.x is n.(x'' - 2 W x x' + W x (W x (x - O))).
+/// Bounds how fast the gap's rate falls if the axis n turns about a point O with angular velocity
+/// W. In a moving frame, the second derivative of n.x is n.(x'' - 2 W x x' + W x (W x (x - O))).
 AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& point_m,
                       const Vec3& angular_velocity_radps) {
   // If A is fixed, the frame has A's velocity; otherwise, it has the mean of both velocities.
@@ -237,7 +238,8 @@ AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& po
   const double pull_mps2 = math::norm(b.acceleration_mps2 - a.acceleration_mps2);
   double speed_a_mps = speed(a);
   double speed_b_mps = speed(b);
-  // The bound holds while no piece moves by more than a quarter of the smaller distance.
+  // The bound holds while both pieces move by at most a quarter of the smaller of the two
+  // distances.
   const double room_m = 0.25 * std::min(far_a_m, far_b_m);
   const double fastest_mps = std::max(speed_a_mps, speed_b_mps) + std::sqrt(pull_mps2 * room_m);
   AxisTurn turn{.angular_velocity_radps = angular_velocity_radps};
@@ -263,8 +265,8 @@ struct Shadows {
   }
 };
 
-/// Two pieces' separation along an axis, and bounds on its fall. The vertices' places must still be
-/// added.
+/// Two pieces' separation along an axis, without the vertices' places, and bounds on how fast it
+/// falls.
 struct Separation {
   Line base;
   double fall_mps2;
@@ -279,7 +281,7 @@ Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows&
   const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
   const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
   const double pull = math::dot(axis, pull_mps2);
-  // As the axis turns, its angle to the acceleration changes; at worst the two are opposite.
+  // As the axis turns, its angle to the acceleration changes. In the worst case they are opposite.
   double towards = pull;
   if (!is_zero(turn.angular_velocity_radps)) {
     const double turns = math::norm(turn.angular_velocity_radps) * turn.valid_s;
@@ -298,8 +300,7 @@ Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows&
       .pull_mps2 = pull};
 }
 
-/// Returns a time for which two separate pieces can't touch, computed from their separation along
-/// an axis.
+/// Returns a time for which two separate pieces can't touch, from their separation along an axis.
 double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
                   const AxisTurn& turn) {
   const Separation separation = separation_along(a, b, shadows, touch_m, turn);
@@ -307,17 +308,17 @@ double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, 
   const double span_s = std::min(
       turn.valid_s, comes_down_s(base, separation.fall_mps2, &shadows.of_a, shadows.of_b, 0));
   if (!is_zero(turn.angular_velocity_radps)) return span_s;
-  // Turning pieces stay inside their bounding spheres; a fixed piece stays behind its plane.
+  // A turning piece stays inside its bounding sphere. A fixed piece stays behind its plane.
   const double apart_m =
       base.place_m + (nearest_m(a, shadows.of_a) + nearest_m(b, shadows.of_b)) - k_touch_m;
   return apart_m > 0 ? std::max(span_s, first_zero_s(apart_m, base.rate_mps, separation.pull_mps2))
                      : span_s;
 }
 
-/// Returns a time for which two touching pieces can't collide. While the pieces touch, the axis
-/// turns with their features, because along a fixed axis the separation falls at another rate than
-/// the gap. Once the pieces have separated along a fixed axis, they must approach along it again
-/// before they can collide.
+/// Returns a time for which two touching pieces can't collide. Along a fixed axis, the separation
+/// falls at another rate than the gap. So while the pieces touch, the axis turns with their
+/// features. If the pieces have separated along a fixed axis, they must approach along it before
+/// they can collide.
 double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
                       const AxisTurn& turn) {
   const double vertices_m = k_rounding_ulps * (a.view->r_outer_m + b.view->r_outer_m);
@@ -334,8 +335,8 @@ double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shado
   return comes_down_s(fixed.base, fixed.fall_mps2, &shadows.of_a, shadows.of_b, out_s);
 }
 
-/// Returns the direction from A's centre to B's. If a piece is fixed, uses the normal of its face
-/// above which the other centre is highest (reversed if B is fixed).
+/// If a piece is fixed, returns the normal of the face above which the other piece's centre is
+/// highest. If both pieces move, returns the direction from A's centre to B's.
 Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b) {
   const auto of_faces = [](const MovingPiece& fixed, const MovingPiece& other) -> Vec3 {
     const Vec3 centre_m =
@@ -389,7 +390,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
                         SeparationCache& cache, PieceContact& contact) {
   if (is_round(a) || is_round(b)) return examine_round(a, b, tick, touch_m, cache, contact);
   if (!cache.filled) {
-    // First try an axis that is cheap to guess, in case it shows the pieces well apart.
+    // First try a guessed axis. A guess is cheap and may show that the pieces are well apart.
     Shadows guess(a, b, guessed_axis(a, b));
     const double smaller_m = std::min(a.reach_m + a.radius_m, b.reach_m + b.radius_m);
     const double gap_m = guess.gap_m(a, b);
@@ -403,7 +404,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
              .b = {FeatureKind::vertex, guess.of_b.lowest_vertex()},
              .filled = true};
   }
-  // Compute the gap; near the touch, compute it from scratch.
+  // Compute the gap. If the pieces nearly touch, compute it again from scratch.
   Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   if (closest.gap_m - (a.radius_m + b.radius_m) <= touch_m + k_warm_error_m) {
     closest = closest_cold(*a.view, a.pose, *b.view, b.pose, cache);
@@ -411,8 +412,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
   }
 
-  // Compute how long the pieces can't collide, along fixed axes and axes that turn with the
-  // features.
+  // Compute how long the pieces can't collide. Use fixed axes and axes that turn with the features.
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
   const double gap_m = closest.gap_m - (a.radius_m + b.radius_m);
   const auto turn_with_features = [&]() -> AxisTurn {

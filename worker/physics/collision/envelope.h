@@ -1,7 +1,7 @@
-// The lower envelope of a piece's vertices along an axis.
+// Computes the lower envelope of a piece's vertices along an axis.
 //
-// Each vertex is a line in time, given by its present place and rate along the axis. The lowest
-// line counts. Internal to convex_search.cpp. Thread safety: values.
+// Each vertex is a line in time, given by its present place and rate along the axis. At each time,
+// the envelope is the lowest line. Internal to convex_search.cpp. Thread safety: values.
 #pragma once
 
 #ifdef __SSE2__
@@ -53,10 +53,10 @@ inline bool any(Lanes mask, Lanes other) {
 #endif
 }
 
-/// The lines of a piece's vertices along an axis. Rates are computed only where they are needed.
+/// The lines of a piece's vertices along an axis. A rate is computed only when it is needed.
 class Envelope {
  public:
-  /// `up` points along the axis, away from the other piece. Places are relative to the body's
+  /// `up` is the axis's direction away from the other piece. Places are relative to the body's
   /// centre.
   Envelope(const MovingPiece& piece, const Vec3& up) : piece_(piece), up_(up) {
     const ConvexView& view = *piece.view;
@@ -81,7 +81,7 @@ class Envelope {
   }
 
   double lowest_m() const { return lowest_m_; }
-  /// Returns the lowest vertex; on a tie, the first one.
+  /// Returns the lowest vertex. If several are equally low, returns the first of them.
   std::uint16_t lowest_vertex() const {
     const Pair lowest = {lowest_m_, lowest_m_};
     std::size_t i = 0;
@@ -104,10 +104,12 @@ class Envelope {
     line_count_ = 1;
   }
 
-  /// Returns the line that is lowest now. After keep_until(), the fastest-falling line wins a tie.
+  /// Returns the line that is lowest now. After keep_until(), returns the fastest-falling line if
+  /// several are equally low.
   const Line& first() const { return lines_[0]; }
 
-  /// Keeps the lines that pass below the first line within a time. Returns whether there are any.
+  /// Keeps the lines that become lower than the first line before `until_s`. Returns whether there
+  /// are any.
   bool keep_until(double until_s) {
     for_each_below(until_s, 0, [&](const Line& other) {
       lines_[line_count_++] = other;
@@ -115,15 +117,15 @@ class Envelope {
     });
     return line_count_ > 1;
   }
-  /// Keeps the lines that, within a time, pass below the first line raised by a margin. Returns the
-  /// kept lines; the first line comes first.
+  /// Keeps the lines that become lower than the first line plus `margin_m` before `until_s`.
+  /// Returns the kept lines, starting with the first line.
   std::span<const Line> keep_near_until(double until_s, double margin_m) {
     for_each_below(until_s, margin_m, [&](const Line& other) { lines_[line_count_++] = other; });
     return {lines_.data(), line_count_};
   }
 
-  /// Returns the next time at which a kept line passes below `current`, and stores this line in
-  /// `next`.
+  /// Returns the first time at which a kept line becomes lower than `current`. Stores the kept line
+  /// in `next`.
   double next_after(const Line& current, Line& next) const {
     double first_s = k_forever_s;
     for (std::size_t i = 1; i < line_count_; ++i) {
@@ -143,14 +145,14 @@ class Envelope {
  private:
   static constexpr std::size_t k_none = k_hull_points_max;
 
-  /// Calls visit(line) for lines that are below the first line plus a margin at some time up to
-  /// `until_s`. With a positive margin this includes the first line.
+  /// Calls visit(line) for each line that is below the first line plus `margin_m` at some time up
+  /// to `until_s`. If the margin is positive, the first line is one of these lines.
   template <class Visit>
   void for_each_below(double until_s, double margin_m, const Visit& visit) {
     if (!(fastest_mps_ > 0)) return;
     const ConvexView& view = *piece_.view;
     const Line start = lines_[0];
-    // A vertex at or above this limit now can't get below the first line in time.
+    // If a vertex is now at or above this limit, it stays above the first line plus the margin.
     const double limit_m = start.place_m + (start.rate_mps + fastest_mps_) * until_s + margin_m;
     const Pair limit = {limit_m, limit_m};
     const Pair start_m = {start.place_m + margin_m, start.place_m + margin_m};

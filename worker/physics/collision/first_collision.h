@@ -1,4 +1,4 @@
-// Computes when a lower bound on a gap first permits a collision.
+// Computes the first time at which a collision is possible, from a lower bound on the gap.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -19,7 +19,7 @@ inline constexpr double k_skip_margin = 0x1p-20;
 inline double first_touch_s(double place_m, double rate_mps, double fall, double from_s) {
   const double excess_m = place_m - k_touch_m;
   if (excess_m + from_s * (rate_mps - 0.5 * fall * from_s) <= 0) return from_s;
-  // The bound reaches the touch distance at the later root.
+  // The later root is the time at which the bound reaches the touch distance.
   if (fall <= 0) return rate_mps < 0 ? excess_m / -rate_mps : k_forever_s;
   const double root = std::sqrt(std::max(0.0, rate_mps * rate_mps + 2 * fall * excess_m));
   const double down_s = rate_mps < 0 ? 2 * excess_m / (root - rate_mps) : (root + rate_mps) / fall;
@@ -47,7 +47,7 @@ inline double first_zero_s(double place, double rate, double curvature) {
   return rate < 0 ? 2 * place / (root - rate) : k_forever_s;
 }
 
-/// Returns the result of a look at `tick` if no collision is possible for `span_s` after it.
+/// Returns the result of a look at `tick` after which no collision is possible for `span_s`.
 inline Examined look_after(Tick tick, double span_s) {
   if (!(span_s < seconds(k_tick_max.value))) return {.collides = false, .next = k_never};
   const TickCount span = ticks_before(span_s * (1 - k_skip_margin));

@@ -1,17 +1,17 @@
-// Records which bodies stay near where they were, so that a pair once found apart needs no further
-// look.
+// Records which bodies have hardly moved. A pair of such bodies needs no look if it was once found
+// apart.
 //
 // Idea. Bodies in a heap bounce by micrometres, thousands of times a second. Each bounce changes
-// the predictions for some twenty neighbours, although most of them are further away than the
-// bounces ever reach. So a body has a numbered place with a room, which is a distance. The body
-// keeps its place while no point has moved further than the room. If a pair was once found further
-// apart than both rooms allow, it can't collide while both bodies keep their places, however their
-// motions change.
+// the predictions for some twenty neighbours, although the bounces never reach most of them. So a
+// body has a numbered place. The place has a room, which is a distance. The body keeps its place
+// while none of its points has moved further than the room. If a pair was once found far enough
+// apart (clear_m), it can't collide while both bodies keep their places, however their motions
+// change.
 //
 // Invariants
-//   1. While a body has a place (up to and including the tick `until`), each of its points is
-//      within room_m of its position when the place got its number.
-//   2. No number is used twice, so equal numbers mean the same place.
+//   1. A body has a place up to and including the tick `until`. While it has the place, each of its
+//      points is within room_m of where the point was when the place got its number.
+//   2. Different places have different numbers.
 // Thread safety: none.
 #pragma once
 
@@ -25,7 +25,7 @@
 
 namespace sleight::physics {
 
-/// The numbers of a pair's two places. 0: no places.
+/// The numbers of the places of two bodies. 0: no places.
 using PlacesOfPair = std::uint64_t;
 
 class NearPlaces {
@@ -39,8 +39,8 @@ class NearPlaces {
     bool stays = false;            ///< the body doesn't move at all
   };
 
-  /// Clears all places. No body gets a place that would last for fewer than `least` ticks. With 0
-  /// bodies, places are off.
+  /// Clears all places. From now on, no body gets a place that would last for fewer than `least`
+  /// ticks. If `bodies` is 0, places are off.
   void reset(std::size_t bodies, TickCount least) {
     of_body_.assign(bodies, {});
     least_ = least;
@@ -67,7 +67,8 @@ class NearPlaces {
     place.room_m = room_m;
   }
 
-  /// Returns a pair's places; 0 unless both bodies keep a place at least until `tick`.
+  /// If both bodies keep a place at least until `tick`, returns the pair's places. Otherwise
+  /// returns 0.
   PlacesOfPair of(BodyId a, BodyId b, Tick tick) const {
     const Place& first = of_body_[a];
     const Place& second = of_body_[b];
@@ -75,19 +76,20 @@ class NearPlaces {
         first.number != 0 && second.number != 0 && tick <= first.until && tick <= second.until;
     return both ? (PlacesOfPair{first.number} << 32U) | second.number : 0;
   }
-  /// Returns the last tick until which both bodies certainly keep these places. REQUIRES: both have
-  /// a place.
+  /// Returns the last tick at which both bodies certainly have these places. REQUIRES: both have a
+  /// place.
   Tick until(BodyId a, BodyId b) const { return std::min(of_body_[a].until, of_body_[b].until); }
-  /// Returns a distance. If a pair is ever further apart than this, it can't meet while both bodies
-  /// keep their places. REQUIRES: both bodies have a place.
+  /// If a look finds the pair further apart than the returned distance, the bodies can't meet while
+  /// both keep their places. REQUIRES: both bodies have a place.
   double clear_m(BodyId a, BodyId b) const {
-    // Each body may have come nearer by its room, and may still come nearer by twice its room.
+    // Since its place got its number, each body may have come nearer by its room. Each body may
+    // still come nearer by twice its room.
     return 2 * (of_body_[a].room_m + of_body_[b].room_m) + k_margin_m;
   }
 
  private:
-  /// A place's room as a share of the body's reach. The share is small enough to separate
-  /// neighbours in a heap. Affects speed only.
+  /// A place's room, as a share of the body's reach. The share is so small that most neighbours in
+  /// a heap are clear of each other. Affects speed only.
   static constexpr double k_room = 0.01;
   /// Margin for the touch and for rounding.
   static constexpr double k_margin_m = 1e-6;
@@ -99,7 +101,7 @@ class NearPlaces {
     double room_m = 0;
   };
 
-  /// Returns a tick up to which no point can have moved further than `way_m`.
+  /// Returns a tick. Up to this tick, no point can move further than `way_m`.
   static Tick until(const Motion& motion, double way_m) {
     if (motion.stays) return k_never;
     if (!(way_m > 0)) return motion.begin;

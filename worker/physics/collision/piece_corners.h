@@ -1,4 +1,5 @@
-// The corners of pieces and the crossings of their edges, which support a piece on a flat face.
+// Finds the points that support a piece on a flat face: the corners of pieces, and the crossings of
+// their edges.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -13,7 +14,7 @@
 namespace sleight::physics {
 
 /// Calls found(point, in world coordinates) for a polyhedron's corners. For a round piece, calls
-/// `found` for points within about `near_m` of the piece's furthest extent along `direction`.
+/// `found` for points within about `near_m` of the furthest extent along `direction`.
 template <class Found>
 void for_each_corner(const MovingPiece& of, const Vec3& direction, double near_m,
                      const Found& found) {
@@ -25,10 +26,11 @@ void for_each_corner(const MovingPiece& of, const Vec3& direction, double near_m
     found(to_world(of.pose, of.view->vertices_m[i]));
 }
 
-/// Calls found(point, in world coordinates) where edges of two polyhedra cross within `near_m` of a
-/// common plane. The contact area's corners are these crossings and each polyhedron's corners over
-/// the other one. `normal` is the plane's unit normal, `offset_m` the plane's offset along it.
-/// Round pieces have no edges, so they have no crossings.
+/// Calls found(point, in world coordinates) for each crossing of two polyhedra's edges near a
+/// plane. Considers only edges whose ends are within `near_m` of the plane. The contact area's
+/// corners are these crossings and each polyhedron's corners over the other polyhedron. `normal` is
+/// the plane's unit normal, and `offset_m` is its offset along the normal. Round pieces have no
+/// edges.
 template <class Found>
 void for_each_crossing(const MovingPiece& a, const MovingPiece& b, const Vec3& normal,
                        double offset_m, double near_m, const Found& found) {
@@ -56,8 +58,8 @@ void for_each_crossing(const MovingPiece& a, const MovingPiece& b, const Vec3& n
     for_each_edge(b, [&](const Line& other) {
       const Vec3 across = math::cross(normal, other.along_m);
       const double crosses = math::dot(one.along_m, across);
-      // If two edges run along each other within `near_m`, rounding decides where they cross.
-      // Skipping such edges loses no point: a crossing so near an edge's end coincides with a
+      // If two edges are parallel to within `near_m`, rounding decides where they cross. Skipping
+      // such edges loses no point, because a crossing so near an edge's end coincides with a
       // corner.
       if (!(std::abs(crosses) > near_m * std::max(one.length_m, other.length_m))) return;
       const Vec3 between_m = other.start_m - one.start_m;

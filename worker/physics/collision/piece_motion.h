@@ -1,4 +1,4 @@
-// Rounding and speed bounds shared by the searches of convex and round pieces.
+// Bounds on rounding and speed, for the searches for convex pieces and for round pieces.
 //
 // Internal to worker/physics/collision. Thread safety: pure functions.
 #pragma once
@@ -13,22 +13,23 @@
 
 namespace sleight::physics {
 
-/// These search margins affect speed. They also affect how late the collision of a touching pair
-/// may be (SIMULATOR.md, "Where it falls short"). Pieces are well apart when a guessed axis shows a
-/// gap above this share of the smaller piece's radius. Below this gap, the exact line of the
-/// closest points is worth computing.
+/// The search margins below affect speed. If a pair touches, the margins also affect how late its
+/// collision may be (SIMULATOR.md, "Where it falls short"). Pieces are well apart if the gap along
+/// a guessed axis exceeds this share of the smaller piece's radius. Otherwise the search computes
+/// the closest points.
 inline constexpr double k_well_apart = 0.02;
 
-/// A skip at least this long is not extended with a second axis. In heaps, where speed matters
-/// most, bodies usually change their motion sooner.
+/// If a skip is at least this long, no second axis is tried to make it longer. In heaps, where
+/// speed matters most, bodies usually change their motion sooner.
 inline constexpr double k_long_enough_s = 5e-4;
 
-/// Returns the size of the coordinates of a piece's points, which determines their rounding.
+/// Returns an upper bound of the coordinates of a piece's points. It determines the points'
+/// rounding.
 inline double size_m(const MovingPiece& piece) {
   return std::max(size_of(piece.pose.position_m), piece.coordinates_m) + piece.view->r_outer_m +
          piece.radius_m;
 }
-/// Returns a bound on how rounding changes gaps at the skipped ticks.
+/// Returns a bound on the rounding error of gaps at the skipped ticks.
 inline double rounding_m(const MovingPiece& a, const MovingPiece& b) {
   return k_rounding_ulps * std::max(size_m(a), size_m(b));
 }
@@ -36,9 +37,8 @@ inline double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
   return k_rounding_ulps * (std::fabs(solid_below.offset_m) + size_m(b));
 }
 
-/// Returns a time for which no gap can shrink fast enough for a collision, because all relative
-/// speeds are too low. For hovering pieces this time is long, even if rounding hides whether they
-/// touch.
+/// Returns a time for which a collision is impossible because all relative speeds are too low. For
+/// hovering pieces this time is long, even if rounding hides whether they touch.
 inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   const auto turning_mps = [](const MovingPiece& piece) {
     return math::norm(piece.angular_velocity_radps) * (piece.view->r_outer_m + piece.radius_m);
@@ -54,7 +54,8 @@ inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   return gains_mps2 > 0 ? left_mps / gains_mps2 : k_forever_s;
 }
 
-/// Returns the time after which two touching pieces must be examined again (k_touching_depth_m).
+/// Returns the time in which two touching pieces, at their present speed, may come
+/// k_touching_depth_m deeper.
 inline double comes_deeper_s(const MovingPiece& a, const MovingPiece& b, const Vec3& normal) {
   const auto turning_mps = [&](const MovingPiece& piece) {
     return math::norm(math::cross(piece.angular_velocity_radps, normal)) *

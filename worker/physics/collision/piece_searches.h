@@ -1,7 +1,7 @@
 // Search states for bodies made of convex parts, one state per pair of parts.
 //
-// Each pair of bodies has a block of states in one array. Released blocks are reused for pairs with
-// the same number of part pairs. Thread safety: none.
+// Each pair of bodies has a block of states in one array. A released block is reused for a pair
+// that needs a block of the same size. Thread safety: none.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,6 @@ struct PieceSearch {
 
 class PieceSearches {
  public:
-  /// Reserves memory for the neighbours of this many bodies.
   void reserve(std::size_t bodies) {
     constexpr std::size_t k_neighbours = 32;
     searches_.reserve(bodies * k_neighbours);
@@ -40,8 +39,8 @@ class PieceSearches {
       blocks.clear();
   }
 
-  /// Restarts a pair's searches, allocating a block if the pair has none. Caches and clear places
-  /// remain valid, because only the pair's motion changed, not its position.
+  /// Restarts a pair's searches. If the pair has no block, allocates one. Caches and clear places
+  /// stay valid, because only the bodies' motions changed, not their positions.
   std::span<PieceSearch> fresh(std::uint32_t& place, std::size_t count) {
     const bool known = place != k_no_search;
     if (!known) {

@@ -10,14 +10,15 @@
 namespace sleight::physics {
 namespace {
 
-/// These search margins affect only the speed, and how late a collision may be (piece_motion.h).
-/// Maximum chords in the search for the touch; after these the span is good enough.
+/// The search margins below affect only the speed, and how late a collision may be
+/// (piece_motion.h). Maximum number of chords in the search for the touch. After this many, the
+/// span is good enough.
 constexpr int k_chords_max = 8;
 /// The first span tried, and its growth factor.
 constexpr double k_first_span_s = 0x1p-9;
 constexpr double k_span_growth = 4;
 
-/// How far a turning piece reaches along an axis, apart from its points' acceleration.
+/// How far a turning piece reaches along an axis, if its points' acceleration is ignored.
 class TurningReach {
  public:
   TurningReach(const MovingPiece& piece, const Vec3& axis)
@@ -41,7 +42,7 @@ double error_m(const MovingPiece& a, const MovingPiece& b) {
                                                  math::norm(b.pose.position_m - a.pose.position_m));
 }
 
-/// Lower bound of two pieces' separation minus the touch distance, as a function of time.
+/// A function of time: a lower bound of (two pieces' separation minus the touch distance).
 class Bound {
  public:
   Bound(const MovingPiece& a, const MovingPiece& b, const Vec3& axis, double touch_m)
@@ -63,7 +64,8 @@ class Bound {
   TurningReach of_b_;
 };
 
-/// Lower bound of a piece's height above a half-space minus the touch distance.
+/// A function of time: a lower bound of (a piece's height above a half-space minus the touch
+/// distance).
 class PlaneBound {
  public:
   PlaneBound(const HalfSpace& below, const MovingPiece& b, double touch_m)
@@ -103,14 +105,14 @@ double stays_above_for_s(const BoundOfGap& bound) {
     high_m = bound.at_m(high_s);
   }
   for (int i = 0; i < k_chords_max && low_m > 1e-3 * first_m; ++i) {
-    // A chord's zero is before the bound's zero. Shorten it a little to allow for rounding.
+    // A chord reaches 0 before the bound does. Take a slightly earlier time to allow for rounding.
     constexpr double k_less = 1 - 0x1p-12;
     const double chord_s = low_s + k_less * (high_s - low_s) * (low_m / (low_m - high_m));
     const double chord_m = bound.at_m(chord_s);
     if (!(chord_m > 0)) return low_s;
     low_s = chord_s;
     low_m = chord_m;
-    // Try the middle too, to approach the zero from both sides.
+    // Also try the middle, so that low_s and high_s both approach the bound's zero.
     const double middle_s = 0.5 * (low_s + high_s);
     const double middle_m = bound.at_m(middle_s);
     if (middle_m > 0) {
@@ -141,7 +143,7 @@ Vec3 middle_of(const MovingPiece& piece) {
 
 Examined examine_round(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                        SeparationCache& cache, PieceContact& contact) {
-  // First try an earlier look's axis, in case it shows that the pieces stay apart for long enough.
+  // First try an earlier look's axis.
   if (cache.filled) {
     const Bound earlier(a, b, math::product(a.pose.rotation, cache.axis), touch_m);
     const double span_s = stays_above_for_s(earlier);
@@ -151,7 +153,7 @@ Examined examine_round(const MovingPiece& a, const MovingPiece& b, Tick tick, do
       return apart;
     }
   }
-  // Then try the line between the pieces' middles, in case the pieces are well apart.
+  // Then try the line between the pieces' middles.
   const Vec3 between_m = middle_of(b) - middle_of(a);
   const double distance_m = math::norm(between_m);
   if (distance_m > 0) {

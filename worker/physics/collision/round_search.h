@@ -1,29 +1,28 @@
-// Finds when two moving pieces meet, at least one of which is round.
+// When do two moving pieces meet, if at least one of them is round?
 //
 // Idea. As for polyhedra, the gap is at least the separation along any fixed axis. The pieces'
-// extents along the axis are known now, and their curvature in time has a bound. Let a body turn
-// with angular velocity w. Apart from its points' acceleration, the body's reach along the axis n
-// after time h equals its present reach along n + h n x w. A support function is convex, and these
-// directions lie on a straight line, so the reach is convex in h (for rings too). The separation is
-// therefore at least a concave function of h:
+// extents along the axis are known now, and their second derivatives in time have a bound. Let a
+// body turn with angular velocity w. If its points' acceleration is ignored, the body's reach along
+// the axis n after time h equals its present reach along n + h n x w. A support function is convex,
+// and these directions lie on a straight line, so the reach is convex in h (for rings too). The
+// separation is therefore at least a concave function of h:
 //
 //   separation(h) >= n.(place + h velocity + h^2/2 pull) - reach_a(h) - reach_b(h) - bend h^2/2.
 //
-// No collision is possible before this function falls to the touch distance. Each chord of the
-// function is below it, so a search with chords approaches that time from the safe side.
+// No collision is possible before this function falls to the touch distance. Each chord is below
+// this concave function, so a search with chords never skips too far.
 //
-// Pieces that touch without colliding are examined again before any of their points can come
-// k_touching_depth_m nearer at its present speed, and after at most k_touching_s_max. A bounce
-// separates touching pieces within a few ticks, so such looks are rare. The repeated looks bound
-// how late a touching pair's collision can be; for polyhedra, k_touching_s_max is not among the
-// bounds.
+// If pieces touch without colliding, they are examined again after at most k_touching_s_max. The
+// next look also comes before any point, at its present speed, can come k_touching_depth_m nearer.
+// A bounce separates touching pieces within a few ticks, so such looks are rare. Both limits bound
+// how late a touching pair's collision can be. For polyhedra, k_touching_s_max doesn't apply.
 //
 // Invariants
-//   1. The result of a look at touching pieces depends only on their poses and motion, and so does
-//      the first tick at which separate pieces touch. The axis stored by earlier looks decides only
-//      which ticks are skipped, so all searches find the same collision.
+//   1. If pieces touch, a look's result depends only on their poses and motion. Poses and motion
+//      also determine the first tick at which separate pieces touch. The axis stored by earlier
+//      looks decides only which ticks are skipped, so all searches find the same collision.
 //   2. While pieces are apart, no tick at which they touch is skipped. While pieces touch, a
-//      collision is late by at most the bounds above.
+//      collision is late by at most the limits above.
 // Internal to worker/physics/collision: examine_pieces and examine_plane call this search. Thread
 // safety: pure functions.
 #pragma once

@@ -16,7 +16,7 @@ double first_rise_s(double distance, double rate, double curvature) {
     // Compute the only positive root, in the form without cancellation.
     return rate >= 0 ? -2 * distance / (rate + root) : (root - rate) / curvature;
   }
-  // The function rises, turns and falls, so the first root counts, if there is one.
+  // The function rises and then falls, so the first root is the result, if there is one.
   return rate > 0 ? -2 * distance / (rate + root) : k_forever_s;
 }
 
@@ -25,8 +25,8 @@ Tick later(Tick tick, double span_s) {
   return tick + std::max<TickCount>(1, ticks_before(span_s));
 }
 
-/// Returns the state of a centre relative to a line or a point. `c` leads from the line or point to
-/// the centre, perpendicular to the line.
+/// Returns the state of a sphere relative to a line or point. `c` leads from the line or point to
+/// the sphere's centre, and is perpendicular to the line.
 GapState round_state(const Vec3& c, const Vec3& velocity_mps, const Vec3& acceleration_mps2,
                      double radius_m, double coordinates_m) {
   const double c_v = math::dot(c, velocity_mps);
@@ -72,7 +72,7 @@ double failing_for_s(const GapState& state, double touch_m) {
   double failing_s = 0;
   const double fall = state.fall_mps2;
   const auto [gap_m, rate_mps] = state.now;
-  // Before a collision, the gap must fall to the touch distance.
+  // No collision is possible before the gap falls to the touch distance.
   if (!touches(gap_m, touch_m)) {
     const double excess_m = gap_m - touch_m - k_rounding_ulps * (state.coordinates_m + gap_m);
     if (excess_m > 0) {
@@ -81,7 +81,7 @@ double failing_for_s(const GapState& state, double touch_m) {
       failing_s = k_seconds_per_tick;  // within rounding of the touch: skip only this tick
     }
   }
-  // Before a collision, the rate must fall below -k_approach_mps.
+  // No collision is possible before the rate falls below -k_approach_mps.
   if (!approaches(rate_mps)) {
     if (fall == 0) return k_forever_s;
     failing_s = std::max(failing_s, (rate_mps + k_approach_mps) / fall);

@@ -1,30 +1,30 @@
 // When does a sphere meet another sphere, a plane, a face, an edge or a vertex?
 //
-// The searches find the first tick, from a given tick on, at which collision_rule.h's conditions on
-// touch, approach and region all hold.
+// A search finds the first tick at which the conditions of collision_rule.h all hold: touch,
+// approach and region.
 //
 // Idea. No polynomial of fourth degree is solved. Along a straight line, the gap between a moving
-// centre and a convex feature is convex. If a constant relative acceleration has at most a
-// component A towards the feature, then
+// centre and a convex feature is convex. Let the relative acceleration be constant, and let its
+// component towards the feature be at most A. Then
 //
 //   gap(t + h)  >= gap(t) + rate(t) h - A h^2 / 2,
 //   rate(t + h) >= rate(t) - A h.
 //
-// Each condition that fails at a tick therefore fails for a computable time. The search skips the
-// longest such time, at least one tick, and judges again from the segments alone. A sphere that
-// rolls along an edge approaches and leaves so slowly that the second bound skips few ticks. For
-// such a sphere the search uses c.v, which has the rate's sign; c leads from the edge or vertex to
-// the centre:
+// So if a condition fails at a tick, it fails for a time that can be computed. The search skips the
+// longest of these times, but at least one tick, and judges the next tick from the segments alone.
+// A sphere that rolls along an edge approaches and leaves so slowly that the second bound skips few
+// ticks. For such a sphere, the search uses c.v, where c leads from the edge or vertex to the
+// centre. The sign of c.v is the sign of the rate:
 //
 //   c.v (t + h) = c.v + (v.v + c.a) h + 3/2 v.a h^2 + 1/2 a.a h^3.
 //
-// For two balls in free flight A is 0, and the time of their touch is computed in closed form.
+// For two balls in free flight, A is 0, so the time of their touch is computed in closed form.
 //
 // Invariants
-//   1. A tick is skipped only if such a bound, lowered by its inputs' rounding, excludes a
-//      collision.
-//   2. The verdict at a tick depends only on the two segments and the tick. The tick at which a
-//      search starts, and the search's limit, don't change the result.
+//   1. Such a bound is lowered by its inputs' rounding errors. A tick is skipped only if the
+//      lowered bound excludes a collision.
+//   2. The verdict at a tick depends only on the two segments and the tick. A search's first tick
+//      and its limit don't change the result.
 // Thread safety: pure functions.
 #pragma once
 
@@ -40,17 +40,19 @@
 
 namespace sleight::physics {
 
-/// A sphere's contact point is at least this share of the radius from its centre. For bounds only.
+/// The distance from a sphere's centre to its contact point is at least this share of the radius.
+/// For bounds only.
 inline constexpr double k_approach_at = 0.5;
 
-/// A sphere's gap to a feature's plane, line or point, the gap's rate, and bounds on how fast the
-/// gap and the rate can fall.
+/// A sphere's gap to a feature's plane, line or point, and the gap's rate. Contains bounds on how
+/// fast gap and rate can fall.
 struct GapState {
   GapAndRate now;
   double fall_mps2 = 0;      ///< A above, >= 0
   double coordinates_m = 0;  ///< size of the numbers whose difference is the gap
-  // For a line or a point: c.v as a cubic in time, where c leads from it to the centre. c.v has the
-  // rate's sign. The cubic's last term is left out, because it only raises c.v.
+  // For a line or a point only: let c lead from the line or point to the centre. The sign of c.v is
+  // the sign of the rate. c.v is a cubic in time; its last term is left out, because it only raises
+  // c.v.
   bool is_round = false;
   double c_v = 0;         ///< m^2/s
   double c_v_rate = 0;    ///< v.v + c.a, m^2/s^2
@@ -58,20 +60,22 @@ struct GapState {
   double least_c_v = 0;   ///< the sphere approaches if c.v is below minus this number
 };
 
-/// Returns gap and rate as collision_rule.h does, with bounds on how fast they can fall afterwards.
+/// Returns gap and rate as collision_rule.h does, and bounds on how fast they can fall.
 GapState gap_state(const SphereFeature& feature, const MovingPoint& centre, double radius_m);
 
 /// Returns the unit vector from the feature's closest point to the centre. REQUIRES: they differ.
 Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m);
 
-/// Returns the time for which the conditions on gap and rate can't both hold; 0 if both hold now.
+/// Returns a time for which the conditions on gap and rate can't both hold. If both hold now,
+/// returns 0.
 double failing_for_s(const GapState& state, double touch_m);
 
-/// Returns the time for which the centre must stay outside the region; 0 if it is inside.
+/// Returns a time for which the centre certainly stays outside the region. If the centre is inside,
+/// returns 0.
 double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centre);
 
-/// Returns the least h > 0 at which place + rate h + curvature h^2 / 2 falls to 0; infinite if
-/// never. Each root is computed in the form without cancellation. REQUIRES: place >= 0.
+/// Returns the least h > 0 at which place + rate h + curvature h^2 / 2 falls to 0, or k_forever_s
+/// if there is none. Computes each root in the form without cancellation. REQUIRES: place >= 0.
 inline double first_fall_s(double place, double rate, double curvature) {
   if (rate >= 0 && curvature >= 0) return k_forever_s;
   const double discriminant = rate * rate - 2 * curvature * place;
@@ -80,17 +84,16 @@ inline double first_fall_s(double place, double rate, double curvature) {
   return rate < 0 ? 2 * place / (root - rate) : (rate + root) / -curvature;
 }
 
-/// This margin exceeds the rounding of a gap at coordinates of up to a kilometre.
+/// If coordinates are at most a kilometre, the rounding error of a gap is less than this margin.
 inline constexpr double k_clear_margin_m = 1e-9;
 
-/// Quick check: returns true if a sphere certainly doesn't collide with a feature within `span_s`,
-/// because one of the three conditions fails throughout. False means unknown. The check costs a
-/// fifth of examine(). The function is inline, because it usually suffices in a box of many
-/// features.
+/// Returns true if one of the three conditions fails throughout `span_s`, so that the sphere
+/// doesn't collide with the feature. False means unknown. This check costs a fifth of examine().
+/// Inline, because it usually suffices in a box of many features.
 inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide> sides,
                         const MovingPoint& centre, double radius_m, double span_s) {
   const double half_square = 0.5 * span_s * span_s;
-  // Region: the centre stays outside one side throughout.
+  // Check the region: the centre may stay outside one side throughout.
   for (const RegionSide& side : sides) {
     const Vec3& normal = side.space.normal;
     const double depth_m = inside_m(side, centre.position_m);
@@ -109,8 +112,8 @@ inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide
     return excess_m + std::min(0.0, rate_mps) * span_s + falls_mps2 * half_square > 0 ||
            rate_mps + falls_mps2 * span_s > 0;
   }
-  // The distance to a point or line is at least the distance to a plane through it, perpendicular
-  // to the line from it to the centre.
+  // Replace the feature's point or line by a plane that contains it and is perpendicular to `from`.
+  // The distance to this plane is at most the distance to the feature.
   Vec3 away = from;
   Vec3 velocity_mps = centre.velocity_mps;
   Vec3 pull_mps2 = centre.acceleration_mps2;
@@ -138,7 +141,7 @@ struct Examined {
   double gap_m = 0;  ///< without collision: lower bound of the gap now, if known
 };
 
-/// Judges one tick for a sphere and a feature. `centre` is the centre's motion at that tick.
+/// Judges one tick. `centre` is the motion of the centre at the tick.
 Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
                  const MovingPoint& centre, double radius_m, Tick tick);
 
@@ -153,7 +156,8 @@ Examined examine_spheres(const MovingPoint& relative, double radii_m, double coo
                          double touch_m, Tick tick);
 
 /// Whether two spheres with constant relative velocity collide. This first step has no branch, so
-/// it judges many pairs fast; span_to_collision then computes the time of the few that collide.
+/// it judges many pairs fast. For the few pairs that collide, span_to_collision then computes the
+/// time.
 struct SphereApproach {
   double towards = 0;       ///< negative: the spheres approach
   double excess = 0;        ///< squared distance minus the squared distance at the touch
@@ -161,15 +165,15 @@ struct SphereApproach {
   bool collides = false;
 };
 
-/// Returns the approach. `towards` is the dot product of relative position and relative velocity
-/// (second sphere minus first sphere). Inline, because a gas of spheres does little else.
+/// Returns two spheres' approach. `towards` is the dot product of relative position and relative
+/// velocity (second sphere minus first sphere). Inline, because a gas of spheres does little else.
 inline SphereApproach approach_of_free_spheres(double towards, double distance2_m2,
                                                double speed2_m2ps2, double radii_m) {
   const double reach_m = radii_m + k_touch_m;
   const double excess = distance2_m2 - reach_m * reach_m;
   const double discriminant = towards * towards - speed2_m2ps2 * excess;
-  // At the touch the rate is -sqrt(discriminant) / reach. If the spheres touch already, they
-  // collide now or never, because the rate of two free spheres only grows.
+  // At the touch the rate is -sqrt(discriminant) / reach. If the spheres already touch, they
+  // collide now or never, because their gap's rate only grows.
   const double slowest = k_approach_mps * reach_m;
   const bool touching = excess <= 0;
   const bool meets = static_cast<bool>((touching & (towards < -slowest)) |
@@ -177,14 +181,14 @@ inline SphereApproach approach_of_free_spheres(double towards, double distance2_
   return {towards, excess, discriminant, static_cast<bool>((towards < 0) & meets)};
 }
 
-/// Returns the time span until the collision. REQUIRES: the spheres collide.
+/// REQUIRES: the spheres collide.
 inline TickCount span_to_collision(const SphereApproach& approach) {
   if (approach.excess <= 0) return 0;
   return ticks_after(approach.excess / (std::sqrt(approach.discriminant) - approach.towards));
 }
 
-/// Returns the time span until the collision in closed form; k_tick_max.value if there is none. At
-/// the span's start the second centre is at `between_m` from the first.
+/// Computes the time span until the collision in closed form. Returns k_tick_max.value if there is
+/// none. At the span's start, `between_m` leads from the first centre to the second.
 inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& relative_mps,
                                            double radii_m) {
   const auto dot = [](const Vec3& a, const Vec3& b) {
@@ -196,13 +200,14 @@ inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& re
   return approach.collides ? span_to_collision(approach) : k_tick_max.value;
 }
 
-/// Returns the tick at which two spheres in free flight collide; k_never if they don't. `first` and
-/// `second` have a start tick (begin), and their position and velocity at that tick. `shift_m` is
-/// added to the second sphere's position.
+/// Returns the tick at which two spheres in free flight collide, or k_never. `first` and `second`
+/// each have a start tick (begin), and the position and velocity at that tick. `shift_m` is added
+/// to the second sphere's position.
 template <class Flight>
 Tick collision_of_flights(const Flight& first, const Flight& second, const Vec3& gravity_mps2,
                           const Vec3& shift_m, double radii_m) {
-  // Gravity cancels, so the collision follows from the relative motion since the later start.
+  // Both spheres have the same acceleration, so the collision depends only on the relative motion
+  // since the later start.
   const Tick begin = std::max(first.begin, second.begin);
   const Vec3& g = gravity_mps2;
   const double s = seconds(begin - first.begin);

@@ -1,4 +1,4 @@
-// How fast a box and the surface under it can move relative to each other.
+// Bounds how fast a box can move relative to the surface under it.
 //
 // Internal to surface_search.cpp. Thread safety: values, but the surface caches lookups.
 #pragma once
@@ -12,14 +12,15 @@
 namespace sleight::physics::surface_pace {
 
 /// The bounds hold while the box's centre moves by less than this share of the box's reach. If the
-/// box is above all points nearby, the box may move by its whole reach plus one patch. Affects
-/// speed only.
+/// box is higher than the whole surface nearby, its centre may move by the reach plus one patch.
+/// Affects speed only.
 inline constexpr double k_room = 0.25;
 
-/// Rounding changes gaps and rates by less than this share of the numbers they are computed from.
+/// The rounding error of a gap or rate is less than this share of the numbers from which it is
+/// computed.
 inline constexpr double k_rounding = 0x1p-48;
 
-/// Maximum rates of change while the box stays in the region of the bounds.
+/// Maximum rates of change, valid for `valid_s`.
 struct Pace {
   SurfaceBounds surface;
   double stretch = 1;              ///< sqrt(1 + slope^2): length of (-S_x, -S_y, 1)
@@ -32,8 +33,8 @@ struct Pace {
   double rounding_m = 0;  ///< of gaps
   double rounding_mps = 0;
 
-  /// Returns `fall_mps2` for one point up to a time; at least 0. `pull_mps2` is the second
-  /// derivative of the point's gap now.
+  /// Returns a tighter `fall_mps2` (at least 0) for one point and the time up to `until_s`.
+  /// `pull_mps2` is the second derivative of the point's gap now.
   double fall_of(double pull_mps2, double until_s) const {
     if (jerk_mps3 == k_forever_s) return fall_mps2;
     const double fall = -pull_mps2 + 0.5 * jerk_mps3 * until_s;
@@ -41,10 +42,11 @@ struct Pace {
   }
 };
 
-/// Longer than any simulation but finite, because 0 times infinity isn't a number.
+/// Longer than any simulation. Not infinite, because 0 times infinity isn't a number.
 inline constexpr double k_always_s = seconds(k_tick_max.value);
 
-/// Returns the time for which the centre stays within a horizontal distance of its present place.
+/// Returns a time for which the centre's horizontal distance from its present place stays below
+/// `room_m`.
 inline double stays_within_s(const MovingPiece& box, double room_m) {
   const auto across = [](const Vec3& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); };
   const double speed_mps = across(box.velocity_mps);
@@ -76,7 +78,7 @@ inline Pace pace_of(SplineSurface& surface, const MovingPiece& box) {
   pace.past_mps = std::sqrt(v.x() * v.x() + v.y() * v.y()) + turning_mps + gained_mps;
   pace.turning_radps = std::max(math::norm(box.angular_velocity_radps), turning_mps / box.reach_m);
   // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x'; x'' is the centre's acceleration plus the
-  // acceleration of turning.
+  // acceleration caused by turning.
   pace.fall_mps2 = std::max(0.0, (bounds.slope * aside_mps2 - pull_mps2.z()) +
                                      pace.stretch * box.turning_acceleration_mps2 +
                                      bounds.hollow_per_m * (pace.past_mps * pace.past_mps));

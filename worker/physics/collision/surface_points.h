@@ -1,4 +1,5 @@
-// The points of a box over a surface, and how the box's edges and faces are split between points.
+// Points of a box over a surface. Edges and faces of the box are split into parts between such
+// points.
 //
 // Internal to surface_search.cpp. Thread safety: values, but the surface caches lookups.
 #pragma once
@@ -89,7 +90,7 @@ class Points {
   Allowed allowed_m_;
 };
 
-/// A stretch of an edge between two lattice points.
+/// The part of an edge between two lattice points.
 struct Stretch {
   const EdgeLattice* edge = nullptr;
   std::array<std::int32_t, 2> along{};
@@ -97,14 +98,14 @@ struct Stretch {
 
   std::int32_t steps() const { return along[1] - along[0]; }
   std::span<const Above> outermost() const { return ends; }
-  /// Gaps minus the points' allowed moves.
+  /// For each end, the gap minus the distance that the point may move.
   std::array<double, 2> spare_m() const { return {ends[0].spare_m(), ends[1].spare_m()}; }
   double radius2_m2() const {
     const Vec3 half_m = 0.5 * (ends[1].place_m - ends[0].place_m);
     return math::dot(half_m, half_m);
   }
-  /// Interpolates linearly between the ends, which have values[0] and values[1]. Returns the least
-  /// value at a lattice point between the ends.
+  /// Interpolates linearly between values[0] and values[1] at the ends. Returns the least value at
+  /// a lattice point between the ends.
   double least_inside(const std::array<double, 2>& values) const {
     const double step = 1.0 / steps();
     const double change = values[1] - values[0];
@@ -129,14 +130,14 @@ struct Cell {
     const Vec3 other_m = 0.5 * (corners[3].place_m - corners[1].place_m);
     return std::max(math::dot(one_m, one_m), math::dot(other_m, other_m));
   }
-  /// Returns whether the side from a corner to the next one is on an edge of the box.
+  /// Returns whether the side from corner `side` to the next corner is on an edge of the box.
   bool is_outer(std::size_t side) const {
     const std::array<bool, 4> outer{across[0] == 0, along[1] == face->along,
                                     across[1] == face->across, along[0] == 0};
     return outer[side];
   }
-  /// Returns the least value at a lattice point of the cell, by bilinear interpolation of values[k]
-  /// at the corners. Points on the box's edges don't count.
+  /// Interpolates bilinearly between values[k] at the corners. Returns the least value at a lattice
+  /// point of the cell, except at points on the box's edges.
   double least_inside(const std::array<double, 4>& values) const {
     const double step_u = 1.0 / (along[1] - along[0]);
     const double step_v = 1.0 / (across[1] - across[0]);
@@ -164,8 +165,8 @@ inline Cell cell_of(const FaceLattice& face, const Corners& corners) {
   return cell;
 }
 
-/// Splits a part that has lattice points between its ends or corners. Calls note(point) for each
-/// new point, then visit(part) for each smaller part.
+/// Splits a part at lattice points between its ends or corners, if there are any. Calls note(point)
+/// for each new point, then visit(part) for each smaller part.
 template <class Note, class Visit>
 void split(Points& points, const Stretch& stretch, const Note& note, const Visit& visit) {
   const auto [i0, i2] = stretch.along;
@@ -215,9 +216,9 @@ void split(Points& points, const Cell& cell, const Note& note, const Visit& visi
   visit(Cell{&face, {i0, i1}, {j1, j2}, {left, middle, high, c[3]}});
 }
 
-/// Calls note(point) for all points whose gap is at most limit() above their allowed move, and for
-/// some other points. S + bump |x|^2 / 2 is convex, where S is the surface's height. So at a
-/// weighted mean of points, S is at most the mean of S plus bump / 2 times their variance.
+/// Calls note(point) for each point whose gap is at most limit() plus the point's allowed move, and
+/// for some other points. Let S be the surface's height. S + bump |x|^2 / 2 is convex. So at a
+/// weighted mean of points, S is at most the mean of S plus bump / 2 times the points' variance.
 template <class Part, class Limit, class Note>
 void visit_low(Points& points, const Part& part, double bump_per_m, const Limit& limit,
                const Note& note) {
@@ -227,7 +228,6 @@ void visit_low(Points& points, const Part& part, double bump_per_m, const Limit&
         [&](const Part& smaller) { visit_low(points, smaller, bump_per_m, limit, note); });
 }
 
-/// Calls visit_low() for all edges and faces of a box.
 template <class Limit, class Note>
 void visit_all_low(Points& points, const BoxLattice& lattice, const Corners& corners,
                    double bump_per_m, const Limit& limit, const Note& note) {

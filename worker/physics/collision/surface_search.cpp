@@ -15,25 +15,27 @@ namespace {
 using namespace surface_pace;
 using namespace surface_points;
 
-/// A face counts as a parallelogram if rounding leaves a gap of at most this share of its size.
+/// A face counts as a parallelogram if opposite sides differ by at most this share of the box's
+/// size.
 constexpr double k_parallel = 1e-9;
-/// The search margins below affect only speed. The other parts are clear for some time. A part that
-/// is clear for this share of that time isn't split. If that time is short, the part is split
-/// anyway, because a collision is then near.
+/// The search margins below affect only speed. Let t be the time for which all parts examined so
+/// far are clear. A part that is clear for this share of t isn't split. If t is short, the part is
+/// split anyway, because a collision is near.
 constexpr double k_long_enough = 0.7;
 constexpr double k_long_s = 3e-4;
-/// A point gets a second, tighter bound. It covers this many times the time that the first bound
-/// gave.
+/// If a point's first bound gives a time t, a second, tighter bound is computed for this many times
+/// t.
 constexpr double k_a_bit_more = 1.1;
-/// A check of near points covers this many times the span of the present look.
+/// A look with span t checks the near points for this many times t.
 constexpr double k_clear_ahead = 4;
-/// If points that aren't stored stay clear for less than this span, gather the near points again.
+/// If the points that aren't stored stay clear for less than this, the near points are gathered
+/// again.
 constexpr double k_worth_s = 1e-4;
-/// A point is near if it may touch within this many times the span of the present look.
+/// At a look with span t, a point is near if it may touch within this many times t.
 constexpr double k_looks_ahead = 3;
 constexpr double k_ahead_s_max = 2e-3;
-/// Points closer than k_near_m_min always count as near. If the limit for near points is more than
-/// k_near_share of the box's reach, near points aren't used.
+/// Points closer than k_near_m_min always count as near. If near points could be further away than
+/// k_near_share of the box's reach, no points are stored.
 constexpr double k_near_m_min = 5e-6;
 constexpr double k_near_share = 0.1;
 
@@ -48,10 +50,11 @@ class Look {
         pace_(pace),
         tick_(tick) {}
 
-  /// Returns a time before which no point collides. It is at most the time for which the pace
-  /// holds. If a point collides now, returns 0, and contact() is that point.
+  /// Returns a time before which no point collides, at most the time for which the pace holds. If a
+  /// point collides now, returns 0, and contact() is that point.
   double failing_s() { return lowest_corner_counts() ? best_s_ : failing_of_all_s(); }
-  /// Uses points stored by earlier looks, and stores points for later looks.
+  /// Computes the time from points that earlier looks stored, if possible. Stores points for later
+  /// looks.
   double failing_s(NearPoints& near) {
     if (near.known && see_descent(near)) {
       note_all(near);
@@ -72,8 +75,8 @@ class Look {
   const Above& contact() const { return contact_; }
 
  private:
-  /// Returns whether only the lowest corner can collide within the time that the corners allow.
-  /// Examines all corners, unless the lowest corner settles the question.
+  /// Returns whether only the lowest corner can collide within the time that the corners allow. If
+  /// the lowest corner doesn't settle the question, examines all corners.
   bool lowest_corner_counts() {
     best_s_ = pace_.valid_s;
     if (is_above_least_height()) return true;
@@ -136,8 +139,8 @@ class Look {
       note_contact(point);
     }
   }
-  /// Updates how far corners have come down since points were gathered. Returns false if other
-  /// points may touch.
+  /// Updates how far each corner has come down since the near points were gathered. Returns false
+  /// if points that aren't stored may touch.
   bool see_descent(const NearPoints& near) {
     const double pull_mps2 =
         std::max(0.0, -box_.acceleration_mps2.z()) + box_.turning_acceleration_mps2;
@@ -156,7 +159,7 @@ class Look {
     return descent_.room_m > 0;
   }
   /// Computes, for each corner, the share of its room that the corner uses up by `until_s`. Returns
-  /// the greatest share. The share is convex in time, so only the ends need to be computed.
+  /// the greatest share. The share is convex in time, so its maximum is at one of the ends.
   double share_at(double until_s) const {
     const double half_s = 0.5 * until_s;
     double most = -k_forever_s;
@@ -169,7 +172,7 @@ class Look {
   bool others_clear_until(double until_s) const {
     return share_at(until_s) < 1 && descent_.room_m > pace_.past_mps * until_s;
   }
-  /// Returns how long all other points, which aren't stored, stay clear.
+  /// Returns how long the points that aren't stored stay clear.
   double others_failing_s() const {
     double until_s = pace_.past_mps > 0 ? descent_.room_m / pace_.past_mps : k_forever_s;
     for (std::size_t i = 0; i < descent_.by.size(); ++i) {
@@ -184,8 +187,8 @@ class Look {
     const Vec3 arm_m = place_m - box_.pose.position_m;
     return box_.velocity_mps.z() + math::cross(box_.angular_velocity_radps, arm_m).z();
   }
-  /// Stores the points that this look and a few similar ones need. Returns false if they are too
-  /// many.
+  /// Stores the points that this look and a few similar looks need. Returns false if there are too
+  /// many such points.
   bool gather(NearPoints& near) {
     near.known = false;
     const double span_s = k_looks_ahead * std::min(best_s_, k_ahead_s_max);
@@ -220,10 +223,10 @@ class Look {
     return fits;
   }
 
-  /// Returns how far ahead parts are examined: at least one tick.
+  /// Returns the time for which parts are examined, at least one tick.
   double horizon_s() const { return std::max(best_s_, k_seconds_per_tick); }
 
-  /// Returns the earliest time at which a point may collide, at most `until_s`.
+  /// Returns a time before which a point can't collide, at most `until_s`.
   double collides_after_s(const Above& point, double until_s) const {
     return std::min(until_s, first_collision_s(point.gap_m - pace_.rounding_m,
                                                point.rate_mps - pace_.rounding_mps,
@@ -231,7 +234,8 @@ class Look {
   }
   /// collides_after_s with tighter bounds.
   double clear_for_s(const Above& point, double until_s) const {
-    // The bound is concave in time: a point out of touch at both ends stays out between them.
+    // The bound is concave in time. So if it excludes a touch at both ends, it excludes a touch
+    // between them.
     const double fall_mps = 0.5 * pace_.fall_of(point.pull_mps2, until_s) * until_s;
     const double clear_m = point.gap_m - pace_.rounding_m - k_touch_m;
     if (clear_m > 0 && clear_m + (point.rate_mps - fall_mps) * until_s > 0) return until_s;
@@ -255,14 +259,14 @@ class Look {
     contact_ = point;
   }
 
-  /// Returns the height above the lowest point that a far end needs. Then the points between them
-  /// stay clear of the surface, unless the lowest point collides. These points are at least 1 /
-  /// steps of the way from the lowest point.
+  /// Returns how much higher than the lowest point a far end must be. The points between them then
+  /// stay clear of the surface, unless the lowest point collides. Each of these points is at least
+  /// 1 / steps of the way from the lowest point.
   double needed_m(std::int32_t steps, double gap_m) const {
     return steps * (2 * k_touch_m + std::max(0.0, -std::min(gap_m, lowest_m_)));
   }
-  /// Returns whether the point at `d` from a given point stays at least `by_m` higher than that
-  /// point up to `until_s`. Meanwhile `d` turns, and the slopes at the moving point change.
+  /// Let p be a point, with the given slopes. Returns whether p + d stays at least `by_m` higher
+  /// than p until `until_s`. Allows for the turn of d, and for changes of the slopes at p.
   bool rises_until(const Vec3& d, double slope_x, double slope_y, double hollow_per_m, double by_m,
                    double until_s) const {
     const double across2 = d.x() * d.x() + d.y() * d.y();
@@ -276,9 +280,9 @@ class Look {
     return higher_m > loss_mps * until_s;
   }
 
-  /// `points`: the ends or corners of a part of the lattice. Returns true if, up to `until_s`, no
-  /// lattice point of this part can collide without the lowest of `points` colliding too. `steps`:
-  /// lattice steps between the ends.
+  /// `points` are the ends or corners of a part of the lattice, `steps` the number of lattice steps
+  /// between the ends. Returns true if no lattice point of this part can collide before `until_s`,
+  /// unless the lowest of `points` collides too.
   bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double hollow_per_m,
                              double until_s) const {
     std::size_t lowest = 0;
@@ -294,15 +298,15 @@ class Look {
     }
     return true;
   }
-  /// Returns true if, up to `until_s`, a cell next to an edge of the box can't collide without a
-  /// point of the edge colliding too.
+  /// Returns true for a cell next to an edge of the box, if the cell can't collide before `until_s`
+  /// unless a point of the edge collides too.
   bool is_above_edge_until(const Cell& cell, double hollow_per_m, double until_s) const {
     for (std::size_t side = 0; side < 4; ++side) {
       if (!cell.is_outer(side)) continue;
       const Above& one = cell.corners[side];
       const Above& other = cell.corners[(side + 1) % 4];
       const Vec3 across_m = cell.corners[(side + 3) % 4].place_m - one.place_m;
-      // Slopes anywhere on the side are compared with the slopes at the nearer end.
+      // At each point of the side, use the slopes at the nearer end; `by_m` covers the difference.
       const Vec3 half_m = 0.5 * (other.place_m - one.place_m);
       const double by_m = needed_m(cell.steps(), std::min(one.gap_m, other.gap_m)) +
                           pace_.bend_per_m * math::norm(half_m) * math::norm(across_m);
@@ -318,7 +322,7 @@ class Look {
   template <class Part>
   bool is_clear_until(const Part& part, const SurfaceBounds& under, double until_s) const {
     const double radius2_m2 = part.radius2_m2();
-    // Bounds of heights are concave in time, so only the ends need to be checked.
+    // Bounds of heights are concave in time, so it is enough to check now and `until_s`.
     const double out_m = 0.5 * under.bump_per_m * radius2_m2 + k_touch_m + pace_.rounding_m;
     const double fallen = 0.5 * until_s * until_s;
     const auto stays_out = [&](const Above& point) {
@@ -340,7 +344,7 @@ class Look {
            is_above_edge_until(part, under.hollow_per_m, until_s);
   }
 
-  /// Returns bounds of the surface under the part's whole path within `until_s`.
+  /// Returns bounds of the surface below the part, wherever it may move until `until_s`.
   template <class Part>
   SurfaceBounds bounds_under(const Part& part, double until_s) {
     const std::span<const Above> points = part.outermost();
@@ -378,7 +382,7 @@ class Look {
   const Pace& pace_;
   Tick tick_;
   Corners corners_;
-  /// Upper bounds on how far the corners have come down, as shares of their rooms.
+  /// Upper bounds on how far each corner has come down, as a share of its room.
   struct Descent {
     std::array<double, 8> by{};  ///< until now; negative where a corner has risen
     std::array<double, 8> rate_per_s{};
@@ -409,8 +413,7 @@ std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing
   for (std::size_t e = 0; e < lattice.edges.size(); ++e) {
     const auto [one, other] = piece.edges[e].vertex;
     const double length_m = math::norm(piece.vertices_m[other] - piece.vertices_m[one]);
-    // The factor avoids an extra step if only rounding makes the length exceed a whole number of
-    // steps.
+    // The factor avoids an extra step that is only due to rounding.
     const double steps = std::ceil(length_m / spacing_m * (1 - k_parallel));
     if (!(steps <= k_steps_max)) return std::nullopt;
     lattice.edges[e] = {{one, other}, std::max(1, static_cast<std::int32_t>(steps))};
@@ -428,7 +431,8 @@ std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing
     const Vec3 missing_m = (vertex(2) - vertex(3)) - (vertex(1) - vertex(0));
     if (math::norm(missing_m) > k_parallel * piece.r_outer_m) return std::nullopt;
   }
-  // Give parallel edges equally many steps, so that a face's border points are its edges' points.
+  // Give parallel edges equally many steps. Then the border points of a face are the points of its
+  // edges.
   for (int round = 0; round < 2; ++round) {
     for (std::size_t f = 0; f < 6; ++f) {
       for (std::size_t k = 0; k < 2; ++k) {
@@ -467,7 +471,7 @@ Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, cons
   const Pace pace = pace_of(surface, box);
   const double bottom_m = box.pose.position_m.z() - box.reach_m - k_touch_m;
   if (bottom_m > pace.surface.top_m) {
-    // The box is clear while its bounding sphere is higher than everything near.
+    // The box is clear while its bounding sphere is higher than the whole surface nearby.
     const double wide_m = box.reach_m + surface.spacing_m();
     const double clear_m = bottom_m - bounds_around(surface, box, wide_m).top_m;
     if (clear_m > 0) {
@@ -485,7 +489,7 @@ Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, cons
     contact = contact_from(look.contact());
     return {.collides = true, .next = tick};
   }
-  // The result is at most the first tick after this span.
+  // The next look is at most at the first tick after this span.
   const TickCount span = ticks_after(span_s * (1 - k_skip_margin));
   return {.collides = false, .next = tick + std::max<TickCount>(1, span)};
 }

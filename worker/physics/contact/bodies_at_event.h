@@ -1,9 +1,9 @@
-// The interface that contact_events.h requires of a table of bodies at an event.
+// Defines what contact_events.h requires of a table of bodies at an event.
 //
-// An engine wraps its table and the event in one object, an Event with the operations of
-// SpheresAtEvent. If some bodies may not be spheres, the object also has the operations of
-// AnyAtEvent. World::AtEvent has all operations (world_at_event.h); Marbles::AtEvent has the
-// operations for spheres (marbles_contacts.cpp).
+// An engine wraps its table and the event in one object: an Event with the operations of
+// SpheresAtEvent. If some bodies may not be spheres, the object also has those of AnyAtEvent.
+// World::AtEvent has all operations (world_at_event.h). Marbles::AtEvent has the operations for
+// spheres (marbles_contacts.cpp).
 //
 // Thread safety: none.
 #pragma once
@@ -52,11 +52,11 @@ concept SpheresAtEvent = std::derived_from<T, Event> &&
   { at.place_m(b) } -> std::convertible_to<Vec3>;
   { at.twist(b) } -> std::same_as<Twist>;
   { at.supports(b) } -> std::same_as<Supports&>;
-  // Whether a sphere that stands still on these contacts would remain there (stands_on()).
+  // Whether a sphere that stands still on the contacts stays at rest (stands_on()).
   { at.stands(b, contacts) } -> std::same_as<bool>;
 
-  // The next motion. flight_after() returns the free flight with a twist. begin_after() and
-  // begin_segment() add the body to `changed` and clear its supports.
+  // The next motion. flight_after() returns the free flight that begins with the twist.
+  // begin_after() and begin_segment() add the body to `changed` and clear its supports.
   { at.flight_after(b, twist) } -> std::same_as<FreeFlight>;
   at.begin_after(b, twist);
   at.begin_segment(b, segment);
@@ -67,11 +67,11 @@ concept SpheresAtEvent = std::derived_from<T, Event> &&
   // Records a touch of b for rest decisions.
   at.touches(b, touch, bool{});
 
-  // goes_live() notes that b may change from now on for reasons that its history doesn't contain.
+  // goes_live() notes that causes outside b's history may change b from now on.
   at.goes_live(b);
   // For histories, reads() notes that the event's result for b depends on the other body's state.
   at.reads(b, other);
-  // For histories, learns() notes that b's contact state changes by more than a touch.
+  // For histories, learns() notes that b's contact state changes, and not only by a touch.
   at.learns(b);
 };
 
@@ -84,8 +84,7 @@ concept AnyAtEvent = SpheresAtEvent<T> &&
   { at.rigid_body(b) } -> std::same_as<RigidImpactBody>;
   // How a body with this twist would stay on a face of static geometry. Empty: it doesn't stay.
   { at.lying(b, met, face, twist) } -> std::same_as<std::optional<PlaneStay>>;
-  // Records further corners that carry the body, besides the corners that touched
-  // (Resting::still_touches).
+  // Records all corners that carry the body, not only those that collided (Resting::still_touches).
   at.notes_corners(b);
 };
 
@@ -107,8 +106,8 @@ double fastest_point_mps(At& at, BodyId body, const Twist& twist) {
   return physics::fastest_point_mps(at.body(body).reach_m, twist);
 }
 
-/// Returns the pose of a body on which others may rest. A sphere's orientation doesn't matter and
-/// is the identity.
+/// Returns the pose of a body on which others may rest. For a sphere, the orientation doesn't
+/// matter: it is the identity.
 template <SpheresAtEvent At>
 Pose place_of_rest(At& at, BodyId body) {
   if constexpr (AnyAtEvent<At>) {
@@ -128,7 +127,7 @@ LastingContact lasting_contact(At& at, BodyId body, FeatureId feature) {
           .rolling_friction = law.rolling_friction};
 }
 
-/// First tick at which a body that stays is slow enough for rest.
+/// Returns the first tick at which a body in lasting contact is slow enough for rest.
 template <SpheresAtEvent At>
 Tick slow_from(At& at, BodyId body, const Segment& segment, Tick end) {
   return physics::slow_from(segment, at.body(body).reach_m, at.body(body).inertia, at.scene.slow,

@@ -1,10 +1,11 @@
-// The rules of contact: what collisions, lasting contact and rest do to bodies.
+// Applies the rules of contact: what collisions, lasting contact and rest do to bodies.
 //
 // Idea. Two engines store bodies in different tables (world.h, marbles.h), but apply the same rules
 // at events. So the rules are written once, as functions over either table (bodies_at_event.h).
 //
 // The results depend only on the table's state at the event, so both engines produce the same bits.
-// The engines' tests compare the results with physics and with stored hashes. Thread safety: none.
+// Tests of the engines compare the results with physical laws and with stored hashes. Thread
+// safety: none.
 #pragma once
 
 #include <algorithm>
@@ -28,8 +29,7 @@ namespace sleight::physics::contact {
 
 // ---- laws ---------------------------------------------------------------------------------------
 
-/// Returns the law of an impact. `plastic`: the body had too many collisions at one tick, so the
-/// law has no restitution.
+/// `plastic`: a body has had too many collisions at this tick, so the law has no restitution.
 inline ContactLaw law_of_impact(double restitution, double friction, const SlowContacts& slow,
                                 bool plastic) {
   if (plastic) return {.restitution = 0, .friction = friction};
@@ -38,7 +38,7 @@ inline ContactLaw law_of_impact(double restitution, double friction, const SlowC
           .separation_speed_floor_mps = slow.separation_speed_mps};
 }
 
-/// Separation speed of a contact, given the arms from both bodies' centres.
+/// Returns a contact's separation speed. The arms lead from the bodies' centres to the contact.
 inline double parting_mps(const Vec3& normal, const Vec3& arm_a_m, const Twist& a,
                           const Vec3& arm_b_m, const Twist& b) {
   const Vec3 of_a = a.velocity_mps + math::cross(a.angular_velocity_radps, arm_a_m);
@@ -53,7 +53,7 @@ inline double hop_speed_mps(const SlowContacts& slow) {
 
 // ---- impacts ------------------------------------------------------------------------------------
 
-/// Resolves a collision of two bodies; a fixed body counts as static geometry.
+/// A fixed body is treated as static geometry.
 template <SpheresAtEvent At>
 ImpactOutput impact(At& at, BodyId a, BodyId b, const PieceContact& contact, const ContactLaw& law,
                     bool a_fixed, bool b_fixed) {
@@ -96,8 +96,8 @@ Twist impact_on_static(At& at, BodyId body, const Twist& before, const PieceCont
       .b;
 }
 
-/// Returns a body's twist as it leaves something that doesn't move. A rolling round body hops,
-/// because it has no slip whose energy could keep its bounces going.
+/// Returns the twist with which a body leaves an obstacle at rest. A rolling round body hops: it
+/// doesn't slip, so no slip energy keeps its bounces going.
 template <SpheresAtEvent At>
 Twist leaving(At& at, BodyId body, const PieceContact& contact, const Twist& twist) {
   const double speed_mps = hop_speed_mps(at.scene.slow);
@@ -114,7 +114,7 @@ Twist leaving(At& at, BodyId body, const PieceContact& contact, const Twist& twi
 
 // ---- who wakes ----------------------------------------------------------------------------------
 
-/// Wakes a resting body in place because of another body.
+/// Wakes a resting body in its place. The body `because` is the cause.
 template <SpheresAtEvent At>
 void wake_in_place(At& at, BodyId body, BodyId because) {
   at.goes_live(body);
@@ -137,7 +137,8 @@ void wake_dependents(At& at, BodyId body) {
   }
 }
 
-/// Whether a body that woke without an impact has left the place in which others rest on it.
+/// A body may wake without an impact while others rest on it. Returns whether it has left the place
+/// in which they rest on it.
 template <SpheresAtEvent At>
 bool has_left(At& at, BodyId body) {
   if (!at.resting.in_place(body)) return false;
@@ -145,10 +146,10 @@ bool has_left(At& at, BodyId body) {
                              fastest_point_mps(at, body, at.twist(body)));
 }
 
-/// Wakes the bodies that rested on changed bodies which have left their places.
+/// If a changed body has left its place, wakes the bodies that rested on it.
 template <SpheresAtEvent At>
 void wake_on_those_that_left(At& at) {
-  // The loop appends woken bodies to the list; woken bodies are still in their places.
+  // The loop appends woken bodies to the list. Woken bodies are still in their places.
   for (std::size_t i = 0; i < at.changed.size(); ++i) {
     const BodyId body = at.changed[i];
     if (is_resting(at, body) || !has_left(at, body)) continue;
@@ -164,13 +165,13 @@ void wake_on_those_that_left(At& at) {
 // A sphere loses its bounce on a face if the bounce would be slower than separation_speed_mps. The
 // sphere then stays if gravity presses it onto one face, into a valley between two faces, or into a
 // corner of three faces. At an edge, a fast sphere hops (contact_motion.h), and a slow sphere moves
-// round the edge piece by piece (edge_motion.h). As long as the sphere moves by no more than a few
-// micrometres, a vertex counts as a face, and so does an edge together with another feature. So a
-// sphere can come to rest between a face and an edge.
+// round the edge piece by piece (edge_motion.h). While the sphere moves by only a few micrometres,
+// a vertex counts as a face, and so does an edge together with another feature. So a sphere can
+// come to rest between a face and an edge.
 //
 // A sphere stays only if it has met no other body for the duration of some bounces. A sphere that
 // leans on another body bounces off both the face and the body. If the sphere stayed on the face
-// instead, nothing would separate it from the other body, and the two would collide endlessly
+// instead, nothing would separate it from the other body. The two would collide again and again
 // without time passing.
 
 struct FewContacts {
@@ -189,7 +190,7 @@ struct FewContacts {
   }
 };
 
-/// Whether a sphere approaches static geometry so slowly that it loses its bounce and may stay.
+/// Returns whether a sphere hits static geometry so slowly that it loses its bounce and may stay.
 template <SpheresAtEvent At>
 bool is_caught(At& at, BodyId body, StaticId met, double approach_mps, double restitution,
                const Twist& twist) {
@@ -203,8 +204,8 @@ bool is_caught(At& at, BodyId body, StaticId met, double approach_mps, double re
          math::norm(twist.velocity_mps) < k_edge_speeds * slow_mps;
 }
 
-/// Begins a sphere's next segment at a contact. If features carry a sphere that moves with `twist`,
-/// it stays on them. Otherwise it flies with the twist `otherwise`.
+/// Begins a sphere's next segment at a contact. If features can carry the sphere at `twist`, the
+/// sphere stays on them. If not, it flies with the twist `otherwise`.
 template <SpheresAtEvent At>
 void begin_on_faces(At& at, BodyId body, const MayStayOn& on, const Twist& twist,
                     const Twist& otherwise) {
@@ -227,7 +228,7 @@ void begin_on_faces(At& at, BodyId body, const MayStayOn& on, const Twist& twist
     at.resting.stays(body, at.tick, slow_from(at, body, stay->segment, kept.end));
 }
 
-/// Calls begin_on_faces for a sphere that has just lost its bounce on a feature.
+/// Calls begin_on_faces after a sphere has lost its bounce on a feature.
 template <SpheresAtEvent At>
 void begin_caught(At& at, BodyId body, FeatureId feature, const Twist& twist) {
   FewContacts few;
@@ -246,7 +247,7 @@ void begin_caught(At& at, BodyId body, FeatureId feature, const Twist& twist) {
 // A body that isn't a sphere stays on a flat surface if the points that carry it bounce there no
 // faster than slow bounces do (plane_stay.h). As for spheres, the body's own bounce must be slower
 // than separation_speed_mps, and the body must have met no other body for the duration of some
-// bounces. The body also must not have hit two static pieces shortly after each other; otherwise
+// bounces. The body must also not have hit two static pieces shortly after each other, because
 // staying on one piece would press the body into the other.
 
 /// Begins a segment in which a body stays on a flat surface.
@@ -262,12 +263,12 @@ void begin_lying(At& at, BodyId body, StaticId index, const PlaneStay& stay) {
   kept.leaves = Stay::k_none;
   kept.half_way = Vec3::Zero();
   if (!at.resting.enabled()) return;
-  // A body that friction brakes stops by itself.
+  // If friction brakes the body, the body needs no tick for rest: it stops by itself.
   const Tick slow = stay.brakes ? k_never : slow_from(at, body, stay.segment, stay.end);
   at.resting.stays(body, at.tick, slow);
 }
 
-/// How a body that collides with a flat surface stays there. Empty: it doesn't stay.
+/// Returns how a body that hits a flat surface stays there. Empty: the body doesn't stay.
 template <AnyAtEvent At>
 std::optional<PlaneStay> settling(At& at, BodyId body, StaticId index, const PieceContact& contact,
                                   double restitution, const Twist& twist) {
@@ -282,7 +283,7 @@ std::optional<PlaneStay> settling(At& at, BodyId body, StaticId index, const Pie
   return face ? at.lying(body, index, *face, twist) : std::nullopt;
 }
 
-/// Handles the mode event of a body on a flat surface: the body begins another stay or leaves.
+/// Handles a body's mode event on a flat surface. The body begins another stay or leaves.
 template <AnyAtEvent At>
 void change_lying(At& at, BodyId body) {
   const Twist twist = at.twist(body);
@@ -294,7 +295,7 @@ void change_lying(At& at, BodyId body) {
   }
   at.learns(body);
   at.resting.flies(body, at.tick);
-  // Make the body hop, because from rest at the touch distance it would bounce again at every tick.
+  // Make the body hop. A body at rest at the touch distance would bounce at every tick.
   const Vec3 normal = flat_at(at.scene.statics, index, face).normal;
   RigidImpactBody leaver = at.rigid_body(body);
   leaver.twist = twist;
@@ -304,7 +305,7 @@ void change_lying(At& at, BodyId body) {
 
 // ---- mode events --------------------------------------------------------------------------------
 
-/// Handles the mode event of a body: its contact with static geometry changes.
+/// Handles a body's mode event, at which its contact with static geometry changes.
 template <SpheresAtEvent At>
 void change_mode(At& at, BodyId body) {
   at.changed.clear();
@@ -317,8 +318,8 @@ void change_mode(At& at, BodyId body) {
   }
   const bool rolled = at.mode(body) == MotionMode::rolling;
   const Twist twist = at.twist(body);
-  // Drop the feature whose border the centre crossed. The sphere meets the feature beyond the
-  // border as it meets any other feature, at once if the surface continues level.
+  // Drop the feature whose border the centre crossed. The sphere then collides with the feature
+  // beyond the border. If the surface continues level, this happens at once.
   FewContacts few;
   for (const StaticId met : at.supports(body).all()) {
     const FeatureId feature{met};
@@ -330,21 +331,21 @@ void change_mode(At& at, BodyId body) {
 
 // ---- collisions ---------------------------------------------------------------------------------
 
-/// Whether an impact wakes a resting body: by itself, or as one of many weak impacts that together
-/// push the body. For many impacts, the test assumes that all impacts in the window are equal.
+/// Returns whether an impact wakes a resting body. One hard impact is enough. Many weak impacts in
+/// the window are also enough; the test assumes that all are equal.
 template <SpheresAtEvent At>
 bool is_woken(At& at, BodyId body, const CollisionCount& collided, double jump_mps) {
   const double wake_mps = at.resting.wake_speed_mps();
   if (jump_mps > wake_mps) return true;
-  // For a ball, each impact is judged alone, because jammed balls collide hundreds of times in a
-  // window without being pushed far.
+  // For a ball, judge each impact alone: jammed balls collide hundreds of times in a window, but
+  // are not pushed far.
   if (is_round(at, body)) return false;
   const double borne_mps =
       k_bears_gravities * math::norm(at.scene.gravity_mps2) * seconds(k_window);
   return collided.in_window * jump_mps > wake_mps + borne_mps;
 }
 
-/// Processes a collision of two bodies. Returns whether the impact was resolved.
+/// Returns whether the impact was resolved.
 template <SpheresAtEvent At>
 bool collide(At& at, BodyId a, BodyId b, const PieceContact& contact, const SurfaceLaw& surfaces) {
   at.changed.clear();
@@ -359,7 +360,7 @@ bool collide(At& at, BodyId a, BodyId b, const PieceContact& contact, const Surf
   bool b_rests = is_resting(at, b);
   ImpactOutput after = impact(at, a, b, contact, law, a_rests, b_rests);
   if (a_rests || b_rests) {
-    // A hard impact wakes the resting body, and is resolved again with both bodies free.
+    // If the impact wakes the resting body, resolve it again with both bodies free.
     const BodyId sleeper = a_rests ? a : b;
     const double jump_mps = math::norm(after.impulse_ns) / at.body(sleeper).inertia.mass_kg;
     if (is_woken(at, sleeper, a_rests ? of_a : of_b, jump_mps)) {
@@ -399,8 +400,7 @@ bool collide(At& at, BodyId a, BodyId b, const PieceContact& contact, const Surf
   return after.regime != ImpactRegime::unresolved;
 }
 
-/// Processes a collision with static geometry. `law`: see law_of_impact. `touched`: whether to
-/// record the touch.
+/// `law`: see law_of_impact. `touched`: whether to record the touch.
 template <SpheresAtEvent At>
 void collide_static(At& at, BodyId body, StaticId index, const PieceContact& contact,
                     ContactLaw law, bool touched) {
@@ -474,8 +474,8 @@ RestDecision::Present present_of(At& at, BodyId body) {
   return present;
 }
 
-/// Processes a body's rest event: puts the body and those that it leans on to rest if the rules
-/// allow. Returns the number of bodies that went to rest.
+/// Processes a body's rest event. If the rules allow, puts the body to rest, together with the
+/// bodies that it leans on. Returns the number of bodies that went to rest.
 template <SpheresAtEvent At>
 std::size_t rest(At& at, BodyId body) {
   at.changed.clear();
@@ -483,7 +483,7 @@ std::size_t rest(At& at, BodyId body) {
   while (const auto member = decision.asks()) {
     at.reads(body, *member);
     at.learns(*member);
-    // The decision continues with the member's partners, on which the member may come to rest.
+    // The member may come to rest on its partners, so the decision continues with them.
     for (const TouchRecord& touch : at.resting.touches(*member)) {
       if (touch.partner == k_static_partner || at.tick - touch.tick > at.resting.rest_span())
         continue;

@@ -1,5 +1,5 @@
-// A body's contact state besides its segment: recent touches, supporting features, collision
-// counts.
+// A body's contact state: recent touches, supporting features and collision counts. Its segment is
+// stored elsewhere.
 //
 // Thread safety: values.
 #pragma once
@@ -25,8 +25,8 @@ struct Supports {
   std::uint32_t face = 0;           ///< face of a polyhedron on which the body lies
   Tick met_body{-k_tick_max.value};  ///< last collision with another body
   Vec3 half_way = Vec3::Zero();      ///< for a piece over an edge (lasting_contact.h)
-  // For bodies that aren't spheres: the last static piece hit, and the last tick at which the body
-  // hit a piece soon after a different one.
+  // Used for bodies that aren't spheres. `last_hit` is the last static piece that the body hit.
+  // `hit_both` is the last tick at which the body hit a piece soon after another piece.
   StaticId last_hit{UINT32_MAX};
   Tick hit{-k_tick_max.value};
   Tick hit_both{-k_tick_max.value};
@@ -39,7 +39,7 @@ struct Supports {
   bool holds(StaticId feature) const { return std::ranges::find(all(), feature) != all().end(); }
 };
 
-/// A body's collisions at its last tick and in a time window.
+/// Counts a body's collisions: at the tick of the last collision, and in a time window.
 struct CollisionCount {
   Tick tick{-1};
   Tick window{};
@@ -55,17 +55,18 @@ struct CollisionCount {
     }
     ++in_window;
   }
-  /// Whether there were more events than the limits permit, so that the simulation fails.
+  /// Returns whether there were more collisions than the limits permit. If so, the simulation
+  /// fails.
   bool is_too_much() const {
     return at_tick > k_events_at_a_tick_max || in_window > k_collisions_in_window_max;
   }
 };
-/// Returns the words of an error message about too many collisions. `slow_contacts_end`: the scene
+/// Returns the text of an error message about too many collisions. `slow_contacts_end`: the scene
 /// sets SlowContacts.
 std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_end);
 
-/// A body's contact state, without its touches, collision counts and times. Touches are in a list
-/// of TouchRecord (rest_log.h); counts and times follow from the event itself (World::restore).
+/// A body's contact state without touches, collision counts and times. Touches are in a list of
+/// TouchRecord (rest_log.h). Counts and times follow from the event itself (World::restore).
 struct ContactState {
   RestState rest;
   Supports supports;

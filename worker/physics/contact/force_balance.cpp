@@ -15,8 +15,8 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Relative size of the term added to the diagonal, for bodies whose contacts leave a rotation
-/// free.
+/// Relative size of the term that is added to the diagonal. The term is needed if a body's contacts
+/// leave a rotation free.
 constexpr double k_ridge = 1e-9;
 
 /// Projects a force onto a contact's friction cone.
@@ -31,7 +31,8 @@ Vec3 in_cone(const HoldingContact& contact, const Vec3& force) {
   return load * contact.normal + (mu * load / size) * across;
 }
 
-/// A contact has three columns of A. This is the part for one of its two bodies: force and torque.
+/// Each contact has three columns of A. Columns is the part of them for one of the contact's two
+/// bodies: force and torque.
 struct Columns {
   std::size_t row;
   double sign;
@@ -65,7 +66,7 @@ void ForceBalance::factor(std::span<const HeldBody> bodies,
                           std::span<const HoldingContact> contacts) {
   const std::size_t size = 6 * bodies.size();
   lower_.assign(size * size, 0);
-  // Each contact adds G G^T to A A^T, with G = +-(1; [lever]) for both sides.
+  // Each contact adds G G^T to A A^T. For each of its two bodies, G has the block +-(1; [lever]).
   for (const HoldingContact& contact : contacts) {
     for_each_side(bodies, contact, [&](const Columns& a) {
       for_each_side(bodies, contact, [&](const Columns& b) {
@@ -91,7 +92,7 @@ void ForceBalance::factor(std::span<const HeldBody> bodies,
     greatest = std::max(greatest, lower_[i * size + i]);
   for (std::size_t i = 0; i < size; ++i)
     lower_[i * size + i] += k_ridge * greatest;
-  // Work column by column, so that inner loops don't wait for their own sums.
+  // Work column by column, so that no step of an inner loop waits for the previous step's sum.
   upper_.assign(size * size, 0);
   inverse_.assign(size, 0);
   for (std::size_t k = 0; k < size; ++k) {
@@ -161,8 +162,8 @@ double ForceBalance::worst_missing(std::span<const HeldBody> bodies,
       const double left = rows_[i] + weights_[i];
       sum += left * left;
     }
-    // The factor is 0.5 because a standing body has two equal forces: its weight and the push that
-    // carries it.
+    // The factor 0.5 makes the unit a standing body's weight: the weight and the push that carries
+    // it are equal.
     missing_[b] = std::sqrt(sum) / (0.5 * pushed_[b]);
     worst = std::max(worst, missing_[b]);
   }
@@ -205,7 +206,7 @@ bool ForceBalance::holds(std::span<const HeldBody> bodies,
         const double* const row = &rows_[side.row];
         const Vec3 push(row[0], row[1], row[2]);
         const Vec3 turn(row[3], row[4], row[5]);
-        // The transpose of [lever] is turn x lever.
+        // The transpose of [lever] maps `turn` to turn x lever.
         step += side.sign * (push + cross(turn, side.lever));
       });
       on_plane_[c] = z_[c] - step;
@@ -216,7 +217,7 @@ bool ForceBalance::holds(std::span<const HeldBody> bodies,
     const double worst = worst_missing(bodies, contacts);
     if (worst <= k_balance_tolerance) return true;
     if (round % k_held_rounds_judged != 0) continue;
-    // Give up if the imbalance would stay too large even at twice the current rate of decrease.
+    // Give up if the imbalance would stay too large even if it fell twice as fast as now.
     const double fall = worst / earlier;
     double later = worst;
     for (int i = 0; i < 2 * (k_held_rounds_max - round) / k_held_rounds_judged; ++i) {

@@ -1,23 +1,23 @@
-// Tests whether contact forces can hold several bodies at once, each force in its friction cone.
+// Tests whether contact forces can hold several bodies at once. Each force must be in its friction
+// cone.
 //
-// Idea. Forces f at m contacts hold n bodies if A f = -w, where A f are three forces and three
-// torques per body, and w the weights. The f with A f = -w form an affine plane; the f inside their
-// cones form a convex set. Douglas and Rachford's splitting (Douglas and Rachford, Transactions of
-// the American Mathematical Society 82, 1956, and Lions and Mercier, SIAM Journal on Numerical
-// Analysis 16, 1979) finds a point of both sets, if there is one, by iterating
+// Idea. Forces f at m contacts hold n bodies if A f = -w. A f contains three forces and three
+// torques per body; w contains the weights. The f with A f = -w form an affine plane. The f inside
+// their cones form a convex set. Douglas and Rachford's splitting (Douglas and Rachford,
+// Transactions of the American Mathematical Society 82, 1956, and Lions and Mercier, SIAM Journal
+// on Numerical Analysis 16, 1979) finds a point that is in both sets, if there is one. It iterates
 //   z += C(2 P(z) - z) - P(z).
-// P is the projection onto the plane; it uses A A^T, which is factored once. C is the projection
-// onto the cones, in closed form for each contact, because the cones are round, not pyramids. The
-// search accepts a point of the cones whose imbalance is below a small fraction of the forces on
-// each body.
+// P projects onto the plane. P needs A A^T, which is factored once. C projects onto the cones. C
+// has a closed form for each contact, because the cones are round, not pyramids. The search accepts
+// a point of the cones whose imbalance is below a small fraction of the forces on each body.
 //
-// If no forces hold the bodies, the distance between the two sets stays positive, and the search
-// stops early because it monitors its progress. At the very limit of balance, holds()
+// If no forces hold the bodies, the distance between the two sets stays positive. The search
+// monitors its progress, so it then stops early. At the very limit of balance, holds()
 // returns false.
 //
-// All operations have a fixed order, so every call with the same input returns the same answer.
-// Cost: 0.05 ms for a few bodies, milliseconds for k_held_together_max, a second for hundreds.
-// Thread safety: none.
+// The order of all operations is fixed, so the same input always gives the same answer. A call
+// takes 0.05 ms for a few bodies, milliseconds for k_held_together_max bodies, and a second for
+// hundreds. Thread safety: none.
 #pragma once
 
 #include <cstddef>
@@ -45,13 +45,13 @@ struct HoldingContact {
 
 class ForceBalance {
  public:
-  /// Reserves memory, so that holds() doesn't allocate for up to this many bodies and contacts.
+  /// Reserves memory, so that holds() allocates none up to these numbers of bodies and contacts.
   void reserve(std::size_t bodies, std::size_t contacts);
   bool holds(std::span<const HeldBody> bodies, std::span<const HoldingContact> contacts);
 
-  /// After holds(): a body's imbalance as a fraction of the forces on it.
+  /// After holds(): a body's imbalance, as a fraction of the forces on the body.
   double missing(std::size_t body) const { return missing_[body]; }
-  /// After holds() returned true: the force on the contact's body.
+  /// Returns the force on the contact's body. Call after holds() has returned true.
   Vec3 force_n(std::size_t contact) const { return unit_n_ * in_cones_[contact]; }
 
  private:
@@ -63,8 +63,8 @@ class ForceBalance {
   double worst_missing(std::span<const HeldBody> bodies, std::span<const HoldingContact> contacts);
 
   double unit_n_ = 0;  ///< greatest weight; the unit of all forces below
-  // Cholesky's factor L of A A^T, in three parts: rows below the diagonal, columns below the
-  // diagonal, and the inverse diagonal.
+  // The Cholesky factor L of A A^T. lower_ has the part below the diagonal by rows, upper_ by
+  // columns. inverse_ has the inverse of the diagonal.
   std::vector<double> lower_;
   std::vector<double> upper_;
   std::vector<double> inverse_;

@@ -29,7 +29,8 @@ Tick meets_border(const FrictionMap& map, const MapPath& path, Tick from, Tick e
 
 namespace {
 
-/// Tick at which the centre leaves a feature's region on the segment's parabola.
+/// Returns the tick at which the centre leaves a feature's region, if it moves along `flight`'s
+/// parabola.
 Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides) {
   double leaves_s = std::numeric_limits<double>::infinity();
   for (const RegionSide& side : sides) {
@@ -42,7 +43,8 @@ Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides) 
   return tick_after(flight.begin, leaves_s);
 }
 
-/// Tick at which a sphere that moves straight on from an edge or a vertex has left it.
+/// Returns the tick at which a sphere has left an edge or a vertex, if the sphere moves straight
+/// on.
 Tick leaves_edge(const FreeFlight& flight, const SphereFeature& feature, double radius_m,
                  const SlowContacts& slow, const Vec3& gravity_mps2) {
   const double way_m = std::sqrt(2 * k_rise_bounces * bounce_m(slow, gravity_mps2) * radius_m);
@@ -58,14 +60,14 @@ Tick leaves_edge(const FreeFlight& flight, const SphereFeature& feature, double 
   return rate > 0 ? tick_after(flight.begin, 2 * way_m / rate) : k_never;
 }
 
-/// A subset of up to three contacts, as bits, and a sphere's motion while it stays on them.
+/// A subset (as bits) of up to three contacts, and the motion of a sphere that stays on the subset.
 struct Carried {
   std::uint32_t subset = 0;
   ContactMotion motion{};
 };
 
-/// Returns the largest set of contacts that all carry a sphere while it doesn't press on the other
-/// contacts.
+/// Returns the largest set of contacts that all carry the sphere while it presses on no other
+/// contact.
 std::optional<Carried> carried_by(const RoundBody& round, std::span<const LastingContact> contacts,
                                   const Twist& twist, const Vec3& gravity_mps2) {
   for (std::size_t count = contacts.size(); count > 0; --count) {
@@ -139,7 +141,7 @@ Tick slow_from(const Segment& segment, double radius_m, const Inertia& inertia,
   };
   const double limit_mps = slow_contacts.rest_speed_mps;
   if (fastest_mps(flight.begin) < limit_mps) return flight.begin;
-  // The speed is convex in time. Test the minimum of each of its two parts, and the end.
+  // The speed is convex in time. Test the minimum of each of the speed's two parts, and the end.
   Tick slow = k_never;
   const auto offer = [&](const Vec3& start, const Vec3& rate) {
     const double square = math::dot(rate, rate);
@@ -183,7 +185,7 @@ std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const F
     if ((stay.subset >> i & 1U) == 0) continue;
     const SphereFeature& feature = scene.statics.feature(on.features[i]);
     if (const FrictionMap* map = scene.statics.friction_map({on.features[i]})) {
-      // The centre is directly above the contact, so both have the same map coordinates.
+      // The centre is directly above the contact and has the same map coordinates.
       const Tick border = meets_border(*map,
                                        {.place_m = flight.position_m,
                                         .velocity_mps = flight.velocity_mps,

@@ -13,9 +13,9 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Whether the motion that the plane removes from a body is at most the motion of a slow bounce.
-/// settles() tests the normal velocity at each support and, for a body that touches along a line,
-/// the slip along the line and the turn about the normal.
+/// The plane removes a part of the body's motion. Returns whether this part is at most the motion
+/// of a slow bounce. Tests the normal velocity at each support. If the body touches along a line,
+/// also tests the slip along the line and the turn about the normal.
 bool settles(const BodyOnPlane& body, const FreeFlight& now, const PlaneMotion& motion,
              double bounce_mps) {
   const Vec3 off_mps = now.velocity_mps - motion.start.velocity_mps;

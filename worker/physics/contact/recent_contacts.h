@@ -1,5 +1,5 @@
-// Stores each body's last collision partners and the gaps at these collisions, for the refractory
-// time (tolerances.h).
+// Stores each body's last collision partners, and the gap at each collision. The refractory time
+// (tolerances.h) uses them.
 //
 // Thread safety: none.
 #pragma once
@@ -18,13 +18,13 @@
 
 namespace sleight::physics {
 
-/// Time span in which a pair collides only at a smaller gap.
+/// Until a tick, a pair collides only if its gap is smaller than usual.
 struct Refractory {
   Tick until{};  ///< in the past: no restriction
   double touch_m = k_touch_m;
 };
 
-/// Examines a pair that may be refractory; examine(touch_m) tests one tick.
+/// Examines a pair that may be refractory. examine(touch_m) must examine one tick.
 template <class Examine>
 Examined examined_at(Tick tick, const Refractory& refractory, const Examine& examine) {
   if (tick >= refractory.until) return examine(k_touch_m);
@@ -35,18 +35,19 @@ Examined examined_at(Tick tick, const Refractory& refractory, const Examine& exa
 
 class RecentContacts {
  public:
-  /// Clears all contacts. With 0 bodies there is no refractory time.
+  /// Clears all contacts. If `bodies` is 0, there is no refractory time.
   void reset(std::size_t bodies) { of_body_.assign(bodies, {}); }
   bool enabled() const { return !of_body_.empty(); }
 
-  /// Maximum stored partners of a body. Fewer partners can press on a body within a microsecond.
+  /// Maximum stored partners of a body. Fewer partners than this can press on a body within a
+  /// microsecond.
   static constexpr std::size_t k_partners = 16;
   struct Entry {
     BodyId partner{UINT32_MAX};
     Tick tick{-1};
     double gap_m = 0;
   };
-  /// Appends a body's entries, for a simulation that resumes from here. Returns their number.
+  /// Appends a body's entries. A simulation needs them to resume from here. Returns their number.
   std::size_t remember(BodyId body, std::vector<Entry>& entries) const {
     if (!enabled()) return 0;
     const std::size_t before = entries.size();
@@ -60,7 +61,7 @@ class RecentContacts {
     std::ranges::copy(entries, of_body_[body].entries.begin());
   }
 
-  /// Records a collision for one body; the caller decides whether to record it for the partner too.
+  /// Records a collision for one body. The caller decides whether the partner also records it.
   void note(BodyId body, BodyId partner, Tick tick, double gap_m) {
     if (!enabled()) return;
     Ring& ring = of_body_[body];
@@ -79,7 +80,8 @@ class RecentContacts {
     if (!enabled()) return {};
     for (const Entry& entry : of_body_[body].entries) {
       if (entry.partner != partner) continue;
-      // The gap must shrink by half of the distance left to k_sink_m (k_sink_step_m_min or more).
+      // The next collision's gap is smaller: by half of the distance left to k_sink_m, where this
+      // distance counts as at least k_sink_step_m_min.
       const double left_m = std::max(entry.gap_m + k_sink_m, k_sink_step_m_min);
       return {.until = entry.tick + k_refractory, .touch_m = entry.gap_m - 0.5 * left_m};
     }

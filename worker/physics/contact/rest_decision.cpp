@@ -77,7 +77,7 @@ RestDecision::Outcome RestDecision::decide() {
   if (!find_set()) {
     ask_later();
     for (const BodyId bearer : overloaded_) {
-      // The bearer rests again only together with the body that it couldn't bear.
+      // The bearer couldn't bear the body. The bearer rests again only together with this body.
       log_of(bearer).rests = false;
       log_of(bearer).must_bear = body_;
     }
@@ -99,8 +99,8 @@ bool RestDecision::find_set() {
 void RestDecision::ask_later() {
   RestLog& log = log_of(body_);
   const Note& note = notes_[body_];
-  // A sliding body is tested again when its sliding changes (Resting::stays). If other bodies can't
-  // hold the body that leans on them, they all keep moving for a while.
+  // A sliding body needs no early test, because it is tested when its sliding changes
+  // (Resting::stays). If other bodies can't hold this body, it keeps moving with them for a while.
   const bool unheld = note.unheld || !overloaded_.empty();
   const bool later = unheld || note.slides;
   log.due = now_ + std::max<TickCount>(1, later ? 4 * logs_->rest_span : logs_->rest_span / 2);
@@ -163,8 +163,8 @@ Contacts RestDecision::supporting(BodyId body) const {
   const auto pushes_up = [&](const TouchRecord& touch) {
     return weightless || math::dot(touch.normal, own.weight_n) < 0;
   };
-  // If the body has no weight, is jammed, stays, or has long been in place, use all contacts that
-  // may carry it.
+  // If the body has no weight, is jammed, stands in lasting contact, or has long been in place: use
+  // all contacts that may carry it.
   if (weightless || log.is_jammed() || has_stayed(log) || note.holds) {
     Contacts all = 0;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -174,9 +174,9 @@ Contacts RestDecision::supporting(BodyId body) const {
     }
     return all;
   }
-  // First try only the contacts that push up, so that a body lying on top doesn't count as holding;
-  // then try all. Require firm balance unless the body has been slow for k_patience rest times. A
-  // body without balance would have toppled in this time.
+  // First try only the contacts that push up, so that a body on top of this one doesn't count as
+  // holding it. Then try all contacts. Require firm balance unless the body has been slow for
+  // k_patience rest times: in this time, a body without balance would have toppled.
   const bool firmly = !own.round && (now_ - log.slow_since) / k_patience < logs_->rest_span;
   std::array<TouchRecord, k_touch_records_max> chosen;
   std::array<std::size_t, k_touch_records_max> places;
@@ -226,7 +226,7 @@ bool RestDecision::settle_set() {
 }
 
 bool RestDecision::is_held() {
-  // Bodies that lean only on static geometry are already in balance.
+  // If all members lean only on static geometry, they are already in balance.
   const bool alone = std::ranges::all_of(set_, [&](BodyId member) {
     const RestLog& log = log_of(member);
     return !log.has_place && std::ranges::all_of(log.touches(), [&](const TouchRecord& touch) {
@@ -261,7 +261,7 @@ bool RestDecision::is_held() {
 }
 
 bool RestDecision::find_structure() {
-  // A decision may examine several structures, as its set loses members.
+  // A decision examines another structure each time the set loses members.
   ++structures_;
   structure_.clear();
   const auto add = [&](BodyId member) {

@@ -1,28 +1,28 @@
 // Decides which bodies go to rest together.
 //
-// Idea. Consider bodies that touch each other. The largest set of them in which each member is slow
-// and in balance goes to rest. A slow member was slower than rest_speed_mps at every collision of
-// the last rest_time_s, and still is. A balanced member is carried by its recent touches with
-// static geometry, resting bodies and members of the set: normal forces with friction at these
-// contacts can carry its weight, even if its centre moves a little to any side. Other bodies that a
-// member touches may still move, so a heap into which grains fall comes to rest from below.
+// Idea. Consider bodies that touch each other, and sets of them in which each member is slow and in
+// balance. The largest of these sets goes to rest. A member is slow if it was slower than
+// rest_speed_mps at every collision of the last rest_time_s, and still is. Consider the member's
+// recent touches with static geometry, resting bodies and members of the set. The member is in
+// balance if normal forces and friction at these touches can carry its weight, even if its centre
+// moves a little to any side. Members may also touch bodies that still move. So a heap into which
+// grains fall comes to rest from below.
 //
-// For spheres, balance with a moved centre is not required. The same holds for bodies that have
-// been slow for 64 rest times: by then a body balancing on an edge has toppled, but a cube rocking
-// on two opposite corners has not. A body that has been slow for 64 rest times without leaving its
-// place counts as standing on all contacts that push it up, even if they don't balance it. For
-// example, a ball on a ledge that leans on another ball may lack a thousandth of its weight, yet
-// bounce by micrometres for ever.
+// For spheres, balance with a moved centre is not required. Bodies that have been slow for 64 rest
+// times need no such balance either: by then a body balancing on an edge has toppled, but a cube
+// rocking on two opposite corners has not. If a body has been slow for 64 rest times without
+// leaving its place, it counts as standing on all contacts that push it up, even without balance.
+// For example, if a ball on a ledge leans on another ball, its contacts may fail to carry a
+// thousandth of its weight, but the ball bounces by micrometres for ever.
 //
-// The balance test keeps slow bodies that are about to topple or slide from being frozen. The test
-// includes loads. One system of contact forces (force_balance.h) must hold the set and all resting
-// bodies that are connected with it by leaning, in structures of up to k_held_together_max bodies.
-// If the forces can't hold the set, the set goes to rest without its least balanced members. A
-// resting body that can't bear the set wakes. In larger structures, and for a body that has been
-// slow for 64 rest times, each body is tested alone.
+// The balance test prevents a slow body from being frozen when it is about to topple or slide. The
+// test includes loads. A structure is the set and all resting bodies connected with it by leaning.
+// In structures of up to k_held_together_max bodies, one system of contact forces (force_balance.h)
+// must hold all bodies. If the forces can't hold the set, the set goes to rest without its least
+// balanced members. If a resting body can't bear the set, it wakes. Each body is tested alone in
+// larger structures, and after it has been slow for 64 rest times.
 //
-// A decision requests the state of one body after another from the caller, and then returns an
-// outcome:
+// A decision asks the caller for the state of one body after another, and then returns an outcome:
 //
 //   decision.begin(logs, body, now);
 //   while (const auto asked = decision.asks()) decision.tell(*asked, present state of *asked);
@@ -62,10 +62,10 @@ class RestDecision {
   };
 
   void reset(std::size_t bodies);
-  /// Borrows the logs until decide() returns. REQUIRES: the event is the body's rest event.
+  /// Borrows the logs until decide() returns. REQUIRES: it is the time of the body's rest event.
   void begin(RestLogs& logs, BodyId body, Tick now);
-  /// Returns the next body whose state is needed; if none, call decide(). REQUIRES: the caller has
-  /// recorded the lasting contacts of the body (Resting::still_touches) before it calls tell().
+  /// Returns the next body whose state is needed. If there is none, call decide(). REQUIRES: before
+  /// calling tell(), the caller records the body's lasting contacts (Resting::still_touches).
   std::optional<BodyId> asks();
   void tell(BodyId body, const Present& present);
   /// Updates the logs. The outcome is valid until the next begin().
@@ -90,35 +90,35 @@ class RestDecision {
 
   // Tests of one body.
   bool may_lean_on(const TouchRecord& touch) const;
-  /// Whether the body once failed to bear another body that it touches now and that isn't going to
-  /// rest.
+  /// Whether the body once failed to bear another body, still touches it, and can't lean on it.
   bool lacks_load(const RestLog& log) const;
-  /// Whether the body has been slow for so long that it must be held somehow: an unheld body would
+  /// Whether the body has been slow for so long that something must hold it. An unheld body would
   /// be fast by now.
   bool has_been_slow(const RestLog& log) const;
   /// Whether a candidate has been near its place for so long that it must be standing.
   bool has_stayed(const RestLog& log) const;
   void note_stay(RestLog& log, const Note& note, double reach_m) const;
-  /// Whether the body rests regardless of its balance with others.
+  /// Whether the body rests even if it isn't in balance with others.
   bool holds_anyhow(const RestLog& log) const;
-  /// Returns the touches that a body leans on; an empty set if they don't carry the body.
+  /// Returns the touches that a body leans on. If no touches carry the body, returns an empty set.
   Contacts supporting(BodyId body) const;
   /// Finds and stores the touches that carry a candidate. Returns whether there are any.
   bool check(BodyId member);
 
   // Tests of the whole set.
   bool find_set();
-  /// Removes from set_ the members that are no longer candidates or that lean on non-candidates.
+  /// Removes from set_ each member that is no longer a candidate or leans on a body that isn't one.
   /// Returns whether the body itself is still a candidate.
   bool settle_set();
-  /// Whether one system of forces holds set_ and all resting bodies connected with it. If forces
-  /// don't hold them, either overloaded_ lists some of these bodies, or the least balanced members
-  /// stop being candidates.
+  /// Returns whether one system of forces holds set_ and all resting bodies connected with it. If
+  /// not, either overloaded_ lists resting bodies that can't bear the set, or the least balanced
+  /// members stop being candidates.
   bool is_held();
   /// Fills structure_ with set_ and the connected resting bodies. Returns whether structure_ is
   /// small enough.
   bool find_structure();
-  /// Whether forces hold the first `count` bodies of structure_; the other bodies count as fixed.
+  /// Returns whether forces hold the first `count` bodies of structure_. The other bodies count as
+  /// fixed.
   bool balances(std::size_t count);
   void lay_down_set();
   void ask_later();

@@ -1,5 +1,5 @@
-// The data for rest decisions: what each body touched, since when it has been slow, and what it
-// rests on. resting.h changes the data; rest_decision.h evaluates them.
+// Stores the data for rest decisions: what each body touched, since when it has been slow, and what
+// it rests on. resting.h changes the data; rest_decision.h evaluates them.
 //
 // Thread safety: values.
 #pragma once
@@ -18,7 +18,7 @@
 
 namespace sleight::physics {
 
-/// A body's data except its touches, which are stored separately, since most bodies have few.
+/// A body's data without its touches. Most bodies have few touches, so these are stored separately.
 struct RestState {
   Tick slow_since = k_never;
   Tick counted_since{};  ///< start of the count slow_collisions
@@ -53,8 +53,8 @@ struct RestLog : RestState {
 
   std::span<const TouchRecord> touches() const { return {records.data(), count}; }
   std::span<const TouchRecord> holding() const { return {held.data(), held_count}; }
-  /// Adds a touch. The new touch replaces a touch of the same partner at the same place, or the
-  /// oldest touch if the list is full.
+  /// Adds a touch. If there is a touch of the same partner at the same place, replaces it.
+  /// Otherwise, if the list is full, replaces the oldest touch.
   void record(const TouchRecord& touch);
   void forget_before(Tick now, TickCount span);
   /// Marks the body as neither slow nor at rest.

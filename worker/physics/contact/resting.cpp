@@ -14,7 +14,7 @@ void Resting::reset(std::span<const RestingBody> bodies, const SlowContacts& rul
   jam_span_ = std::min(jam_span, rest_span());
   const std::size_t count = enabled() ? bodies.size() : 0;
   logs_.bodies.assign(bodies.begin(), bodies.end());
-  // Don't use assign(), because it would clear the arrays of touches, which make up most of a log.
+  // Don't use assign(): it would also clear the arrays of touches, the largest part of a log.
   logs_.logs.resize(count);
   for (RestLog& log : logs_.logs)
     static_cast<RestState&>(log) = {};
@@ -104,8 +104,7 @@ std::span<const BodyId> Resting::wake(BodyId body) {
 void Resting::woke(BodyId body, Tick now, const Pose& pose) {
   RestLog& log = log_of(body);
   log.in_place = true;
-  // While others may still rest on the body, store only its first place, so that the place doesn't
-  // creep.
+  // While others may still rest on the body, keep its first place. Otherwise the place would creep.
   if (!log.has_place) log.place = pose;
   log.has_place = true;
   log.slow_since = now;

@@ -1,19 +1,21 @@
 // Decides when bodies come to rest, what holds them, and what wakes them.
 //
 // Idea. Slow bodies in contact bounce by micrometres for ever; restitution.h limits the rate of
-// these impacts. Bodies that have been slow for rest_time_s and stand go to rest together
+// these impacts. Bodies go to rest together if they have been slow for rest_time_s and stand
 // (rest_decision.h). Decisions use only recorded contacts (rest_log.h), so they depend only on the
 // events so far.
 //
 // A resting body is an obstacle. The supporters of a resting body are the bodies whose pushes
 // balanced it. A resting body wakes when a collision or a user would give it a speed above
-// wake_speed_mps(); weaker impacts act on it as on static geometry. A resting body also wakes when
-// a supporter moves. A supporter moves if an impact wakes it, or if it becomes fast or leaves its
-// place after its own supporter moved. So an impact doesn't wake a whole heap: a body that may have
-// lost its support is tested, and the bodies on it keep resting unless it leaves its place.
+// wake_speed_mps(). A weaker impact treats the resting body as static geometry. A resting body also
+// wakes when a supporter moves. A supporter moves if an impact wakes it. If a supporter's own
+// supporter moves, the supporter moves once it becomes fast or leaves its place. So an impact
+// doesn't wake a whole heap. A body that may have lost its support is tested. The bodies on it keep
+// resting unless it leaves its place.
 //
 // Invariants
-//   1. Bodies go to rest only by a decision, which is made at the rest event of one such body.
+//   1. Bodies go to rest only by a decision. A decision is made at the rest event of one of these
+//      bodies.
 //   2. Nothing is allocated after reset().
 // Thread safety: none.
 #pragma once
@@ -34,16 +36,17 @@ class Resting {
   /// How long a touch counts.
   TickCount rest_span() const { return logs_.rest_span; }
   double wake_speed_mps() const;
-  /// Whether a collision is slow, given the contact's separation speed and the speeds of the body's
-  /// fastest point before and after the collision. A collision isn't slow if it separates the
-  /// bodies faster than a slow bounce; otherwise bodies could freeze in the air.
+  /// Returns whether a collision is slow. `before_mps` and `after_mps` are the speeds of the body's
+  /// fastest point, `parting_mps` is the contact's separation speed. A collision isn't slow if it
+  /// separates the bodies faster than a slow bounce. Without this rule, bodies could freeze in the
+  /// air.
   bool is_slow(double before_mps, double after_mps, double parting_mps) const;
 
   // Changes of a body's motion.
   /// Call when the body collides.
   void touched(BodyId body, const TouchRecord& record, bool slowly);
-  /// Call when the body begins a segment in which it stays in contact. `slow_from`: first slow tick
-  /// of the segment, or k_never.
+  /// Call when the body begins a segment of lasting contact. `slow_from` is the segment's first
+  /// slow tick, or k_never.
   void stays(BodyId body, Tick now, Tick slow_from);
   /// Call when the body leaves a lasting contact without an impact.
   void flies(BodyId body, Tick now);
@@ -51,9 +54,9 @@ class Resting {
   void disturbed(BodyId body);
 
   // Going to rest. All of these functions REQUIRE enabled().
-  /// Tick of the body's next rest event; k_never if the body isn't slow.
+  /// Returns the tick of the body's next rest event, or k_never if the body isn't slow.
   Tick due(BodyId body) const { return log_of(body).due; }
-  /// Touches in the last rest_time_s, and possibly earlier ones.
+  /// Returns the touches of the last rest_time_s. May also return earlier touches.
   std::span<const TouchRecord> touches(BodyId body) const { return log_of(body).touches(); }
   void forget_old_touches(BodyId body, Tick now) { log_of(body).forget_before(now, rest_span()); }
   /// Records a lasting contact for the coming decision.
@@ -62,39 +65,39 @@ class Resting {
     decision_.begin(logs_, body, now);
     return decision_;
   }
-  /// Stores the place where a body rests, after a decision.
+  /// Call after a decision.
   void rests_at(BodyId body, const Vec3& centre_m) { log_of(body).rests_at_m = centre_m; }
-  /// Puts a body to rest at its start. `touches` may hold the body. REQUIRES: at most
-  /// k_touch_records_max touches and supporters each.
+  /// Puts a body to rest at its start. `touches` are the touches that may hold the body. REQUIRES:
+  /// at most k_touch_records_max touches and supporters each.
   void lies(BodyId body, const Vec3& centre_m, std::span<const TouchRecord> touches,
             std::span<const BodyId> supporters);
 
   // Waking.
-  /// The bodies that a resting body leans on; empty if the body is awake.
+  /// Returns the bodies that a resting body leans on. If the body is awake, returns none.
   std::span<const BodyId> supporters(BodyId body) const;
-  /// Marks the bodies that rest on a moving body as awake and returns them in ascending order.
-  /// Bodies that rest on a returned body keep resting until it leaves its place. Valid until the
-  /// next call.
+  /// Marks the bodies that rest on a moving body as awake. Returns them in ascending order; the
+  /// result is valid until the next call. Bodies that rest on a returned body keep resting until
+  /// the returned body leaves its place.
   std::span<const BodyId> wake(BodyId body);
   /// Call when a body wakes without an impact, in the pose in which it rested.
   void woke(BodyId body, Tick now, const Pose& pose);
-  /// Whether others may still rest on a body that woke.
+  /// Returns whether others may still rest on a body that woke.
   bool in_place(BodyId body) const { return enabled() && log_of(body).in_place; }
-  /// Whether a woken body has left its place, given its current pose and speed.
+  /// Returns whether a woken body with this pose and speed has left its place.
   bool has_left(BodyId body, const Pose& pose, double speed_mps) const;
-  /// Records that the body has left the place in which others rested on it.
+  /// Records that the body has left the place where others rested on it.
   void leave(BodyId body) { log_of(body).in_place = log_of(body).has_place = false; }
 
   // Histories.
-  /// Returns a body's state, for a simulation that resumes from here; appends its touches.
+  /// Returns a body's state and appends its touches. A simulation needs both to resume from here.
   RestState state_of(BodyId body, std::vector<TouchRecord>& touches) const;
   void restore(BodyId body, const RestState& state, std::span<const TouchRecord> touches);
 
  private:
   RestLog& log_of(BodyId body) { return logs_.logs[body]; }
   const RestLog& log_of(BodyId body) const { return logs_.logs[body]; }
-  /// A woken body that is still in its place gets another rest event even if it isn't slow, because
-  /// others may rest on it.
+  /// If a woken body is still in its place, others may rest on it. So it gets another rest event
+  /// even if it isn't slow.
   Tick due_if_not_slow(const RestLog& log, Tick now) const {
     return log.in_place ? now + rest_span() : k_never;
   }

@@ -11,7 +11,7 @@
 
 namespace sleight::physics {
 
-/// The partner of a touch with static geometry.
+/// The partner if a body touches static geometry.
 inline constexpr BodyId k_static_partner{UINT32_MAX};
 
 struct TouchRecord {

@@ -21,8 +21,8 @@ double product(const Wrench& a, const Wrench& b) {
   return math::dot(a.force, b.force) + math::dot(a.torque, b.torque);
 }
 
-/// The possible pushes of contacts, and the share of each in the last balance. Similar weights have
-/// similar shares, so the last shares are the starting point.
+/// The possible pushes of contacts. Each push has a share in the last balance. Similar weights have
+/// similar shares, so the next search starts from the last shares.
 class Balance {
  public:
   Balance(std::span<const TouchRecord> contacts, double reach_m) : reach_m_(reach_m) {
@@ -80,7 +80,7 @@ class Balance {
   /// Edges of a friction pyramid.
   static constexpr std::size_t k_edges = 4;
 
-  /// Whether the imbalance would stay too large even at twice the current rate of decrease.
+  /// Returns whether the imbalance would stay too large even if it fell twice as fast as now.
   static bool is_hopeless(double left, double fall, int sweeps_left) {
     for (int i = 0; i < 2 * sweeps_left / k_balance_sweeps_judged; ++i) {
       if (left < k_balance_tolerance * k_balance_tolerance) return false;
@@ -123,7 +123,7 @@ Contacts carrying(std::span<const TouchRecord> contacts, const Vec3& weight_n, d
   if (!firmly && falls_over(contacts, down, reach_m)) return 0;
   Balance balance(contacts, reach_m);
   if (!firmly) return balance.carries(down, Vec3::Zero()) ? balance.pushing() : 0;
-  // Contacts that carry the weight at the corners of a square also carry it inside the square.
+  // If contacts carry the weight at the corners of a square, they also carry it inside the square.
   const Vec3 first = any_tangent(down);
   const Vec3 second = math::cross(down, first);
   Contacts pushing = 0;

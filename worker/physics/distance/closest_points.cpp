@@ -14,8 +14,8 @@ namespace {
 using math::dot;
 using math::norm;
 
-// If the gap is below this many roundings, the direction between the two points is noise. The
-// pieces then count as touching, and the normal is chosen as for pieces that overlap.
+// If the gap is below this many roundings, the direction between the closest points is noise. Such
+// pieces count as touching. Their normal is chosen as if they overlapped.
 constexpr double k_touching_roundings = 8;
 
 Closest in_world(const PlacedPose& pose_a, const LocalClosest& local, Search search) {
@@ -44,7 +44,8 @@ bool has_face(const ConvexView& piece, std::uint16_t vertex, std::uint16_t face)
   return false;
 }
 
-// Finds the smallest feature with these vertices. Returns false if none exists (a diagonal).
+// Finds the smallest feature with these vertices. Returns false if there is no such feature (for a
+// diagonal).
 bool smallest_feature(const ConvexView& piece, const Corners& corners, Feature& feature) {
   const std::uint16_t first = corners.vertex[0];
   if (corners.count == 1) {
@@ -72,7 +73,8 @@ bool smallest_feature(const ConvexView& piece, const Corners& corners, Feature& 
   return false;
 }
 
-// Converts GJK's last simplex to features and their gap. Returns false if they aren't certified.
+// Converts GJK's last simplex to features and their gap. Returns false if the features aren't
+// certified.
 bool finish(const PiecePair& pair, const Simplex& simplex, LocalClosest& result) {
   Corners corners_a;
   Corners corners_b;
@@ -97,7 +99,8 @@ bool finish(const PiecePair& pair, const Simplex& simplex, LocalClosest& result)
   return closest_of_parallel_features(pair, a, b, point_a, point_b, result);
 }
 
-// The simplex failed, but its closest vector and points still bound the gap from both sides.
+// Used when the simplex isn't certified. The simplex's closest vector and points still bound the
+// gap from both sides.
 LocalClosest search_all(const PiecePair& pair, const Simplex& simplex, const Vec3& closest) {
   const double high_m = norm(closest);
   const Vec3 axis = closest / high_m;
@@ -116,13 +119,14 @@ Closest overlap_or_touch(const PiecePair& pair, const PlacedPose& pose_a) {
   const LocalClosest least = least_overlap(pair);
   const double touching_m = k_touching_roundings * pair.rounding_m;
   if (least.gap_m <= touching_m) return in_world(pose_a, least, Search::overlap);
-  // GJK reported overlap, but an axis separates the pieces: search between its bounds.
+  // GJK reported overlap, but an axis separates the pieces. Search between the bounds that the axis
+  // gives.
   const Vec3 apart = pair.vertex_of_b(0) - pair.vertex_of_a(0);
   const LocalClosest all = closest_of_all(pair, least.normal, least.gap_m, norm(apart));
   return in_world(pose_a, all, Search::exhaustive);
 }
 
-// Computes the result from GJK's outcome, for closest_cold() and closest_warm().
+// Computes the result of closest_cold() or closest_warm() from GJK's outcome.
 Closest concluded(const PiecePair& pair, const PlacedPose& pose_a, GjkOutcome outcome,
                   const Simplex& simplex, const Vec3& closest) {
   if (outcome == GjkOutcome::overlapping) return overlap_or_touch(pair, pose_a);

@@ -17,7 +17,8 @@ using math::product;
 
 using VertexSet = std::bitset<k_hull_points_max>;
 
-// Returns the vertices within `depth_m` of the furthest one along a unit direction of their frame.
+// Finds the vertex furthest along a unit direction of the piece's frame. Returns all vertices that
+// reach within `depth_m` of it.
 VertexSet outermost(const ConvexView& piece, const Vec3& direction, double depth_m) {
   const double reach = dot(direction, piece.vertices_m[furthest_vertex(piece, direction)]);
   VertexSet set;
@@ -35,7 +36,7 @@ bool touches(const ConvexView& piece, const Face& face, const VertexSet& set) {
   return std::any_of(side, side + face.side_count, [&](const Side& s) { return set[s.vertex]; });
 }
 
-// Returns the separation of the pieces along a unit axis of A's frame.
+// The unit axis is in A's frame.
 double separation(const PiecePair& pair, const Vec3& axis) {
   const Vec3 top = pair.vertex_of_a(furthest_vertex(pair.a, axis));
   const Vec3 bottom = pair.vertex_of_b(furthest_vertex(pair.b, -pair.in_b(axis)));
@@ -104,8 +105,8 @@ struct EdgeSeparation {
 };
 
 // Finds the products of edges that are normals of the bodies' difference. Both bodies fall away
-// from such edges, so the arcs of the edges' normals cross on the unit sphere. In B's frame, s (ea
-// x eb) must point out of A's two sides and into B's, where s is 1 or -1.
+// from such edges, so the arcs of the two edges' normals cross on the unit sphere. In B's frame, s
+// (ea x eb) must point out of A's two sides and into B's two sides, where s is 1 or -1.
 EdgeSeparation best_edges(const PiecePair& pair) {
   constexpr double k_sine_min = 1e-9;  // if nearly parallel, the faces' normals are as good
   EdgeSeparation best;
@@ -174,9 +175,8 @@ LocalClosest closest_of_all(const PiecePair& pair, const Vec3& axis, double low_
   each_pair(pair, near_a, near_b, [&](Feature a, Feature b) {
     if (closest_of_features(pair, a, b, candidate)) least_m = std::min(least_m, candidate.gap_m);
   });
-  // Among equal gaps, prefer the pair with the greatest separation along its normal. A normal
-  // between two points that nearly touch is noise, but the normal of a slightly further face is
-  // not.
+  // If gaps are equal, prefer the pair with the greatest separation along its normal. If two points
+  // nearly touch, the normal between them is noise. The normal of a slightly further face is not.
   LocalClosest best;
   double best_separation_m = -std::numeric_limits<double>::infinity();
   each_pair(pair, near_a, near_b, [&](Feature a, Feature b) {
@@ -196,8 +196,8 @@ LocalClosest least_overlap(const PiecePair& pair) {
   const EdgeSeparation edges = best_edges(pair);
   LocalClosest result;
   result.normal = Vec3(1, 0, 0);
-  // On a tie up to rounding, prefer a face to edges, because its normal is more accurate, and
-  // prefer A's face to B's face.
+  // If gaps are equal up to rounding, prefer a face to edges, because a face's normal is more
+  // accurate. Also prefer A's face to B's face.
   if (face_a.gap_m + pair.rounding_m >= std::max(face_b.gap_m, edges.gap_m) &&
       pair.a.face_count > 0) {
     result.gap_m = face_a.gap_m;

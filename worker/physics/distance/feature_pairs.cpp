@@ -12,15 +12,16 @@ using math::dot;
 using math::norm;
 using math::product;
 
-// Error of directions computed from unit vectors and matrices: some ten roundings.
+// Error of a direction that is computed from unit vectors and matrices: about ten roundings.
 constexpr double k_angle_rounding = 0x1p-49;
-// Below this sine two edges count as parallel, because the normal of both would be noise.
+// If the sine of two edges' angle is below this, the edges count as parallel, because the normal of
+// both would be noise.
 constexpr double k_parallel_sine = 1e-13;
 // Margins of only_one(), which affect only speed.
 constexpr double k_sure_gap_roundings = 0x1p20;  // minimum gap, in roundings
 constexpr double k_sure_sine = 0x1p-7;           // minimum sine of two edges
 constexpr double k_sure_inside_gaps = 0x1p-4;    // how far points must be inside features, in gaps
-// Minimum angle by which features fall away, as a multiple of rounding / gap.
+// Minimum angle by which a feature's neighbours fall away, as a multiple of rounding / gap.
 constexpr double k_sure_turns = 0x1p8;
 
 double sum_of_sizes(const Vec3& v) {
@@ -36,8 +37,8 @@ bool above_face(const ConvexView& piece, const Face& face, const Vec3& p, double
   return true;
 }
 
-// Returns whether no neighbour of a vertex is further along a direction of the piece's frame. The
-// direction's angle may err by `angle_error_rad`.
+// Returns whether no neighbour of a vertex is further along a direction than the vertex. The
+// direction is in the piece's frame, and its error is at most `angle_error_rad`.
 bool is_furthest(const ConvexView& piece, std::size_t vertex, const Vec3& direction, double slack_m,
                  double angle_error_rad) {
   const Vec3& v = piece.vertices_m[vertex];
@@ -48,7 +49,8 @@ bool is_furthest(const ConvexView& piece, std::size_t vertex, const Vec3& direct
   return true;
 }
 
-// Returns whether both faces of an edge fall away from it along a direction perpendicular to it.
+// Returns whether both faces of an edge fall away from the edge along `direction`. The direction is
+// perpendicular to the edge.
 bool is_furthest(const ConvexView& piece, const Edge& edge, const Vec3& direction,
                  double angle_error_rad) {
   return dot(direction, piece.sides[edge.side[0]].inward) <= angle_error_rad &&
@@ -157,10 +159,10 @@ bool edge_edge(const PiecePair& pair, LocalClosest& out) {
   const double square_a = dot(along_a, along_a);
   const double square_b = dot(along_b, along_b);
   if (!(normal_square > k_parallel_sine * k_parallel_sine * (square_a * square_b))) return false;
-  // The point of A's line nearest to B's line (Lumelsky, "On fast computation of distance between
-  // line segments", 1985). In this form, with the product of the directions, the error grows with
-  // 1/sine, not with 1/sine^2. B's point is the foot of A's point, so the difference has no
-  // component along the edges, however inaccurate A's point is.
+  // Compute the point of A's line nearest to B's line (Lumelsky, "On fast computation of distance
+  // between line segments", 1985). This form uses the product of the directions, so the error grows
+  // with 1/sine, not with 1/sine^2. B's point is the foot of A's point. So even if A's point is
+  // inaccurate, the difference has no component along the edges.
   const Vec3 apart = start_b - start_a;
   const double s = dot(cross(apart, along_b), normal) / normal_square;
   if (!(s >= 0 && s <= 1)) return false;
@@ -170,8 +172,8 @@ bool edge_edge(const PiecePair& pair, LocalClosest& out) {
   out.point_b_m = start_b + t * along_b;
   const Vec3 rise = out.point_b_m - out.point_a_m;
   const double length_m = norm(rise);
-  // The normal's error is 2^-52/sine if computed from the edges, and rounding_m/length if computed
-  // from the difference.
+  // If the normal is computed from the edges, its error is 2^-52/sine. If it is computed from the
+  // difference, its error is rounding_m/length.
   const double normal_length = std::sqrt(normal_square);
   const double sine = normal_length / std::sqrt(square_a * square_b);
   if (length_m * 0x1p-50 > pair.rounding_m * sine) {
@@ -211,8 +213,8 @@ bool closest_of_features(const PiecePair& pair, Feature a, Feature b, LocalClose
 
 bool certified(const PiecePair& pair, const LocalClosest& result) {
   using enum FeatureKind;
-  // A normal between points is as uncertain as the points. The gap stays accurate, because it
-  // depends on the normal's error only by its square.
+  // A normal between points is as uncertain as the points. The gap stays accurate, because its
+  // error is proportional to the square of the normal's error.
   const double error_rad = result.normal_error_rad;
   const double slack_m = pair.rounding_m;
   if (result.a.kind == vertex &&

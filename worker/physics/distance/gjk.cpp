@@ -8,7 +8,7 @@ namespace {
 using math::cross;
 using math::dot;
 
-// A part of the simplex with its closest point, supporting points and weights.
+// A part of the simplex. Stores the part's closest point, supporting points and weights.
 struct Part {
   Vec3 closest = Vec3::Zero();
   double square = 0;  ///< |closest|^2
@@ -30,8 +30,8 @@ Part of_segment(const Simplex& simplex, int i, int j) {
   const double from_p = -dot(p, along);
   if (!(from_p > 0)) return of_point(simplex, i);
   if (!(from_p < length_square)) return of_point(simplex, j);
-  // If the result is short, (along x p) x along gives an accurate direction, and p + t along an
-  // inaccurate one.
+  // If the result is short, (along x p) x along has an accurate direction. The direction of p + t
+  // along would be inaccurate.
   Part part;
   part.closest = cross(cross(along, p), along) / length_square;
   part.square = dot(part.closest, part.closest);
@@ -48,7 +48,7 @@ Part of_triangle(const Simplex& simplex, int i, int j, int k) {
   const Vec3& r = simplex.points[static_cast<std::size_t>(k)].difference_m;
   const Vec3 normal = cross(q - p, r - p);
   const double normal_square = dot(normal, normal);
-  // Each value is |normal| times twice the signed area of the origin's foot with a side.
+  // Each value is |normal| times twice the signed area of a triangle: a side and the origin's foot.
   const double at_p = dot(normal, cross(q, r));
   const double at_q = dot(normal, cross(r, p));
   const double at_r = dot(normal, cross(p, q));
@@ -62,7 +62,7 @@ Part of_triangle(const Simplex& simplex, int i, int j, int k) {
     part.count = 3;
     if (sum > 0) return part;
   }
-  // Outside: the closest point is on a side that separates the foot from the triangle.
+  // The foot is outside. The closest point is on a side that separates the foot from the triangle.
   Part best;
   const bool all = !(normal_square > 0);
   const auto offer = [&](const Part& part) {
@@ -126,7 +126,6 @@ bool reduce(Simplex& simplex, Vec3& closest) {
 GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& closest) {
   double square = simplex.count > 0 ? dot(closest, closest) : 0;
   for (int iteration = 0; iteration < k_gjk_iterations_max; ++iteration) {
-    // Find the vertices of A and B that reach furthest towards each other.
     const Vec3 in_b = pair.in_b(closest);
     SimplexPoint next;
     if (climb) {
@@ -137,7 +136,7 @@ GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& cl
       next.b = furthest_vertex(pair.b, -in_b);
     }
     next.difference_m = pair.vertex_of_b(next.b) - pair.vertex_of_a(next.a);
-    // Stop if the new vertices are not closer than the simplex's points.
+    // Stop if the new pair of vertices is not closer than the simplex's points.
     if (simplex.count > 0) {
       for (int i = 0; i < simplex.count; ++i) {
         const SimplexPoint& known = simplex.points[static_cast<std::size_t>(i)];

@@ -1,4 +1,5 @@
-// GJK's simplex: up to four points of B - A that support its closest point to the origin.
+// GJK and its simplex. The simplex is up to four points of B - A. These points support the
+// simplex's closest point to the origin.
 //
 // Internal to worker/physics/distance; see closest_points.h. Thread safety: pure functions.
 #pragma once
@@ -23,17 +24,18 @@ struct Simplex {
   int count = 0;
 };
 
-/// Drops points that do not support the simplex's closest point to the origin, sets the weights and
-/// returns the closest point in `closest`. Returns false if the origin is inside a tetrahedron.
-/// REQUIRES: 1 to 4 points. The points may be collinear or coplanar.
+/// Stores the simplex's closest point to the origin in `closest`. Drops the points that do not
+/// support it, and sets the weights. Returns false if the origin is inside a tetrahedron. REQUIRES:
+/// 1 to 4 points. The points may be collinear or coplanar.
 bool reduce(Simplex& simplex, Vec3& closest);
 
 enum class GjkOutcome : std::uint8_t { separated, overlapping };
 
-/// Runs GJK from a simplex, which may be empty, and a first direction until no vertex is closer.
-/// Then `closest` is the vector from A to B, with the accuracy of GJK alone. `climb`: whether to
-/// find the furthest vertices by climbing from the simplex's vertices, instead of scanning all
-/// vertices. REQUIRES: `closest` is not zero; if `climb` is set, the simplex is not empty.
+/// Runs GJK until no vertex is closer. Starts from `simplex`, which may be empty, and from
+/// `closest` as the first direction. On return, `closest` is the vector from A to B, only as
+/// accurate as GJK. If `climb` is set, finds the furthest vertices by climbing from the simplex's
+/// vertices. Otherwise scans all vertices. REQUIRES: `closest` is not zero; if `climb` is set, the
+/// simplex is not empty.
 GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& closest);
 
 }  // namespace sleight::physics

@@ -1,8 +1,8 @@
-// Poses as matrices, and one body's frame seen from another's.
+// A body's pose as a matrix, and the pose of one body in another body's frame.
 //
 // A distance computation transforms dozens of vectors between two frames. A matrix needs 9
-// multiplications per vector, a quaternion 15 to 18, so each body's quaternion is expanded once.
-// Thread safety: values and pure functions.
+// multiplications per vector, a quaternion 15 to 18. So each body's quaternion is converted to a
+// matrix once. Thread safety: values and pure functions.
 #pragma once
 
 #include "common/math/rotation.h"
@@ -25,14 +25,14 @@ inline Vec3 to_world(const PlacedPose& pose, const Vec3& body_m) {
   return math::product(pose.rotation, body_m) + pose.position_m;
 }
 
-/// Returns product(m^T, v): for a body's rotation m, converts v to the body's axes.
+/// Returns product(m^T, v). If m is a body's rotation, this converts v to the body's axes.
 inline Vec3 transposed_product(const Mat3& m, const Vec3& v) {
   return {(m(0, 0) * v.x() + m(1, 0) * v.y()) + m(2, 0) * v.z(),
           (m(0, 1) * v.x() + m(1, 1) * v.y()) + m(2, 1) * v.z(),
           (m(0, 2) * v.x() + m(1, 2) * v.y()) + m(2, 2) * v.z()};
 }
 
-/// Returns B's pose in A's frame, with an error of some 2^-52 of the positions' distance.
+/// Returns B's pose in A's frame. The error is about 2^-52 of the distance of the positions.
 inline PlacedPose relative_pose(const PlacedPose& a, const PlacedPose& b) {
   PlacedPose result;
   for (int j = 0; j < 3; ++j) {
@@ -43,7 +43,7 @@ inline PlacedPose relative_pose(const PlacedPose& a, const PlacedPose& b) {
   return result;
 }
 
-/// Returns the inverse pose: A's pose in B's frame, given B's in A's.
+/// If `pose` is B's pose in A's frame, returns A's pose in B's frame.
 inline PlacedPose inverse(const PlacedPose& pose) {
   return {.rotation = pose.rotation.transpose(),
           .position_m = -transposed_product(pose.rotation, pose.position_m)};

@@ -14,8 +14,8 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// The search ends when its lower bound is this close to the distance, as a share of the pieces'
-/// sizes and their distance.
+/// The search ends when its lower bound is this close to the distance. The value is relative to the
+/// sum of the pieces' sizes and their distance.
 constexpr double k_reached = 0x1p-46;
 
 double margin_of(const ConvexView& piece) {
@@ -27,10 +27,11 @@ Vec3 across_of(const Vec3& axis) {
   return math::normalized(cross(axis, other));
 }
 
-/// Returns the furthest point along a unit direction of a round piece reduced by `margin_m`.
+/// Reduces a round piece by `margin_m`. Returns the reduced piece's furthest point along a unit
+/// direction.
 Vec3 support_of(const RoundPiece& piece, const Vec3& u, double margin_m) {
   const Vec3& axis = piece.axis();
-  // Project twice, so that a short vector is exactly perpendicular too.
+  // Project twice, so that even a short vector is exactly perpendicular.
   const Vec3 once = u - dot(axis, u) * axis;
   const Vec3 part = once - dot(axis, once) * axis;
   const double across = norm(part);
@@ -53,7 +54,7 @@ Vec3 core_support(const ConvexView& piece, const Vec3& u, double margin_m) {
                                 : piece.vertices_m[furthest_vertex(piece, u)];
 }
 
-/// The gap of a point and a piece of revolution, and the gap's normal, in the piece's frame.
+/// The gap and normal of a point and a piece of revolution, in the piece's frame.
 struct PointGap {
   double gap_m = -std::numeric_limits<double>::infinity();
   Vec3 normal = Vec3::Zero();  ///< from the piece to the point
@@ -117,7 +118,7 @@ bool is_point(const ConvexView& piece) {
   return piece.round == nullptr && piece.vertex_count == 1;
 }
 
-/// Runs GJK, in A's frame, on both pieces reduced by their margins.
+/// Reduces both pieces by their margins and runs GJK on them, in A's frame.
 class Descent {
  public:
   Descent(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
@@ -169,8 +170,8 @@ class Descent {
     Vec3 on_a;
     Vec3 on_b;
   };
-  /// Computes each piece's furthest point along an axis towards the other piece, and the bound of
-  /// the gap that these two points give. Stores the bound if it is the greatest so far, and returns
+  /// Computes each piece's furthest point towards the other piece along the axis n. Returns the
+  /// lower bound of the gap that these two points give. If the bound is the greatest so far, stores
   /// it.
   double ask(const Vec3& n, Supports& points) {
     points.on_a = core_support(*a_, n, margin_a_m_);
@@ -215,8 +216,8 @@ class Descent {
     return length_m;
   }
 
-  /// Climbs the slope of the bound, which is concave near its maximum, if rounding stopped the
-  /// descent before the bound reached the distance.
+  /// Climbs to the bound's maximum. Used if rounding stopped the descent before the bound reached
+  /// the distance.
   void climb(double reached_m) {
     constexpr int k_steps = 40;
     double pace = 1 / (a_->r_outer_m + b_->r_outer_m);
@@ -240,7 +241,7 @@ class Descent {
     }
   }
 
-  /// Returns a free slot of five; the simplex uses at most four.
+  /// Returns a free slot. The simplex uses at most four of the five slots.
   std::uint16_t free_slot() const {
     for (std::uint16_t slot = 0; slot < points_.size(); ++slot) {
       bool used = false;

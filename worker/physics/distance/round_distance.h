@@ -1,27 +1,28 @@
-// The closest points of two convex pieces, at least one of them round (round_piece.h).
+// Computes the closest points of two convex pieces if at least one is round (round_piece.h).
 //
 // Idea. Along a unit axis n, the separation is the distance of the frames' origins minus both
 // supports. The gap is the maximum separation over all axes, so the separation along any axis is a
-// lower bound. GJK (see closest_points.h) finds the axis; a round piece's support, one point per
-// direction, replaces its vertices. GJK runs on the pieces reduced by their margins. The reduced
-// pieces are apart even if the pieces touch, so the line between them has a direction. GJK ends
-// when the bound along its axis reaches the simplex's distance. Rounding in small simplices often
-// stops GJK earlier. Then GJK restarts from its end, so that all points are near the end, and
-// climbs the slope of the bound, which is concave near its maximum. The remaining error is usually
-// 1e-15 m, and was at most 1e-12 m in 30,000 pairs.
+// lower bound. GJK (see closest_points.h) finds the axis of maximum separation. Instead of
+// vertices, GJK uses a round piece's support, which is one point per direction. GJK runs on the
+// pieces reduced by their margins. Even if the pieces touch, the reduced pieces are apart, so the
+// line between them has a direction. GJK ends when the bound along its axis reaches the simplex's
+// distance. Rounding in small simplices often stops GJK earlier. In this case GJK restarts from its
+// last direction, so that all points are near the end. The search also climbs the slope of the
+// bound, which is concave near its maximum. The remaining error is usually 1e-15 m, and was at most
+// 1e-12 m in 30,000 pairs.
 //
 // Two cases have a closed form:
-//   - A point (or ball) and a piece of revolution: in the half-plane through the axis, candidates
+//   - A point (or ball) and a piece of revolution. In the half-plane of axis and point, candidates
 //     for n are the normals of the profile's straight parts and the directions from discs to the
-//     point. The gap is the greatest separation along these candidates.
+//     point. The gap is the greatest separation along a candidate.
 //   - A half-space and any piece: the piece's support gives the closest point.
 //
 // Invariants
 //   1. All results depend only on shapes and poses, bit for bit.
-//   2. gap_m is the support separation along `normal`, so it is at most the true gap. While the
-//      reduced pieces are apart, gap_m is less than the true gap by at most k_round_gap_error of
-//      the coordinates involved. If the reduced pieces overlap, which is deeper than any contact,
-//      gap_m is minus the margins and the normal is arbitrary.
+//   2. gap_m is the separation along `normal`, so it is at most the true gap. While the reduced
+//      pieces are apart, gap_m is less than the true gap by at most k_round_gap_error of the
+//      coordinates involved. If the reduced pieces overlap, gap_m is minus the sum of the margins
+//      and the normal is arbitrary. No contact is so deep.
 //   3. Nothing is allocated. A call makes at most four descents of k_gjk_iterations_max iterations,
 //      and short climbs.
 // `Closest::feature_a` and `feature_b` are not set. Thread safety: pure functions.
@@ -38,11 +39,12 @@ namespace sleight::physics {
 /// Maximum error of a gap, relative to the sum of both outer radii and the frames' distance.
 inline constexpr double k_round_gap_error = 0x1p-32;
 
-/// Returns how far a piece, round or not, reaches along a direction u of any length in its frame:
-/// the greatest c.u over its vertices c, or RoundPiece::reach_m.
+/// Returns how far any piece reaches along a direction u of its frame. u may have any length. For a
+/// polyhedron, the result is the greatest c.u over its vertices c; for a round piece,
+/// RoundPiece::reach_m.
 double reach_of_m(const ConvexView& piece, const Vec3& direction);
 
-/// REQUIRES: at least one of the two pieces is round; the other requirements are closest_cold()'s.
+/// REQUIRES: at least one of the two pieces is round; also the requirements of closest_cold().
 Closest closest_round(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                       const PlacedPose& pose_b);
 
@@ -51,8 +53,9 @@ Closest closest_round(const ConvexView& a, const PlacedPose& pose_a, const Conve
 Closest closest_round_to_plane(const Vec3& normal, double offset_m, const ConvexView& piece,
                                const PlacedPose& pose);
 
-/// Calls found(point, in world coordinates) for a round piece's points within `within_m` of its
-/// furthest extent along a world direction. A ring lying flat has several such points.
+/// Calls found(point, in world coordinates) for points of a round piece that reach within
+/// `within_m` of its furthest extent. `direction` is a world direction. A ring that lies flat has
+/// several such points.
 template <class Found>
 void for_each_point_near(const ConvexView& piece, const PlacedPose& pose, const Vec3& direction,
                          double within_m, const Found& found) {

@@ -6,8 +6,8 @@
 namespace sleight::physics {
 namespace {
 
-// Vectors of two numbers, as in SSE2, make comparisons cheaper than loads. On other processors the
-// compiler emits plain code with the same results.
+// With vectors of two numbers, as in SSE2, comparisons are cheaper than loads. On other processors
+// the compiler emits plain code with the same results.
 using Pair = double __attribute__((vector_size(16)));
 using Lanes = long long __attribute__((vector_size(16)));
 
@@ -23,7 +23,7 @@ std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction) {
   const Pair dx = {direction.x(), direction.x()};
   const Pair dy = {direction.y(), direction.y()};
   const Pair dz = {direction.z(), direction.z()};
-  // Keep four running maxima, so that comparisons do not wait for each other.
+  // Compute four maxima side by side, so that comparisons do not wait for each other.
   Pair best0 = dx * load(piece.xs_m) + dy * load(piece.ys_m) + dz * load(piece.zs_m);
   Pair best1 = dx * load(piece.xs_m + 2) + dy * load(piece.ys_m + 2) + dz * load(piece.zs_m + 2);
   Lanes index0 = {0, 1};
@@ -93,7 +93,7 @@ double separation_along(const Vec3& axis, const ConvexView& a, const PlacedPose&
   const Vec3 axis_in_b = transposed_product(pose_b.rotation, axis);
   const Vec3& top = a.vertices_m[furthest_vertex(a, axis_in_a)];
   const Vec3& bottom = b.vertices_m[furthest_vertex(b, -axis_in_b)];
-  // Subtract the positions first, because they nearly cancel far from the world's origin.
+  // Subtract the positions first: far from the world's origin, they nearly cancel.
   return (math::dot(axis, pose_b.position_m - pose_a.position_m) + math::dot(axis_in_b, bottom)) -
          math::dot(axis_in_a, top);
 }

@@ -1,4 +1,4 @@
-// Supports, which are a piece's reach in a direction, and bounds of the gap derived from them.
+// Computes supports and bounds of the gap. A piece's support is its reach in a direction.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -8,13 +8,13 @@
 
 namespace sleight::physics {
 
-/// Returns the vertex furthest along a direction of the piece's frame by scanning all vertices; the
-/// first one if several round to the same reach.
+/// Scans all vertices and returns the vertex furthest along a direction of the piece's frame. If
+/// several have the same rounded reach, returns the first of them.
 std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction);
 
-/// Finds the furthest vertex by climbing from neighbour to neighbour, for many vertices and a good
-/// start. Up to rounding, no vertex reaches further. On a tie, the result may differ from
-/// furthest_vertex's.
+/// Finds the furthest vertex by climbing from neighbour to neighbour. Useful for pieces with many
+/// vertices and a good start. Up to rounding, no vertex reaches further. If several vertices reach
+/// equally far, furthest_vertex may return another of them.
 std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std::uint16_t start);
 
 /// Returns a bound of the gap along a unit axis of the world: the least dot(axis, B) minus the
@@ -23,8 +23,9 @@ std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std
 double separation_along(const Vec3& axis, const ConvexView& a, const PlacedPose& pose_a,
                         const ConvexView& b, const PlacedPose& pose_b);
 
-/// Returns how much rounding may add to separation_along(), even for an axis of length 1 + 2^-51:
-/// 2^-49 of the coordinates involved. Subtract this error to get a certified bound.
+/// Returns how much rounding may add to separation_along(): 2^-49 of the coordinates involved. The
+/// result is valid for axes of length up to 1 + 2^-51. Subtract this error to get a certified
+/// bound.
 double separation_error_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b);
 

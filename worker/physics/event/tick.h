@@ -2,7 +2,7 @@
 //
 // Idea. Time is an integer, so rounding can't decide whether two events are simultaneous. A time
 // span in ticks converts to seconds exactly (up to 2^53 ticks, 97 days), and adding spans is exact.
-// So a scene that starts n ticks later has the same events n ticks later, bit for bit. Thread
+// So if a scene starts n ticks later, its events are the same n ticks later, bit for bit. Thread
 // safety: values.
 #pragma once
 
@@ -31,7 +31,7 @@ inline constexpr Tick k_tick_max{TickCount{1} << 52};
 /// Tick of events that never happen, later than all ticks of a simulation.
 inline constexpr Tick k_never{std::numeric_limits<TickCount>::max()};
 
-/// Longer than every time span; for motions that don't end.
+/// Longer than every time span. Used for motions that don't end.
 inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 
 /// Exact. REQUIRES: |span| <= 2^53.
@@ -39,7 +39,8 @@ constexpr double seconds(TickCount span) {
   return static_cast<double>(span) * k_seconds_per_tick;
 }
 
-/// Last whole tick at or before a time span; saturates at k_tick_max. REQUIRES: not NaN.
+/// Converts a time span to ticks, rounded down. The result's magnitude is at most k_tick_max.
+/// REQUIRES: not NaN.
 constexpr TickCount ticks_before(double span_s) {
   const double ticks = span_s * k_ticks_per_second;
   if (ticks >= static_cast<double>(k_tick_max.value)) return k_tick_max.value;
@@ -48,7 +49,8 @@ constexpr TickCount ticks_before(double span_s) {
   return static_cast<double>(whole) > ticks ? whole - 1 : whole;
 }
 
-/// First whole tick at or after a time span; saturates at k_tick_max. REQUIRES: not NaN.
+/// Converts a time span to ticks, rounded up. The result's magnitude is at most k_tick_max.
+/// REQUIRES: not NaN.
 constexpr TickCount ticks_after(double span_s) {
   return -ticks_before(-span_s);
 }

@@ -32,7 +32,7 @@ inline void TournamentQueue::meet(Node& best, const Node& other) const {
   if (other.tick == best.tick) [[unlikely]] {
     loses = loses_at_same_tick(best.slot, other.slot);
   }
-  // Use masks: the compiler would turn a choice into a branch, which the processor can't predict.
+  // Use masks. A choice would be compiled to a branch, and the processor can't predict this branch.
   const std::uint32_t mask = std::uint32_t{0} - static_cast<std::uint32_t>(loses);
   best.tick = std::min(best.tick, other.tick);
   best.slot ^= (best.slot ^ other.slot) & mask;
@@ -54,7 +54,8 @@ TournamentQueue::Node TournamentQueue::least_of(std::uint32_t group) const {
 }
 
 Slot TournamentQueue::second() const {
-  // The second-best slot lost a match against the best slot, either in its group or on the path up.
+  // The second-best slot lost a match against the best slot: in the best slot's group, or on the
+  // path up.
   const std::uint32_t first = nodes_[1].slot;
   const std::uint32_t group = first / k_group;
   Node best{};
@@ -87,9 +88,9 @@ void TournamentQueue::replay(std::uint32_t group) {
     return;
   }
 
-  // Any other former winner of the group had won its matches up to some height. These matches are
-  // replayed. Further up, the group's new winner meets winners from other groups until it loses to
-  // one; if it beats a winner, it beats the same winner at all higher nodes too.
+  // In other cases, the group's former winner had won its matches up to some height. Replay these
+  // matches. Further up, the group's new winner meets winners from other groups until it loses. If
+  // it beats a winner, it also beats the same winner at all higher nodes.
   for (; at > 1; at /= 2) {
     Node& above = nodes_[at / 2];
     if (above.slot == before) {

@@ -1,8 +1,8 @@
-// The boxes of all balls, and overlap queries.
+// Stores the boxes of all balls and answers overlap queries.
 //
-// Idea. Whenever a ball's motion changes, its box is compared with all other boxes, which for some
-// ten balls is cheaper than any search structure. Coordinates are stored side by side by axis, so
-// that four boxes are compared at once.
+// Idea. When a ball's motion changes, its box is compared with all other boxes. For some ten balls,
+// this is cheaper than any search structure. For each axis, the coordinates of four boxes are
+// stored side by side, so that four boxes are compared at once.
 //
 // Invariant: boxes beyond the last ball overlap no box. Thread safety: const functions may run
 // concurrently.
@@ -25,7 +25,7 @@ namespace sleight::physics {
 
 class BallBoxes {
  public:
-  /// Makes `count` empty boxes, which overlap no box.
+  /// Makes `count` boxes that overlap no box.
   void assign(std::size_t count) {
     constexpr float k_infinity = std::numeric_limits<float>::infinity();
     Group nowhere;
@@ -51,8 +51,8 @@ class BallBoxes {
     }
     return box;
   }
-  /// Calls visit(ball) for each ball whose box overlaps a given box, in ascending order. REQUIRES:
-  /// `visit` changes no box.
+  /// Calls visit(ball) in ascending order for each ball whose box overlaps `box`. REQUIRES: `visit`
+  /// changes no box.
   template <class Visit>
   void for_each_overlapping(const TouchBox& box, const Visit& visit) const {
     std::uint32_t first = 0;
@@ -69,7 +69,7 @@ class BallBoxes {
     std::array<std::array<float, 4>, 3> low_m;
     std::array<std::array<float, 4>, 3> high_m;
   };
-  /// Returns one bit for each ball of a group.
+  /// Returns one bit for each ball of a group, set if its box overlaps `box`.
   static std::uint32_t overlapped(const Group& group, const TouchBox& box) {
 #ifdef __SSE2__
     const auto along = [&](std::size_t axis) {

@@ -1,11 +1,11 @@
-// Vectors of four numbers (three coordinates and one more), for bounds.
+// Vectors of four numbers: three coordinates and one more. Used for bounds.
 //
-// Idea. A path's bounds require the same operations along all three axes, so they run side by side.
-// Such code without branches costs half as much or less.
+// Idea. A path's bounds require the same operations along all three axes. Code without branches
+// that does these operations side by side costs at most half as much.
 //
 // Invariants
-//   1. Every operation rounds each number as the same operation on a double does, so results have
-//      the same bits with and without vector registers.
+//   1. Every operation rounds each number as the same operation on a double does. So vector
+//      registers don't change the bits of results.
 //   2. dot() and sum() add in another order than math::dot(). So they compute only bounds, which
 //      allow for rounding, and never decide a collision.
 // Thread safety: values.
@@ -69,11 +69,11 @@ inline Four fabs(const Four& a) {
   const __m128d sign = _mm_set1_pd(-0.0);
   return {_mm_andnot_pd(sign, a.xy), _mm_andnot_pd(sign, a.zw)};
 }
-/// Whether any number has its sign bit set, which includes some NaNs.
+/// Returns whether any number has its sign bit set. Some NaNs have it set too.
 inline bool is_any_negative(const Four& a) {
   return (_mm_movemask_pd(a.xy) | _mm_movemask_pd(a.zw)) != 0;
 }
-/// Selects `yes` where a < b, otherwise `no`.
+/// For each of the four numbers, selects `yes` if a < b, otherwise `no`.
 inline Four choose_if_less(const Four& a, const Four& b, const Four& yes, const Four& no) {
   const auto choose = [](__m128d less, __m128d if_so, __m128d if_not) {
     return _mm_or_pd(_mm_and_pd(less, if_so), _mm_andnot_pd(less, if_not));

@@ -12,7 +12,7 @@ const MarbleHistory::Checkpoint* MarbleHistory::checkpoint_before(Tick tick, boo
     const auto after = std::ranges::lower_bound(checkpoints, tick, {}, &Checkpoint::tick);
     if (after != checkpoints.begin()) checkpoint = &*(after - 1);
   }
-  // If several meetings had the same tick, only the first meeting's checkpoint may remain.
+  // If several meetings had the same tick, only the first of them may still have a checkpoint.
   const std::size_t known = checkpoint != nullptr ? checkpoint->meetings : 0;
   is_gap = known < meetings.size() && meetings[known].tick < tick;
   return checkpoint;

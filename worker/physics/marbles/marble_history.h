@@ -1,7 +1,7 @@
-// The history of one marble, which a simulation of nearly the same scene can replay (marbles.h,
-// "What stays the same").
+// The history of one marble. A simulation of nearly the same scene can replay it (marbles.h, "What
+// stays the same").
 //
-// Ball ids in a history must mean the same balls in the simulation that replays it.
+// A ball id in a history must mean the same ball in the simulation that replays the history.
 #pragma once
 
 #include <array>
@@ -47,8 +47,8 @@ struct MarbleHistory {
     bool is_alone = false;  ///< left alone in its confinement, which is the box
     TouchBox box;
   };
-  /// Motion in a part. For a ball that is left alone, this is its motion at the moment when it was
-  /// left alone.
+  /// Motion in a part. If the ball is left alone in this part, this is the motion at the part's
+  /// begin.
   struct Flight {
     Tick begin;
     Vec3 position_m = Vec3::Zero();

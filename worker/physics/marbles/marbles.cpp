@@ -152,7 +152,7 @@ void Marbles::start_ball(BodyId ball, const EventKey& event) {
                                      .acceleration_mps2 = scene_->gravity_mps2,
                                      .orientation = math::normalized(state.pose.orientation),
                                      .angular_velocity_radps = state.twist.angular_velocity_radps}};
-  // Balls that are left alone near the starting ball must catch up first.
+  // If balls near the starting ball are left alone, they must catch up first.
   const TouchBox here = path_box_of(ball, event.tick, event.tick);
   if (!replays_.empty()) comes_near_replayed(ball, here, event.tick, false);
   boxes_.for_each_overlapping(here, [&](BodyId other) {
@@ -177,7 +177,7 @@ void Marbles::start_ball(BodyId ball, const EventKey& event) {
   }
 }
 
-/// Returns the name of an obstacle that a starting ball overlaps; empty if there is none.
+/// Returns the name of an obstacle that a starting ball overlaps, or an empty string.
 std::string Marbles::obstacle_of(BodyId ball) {
   const Vec3 place_m = place_at(ball, now_);
   for (BodyId other{}; other < balls_.size(); ++other) {
@@ -205,7 +205,7 @@ std::string Marbles::obstacle_of(BodyId ball) {
   std::ranges::for_each(cell.faces, ask);
   std::ranges::for_each(cell.corners, ask);
   if (lowest != k_nothing) return statics_->name_of_feature(lowest);
-  // A ball deep inside a solid may touch nothing of its surface.
+  // If a ball is deep inside a solid, it may not touch the solid's surface.
   const std::string* solid = statics_->solid_at(place_m);
   return solid != nullptr ? *solid : "";
 }
@@ -213,7 +213,6 @@ std::string Marbles::obstacle_of(BodyId ball) {
 /// Computes new predictions for the balls that began a segment at this event.
 void Marbles::balls_changed() {
   const bool one = changed_.size() == 1;
-  // Local copies keep the inner loop tight.
   const auto count = size();
   const BodyId* const partners = partners_.data();
   if (one && suspend(changed_.front())) return;
@@ -233,7 +232,8 @@ void Marbles::balls_changed() {
   }
 }
 
-/// Leaves a ball alone after a change of its motion, if possible; otherwise returns false.
+/// Called after a ball's motion has changed. If possible, leaves the ball alone; otherwise returns
+/// false.
 bool Marbles::suspend(BodyId ball) {
   if (!confinement_ || catches_up_ || is_resting(ball)) return false;
   // After two balls meet, rest decisions may still read both balls.
@@ -251,8 +251,8 @@ bool Marbles::suspend(BodyId ball) {
     is_alone = !balls_[other].suspended && !path_meets(other, now_, next_of(other), confined, 0);
   });
   if (!is_alone) return false;
-  // A replayed ball's path is known, so the tick at which the ball comes near the confinement is
-  // known too.
+  // The paths of replayed balls are known. So it is also known when one of them comes near the
+  // confinement.
   const Tick disturbed = replayed_comes_near(confined);
   if (disturbed <= now_) return false;
   boxes_.set(ball, confined);
@@ -275,10 +275,10 @@ bool Marbles::suspend(BodyId ball) {
   return true;
 }
 
-/// Lets the balls in to_resume_ catch up: processes all events before the present event.
+/// Lets the balls in to_resume_ catch up: processes all their events before the event `present`.
 void Marbles::resume(const EventKey& present) {
   const Tick now = now_;
-  // Calls may nest: if a ball starts during a call, other balls must catch up with its start.
+  // Calls may nest. If a ball starts during a call, other balls must catch up with this start.
   const bool outer = catches_up_;
   const Tick outer_present = present_;
   present_ = now;

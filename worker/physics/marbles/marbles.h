@@ -1,47 +1,47 @@
-// Simulates equal balls on static geometry, for callers that need only the balls' final positions.
+// Simulates equal balls on static geometry. Use it if only the balls' final positions are needed.
 //
 // Idea. Marbles omits parts of the simulator (simulation.h) that such scenes don't need: expiring
 // bounding volumes, lists of watched pairs, a queue, a recording and orientations. When a ball's
 // motion begins, its next collision with static geometry is fully determined at once. The path up
 // to that collision has a box, and only pairs of balls with overlapping boxes are predicted. Each
-// ball has one key, and the next event has the least key. In scenes in which balls spell words,
-// Marbles is three times as fast as a Simulation (docs/SIMULATOR, "Equal balls by themselves").
+// ball has one key, and the next event has the least key. If balls spell words in a scene, Marbles
+// is three times as fast as a Simulation (docs/SIMULATOR, "Equal balls by themselves").
 //
 // Invariants
-//   1. All results equal those of a Simulation of the same scene, bit for bit: both apply the same
-//      rules (collision_rule.h, contact_events.h, the responses) at the same ticks in the same
-//      order (event.h). Tests compare them.
-//   2. A ball's box contains the ball from now to its next event. If two balls are not at rest and
-//      their boxes don't overlap, the balls can meet only after the next event of one of them.
+//   1. All results equal the results of a Simulation of the same scene, bit for bit. Marbles and
+//      Simulation apply the same rules (collision_rule.h, contact_events.h, the responses) at the
+//      same ticks in the same order (event.h). Tests compare them.
+//   2. A ball's box contains the ball from now to its next event. Let two balls move, and let their
+//      boxes not overlap. The balls can then meet only after the next event of one of them.
 //   3. A ball that is left alone stays in its confinement, and no other ball's path comes near it.
-//      When another ball comes near, the first ball catches up with the present; until then, no
-//      other ball has touched it.
-//   4. Replayed balls aren't simulated, which changes no result ("What stays the same", below).
+//      When another ball comes near, the ball that was left alone catches up with the present.
+//      Until then, no other ball has touched it.
+//   4. Replayed balls aren't simulated. Replays change no result ("What stays the same", below).
 //
 // What stays the same. While recording, a simulation stores a history of each ball
-// (marble_history.h): boxes and flights, meetings, and checkpoints from which the ball can resume.
+// (marble_history.h): boxes, flights, meetings, and checkpoints from which the ball can resume.
 // Another simulation can use these histories if its scene differs only in some balls or some static
-// geometry. A ball with a history is replayed, at no cost, until the first of these events:
+// geometry. A ball with a history is replayed at no cost, until the first of these events:
 //   1. The ball meets changed static geometry, or its history contains a collision with static
 //      geometry that has changed.
-//   2. In its history, the ball was left alone, but its confinement would now differ or be missing.
+//   2. In its history, the ball was left alone. Now its confinement would differ or be missing.
 //   3. The ball's history contains a meeting with a ball that isn't replayed now.
 //   4. In its history, the ball recently met a ball whose replay has since ended. Rest decisions
 //      will read that other ball.
-//   5. A ball that the ball rests on, or that rests on the ball, is no longer replayed.
-//   6. A simulated ball meets the replayed ball (an obstacle with known motion), or comes near the
-//      confinement in which the replayed ball is alone.
+//   5. The ball rests on another ball that is no longer replayed, or such a ball rests on it.
+//   6. A simulated ball meets the replayed ball, which is an obstacle with known motion. Or it
+//      comes near the confinement in which the replayed ball is alone.
 //   7. The ball's history ends, and the ball doesn't stay where it is.
 //
 // The ball then goes live: it is simulated from its last checkpoint on. Between the checkpoint and
-// the present, the ball met only static geometry, so catching up changes nothing for other balls. A
-// history has a bounded number of checkpoints. The replay becomes void (is_replay_void()) if a
-// checkpoint is missing, after any error, or when a large part of the permitted work is used up.
-// If the replay is void, only a simulation without histories gives the result.
+// the present, the ball met only static geometry, so other balls aren't affected when it catches
+// up. A history has a bounded number of checkpoints. The replay becomes void (is_replay_void()) if
+// a checkpoint is missing, if there is an error, or if a large part of the permitted work is used
+// up. If the replay is void, only a simulation without histories gives the result.
 //
-// After the start, nothing but histories is allocated once lists have grown. Cost: some 6,000
-// instructions per event among ten balls, below 1 microsecond, plus about 10 n instructions for n
-// balls. Thread safety: none.
+// After the start, once lists have grown, memory is allocated only for histories. Cost: with ten
+// balls, an event takes some 6,000 instructions, below 1 microsecond. With n balls, it takes about
+// 10 n instructions more. Thread safety: none.
 #pragma once
 
 #include <array>
@@ -70,14 +70,15 @@
 
 namespace sleight::physics {
 
-/// Called when a ball begins a motion. Returns a box that the ball, and k_touch_m around it, can't
-/// leave unless another ball touches it. Returns nothing if there is no such box or if the caller
-/// needs the ball's motion. A ball with a box is left alone until another ball comes near the box.
+/// Called when a ball begins a motion. Returns a box that the ball, with k_touch_m around it, can't
+/// leave unless another ball touches the ball. Returns nothing if there is no such box, or if the
+/// caller needs the ball's motion. A ball with a box is left alone until another ball comes near
+/// the box.
 using MarbleConfinement =
     std::function<std::optional<Box>(BodyId marble, const Vec3& centre_m, const Twist& twist)>;
 
-/// Whether Marbles can simulate a scene: balls of one size, mass and material, slow contacts that
-/// end, no alternative starts, no controls, no periods.
+/// Returns whether Marbles can simulate a scene. All balls must have one size, mass and material.
+/// Slow contacts must end. There must be no alternative starts, controls or periods.
 bool are_marbles(const Scene& scene);
 
 /// Histories by ball; null if unknown or if the ball itself differs.
@@ -89,9 +90,9 @@ struct MarbleChange {
   TouchBox box;  ///< a ball that meets one of them, in its old or new state, overlaps this box
 };
 
-/// Input from an earlier simulation. REQUIRES: all histories come from one simulation. That
-/// simulation's scene has the same laws, and the same static geometry except for `changes`. Each
-/// ball with a history is the same there, and has the same start.
+/// Input from an earlier simulation. REQUIRES: all histories come from one simulation. The scene of
+/// that simulation has the same laws, and the same static geometry except for `changes`. Each ball
+/// with a history has the same properties and the same start there.
 struct MarbleReplay {
   const MarbleHistories* histories = nullptr;  ///< by ball, from a finished simulation
   std::span<const MarbleChange> changes{};     ///< of static geometry
@@ -110,19 +111,20 @@ class Marbles {
     std::uint64_t resumptions = 0;
 
     std::uint64_t events() const { return static_collisions + collisions + modes + rest_decisions; }
-    /// Work in units of events; a rest decision may take as long as several events.
+    /// Work in units of events. A rest decision may take as long as several events.
     std::uint64_t work() const { return events() + (k_rest_work - 1) * rest_decisions; }
   };
 
-  /// Begins before all events. Borrows `scene` and `near` until the next start. `end`: last tick
-  /// that run_until() may reach. `work_max`: above this, the simulation fails, because wedged balls
-  /// collide about a million times per second. REQUIRES: are_marbles(scene); error_of(scene)
+  /// Begins before all events. Borrows `scene` and `near` until the next start. `end` is the last
+  /// tick that run_until() may reach. If the work exceeds `work_max`, the simulation fails: wedged
+  /// balls collide about a million times per second. REQUIRES: are_marbles(scene); error_of(scene)
   /// returns nothing; near is built for this scene's static geometry and radius.
   void start(const Scene& scene, const NearFeatures& near, Tick end,
              MarbleConfinement confinement = {}, std::uint64_t work_max = UINT64_MAX,
              const MarbleReplay& replay = {});
-  /// Processes all events up to and at a tick. Returns nothing on success. After an error the state
-  /// stays as it is; ignore the error if is_replay_void(). REQUIRES: `tick` is not beyond the end.
+  /// Processes all events up to and at a tick. Returns nothing on success. After an error, the
+  /// state stays as it is. If is_replay_void(), ignore the error. REQUIRES: `tick` is not beyond
+  /// the end.
   std::optional<SceneError> run_until(Tick tick);
 
   Tick now() const { return now_; }
@@ -130,21 +132,21 @@ class Marbles {
   // All functions below REQUIRE that the ball has started.
   bool started(BodyId marble) const { return balls_[marble].started; }
   bool is_suspended(BodyId marble) const { return balls_[marble].suspended; }
-  /// Current mode; for a suspended ball, the mode at suspension.
+  /// For a suspended ball, returns the mode at suspension.
   MotionMode mode(BodyId marble) const { return balls_[marble].segment.mode; }
-  /// Current segment; for a suspended ball, the segment that it began at suspension.
+  /// For a suspended ball, returns the segment that began at suspension.
   const Segment& segment(BodyId marble) const { return balls_[marble].segment; }
   /// At now(). REQUIRES: the ball isn't suspended.
   Vec3 position_m(BodyId marble) const { return position_at(balls_[marble].segment.flight, now_); }
   Twist twist(BodyId marble) const { return twist_at(marble, now_); }
   const Counts& counts() const { return counts_; }
 
-  /// Returns the history that replays a ball now, or null. While a ball is replayed, the functions
-  /// above must not be called for it.
+  /// Returns the history of a replayed ball, otherwise null. Don't call the functions above for a
+  /// replayed ball.
   const MarbleHistory* replayed(BodyId marble) const { return replayed_[marble].get(); }
   /// Simulates a ball from now on.
   void stop_replay(BodyId marble);
-  /// Whether the results might differ from the results of a simulation without histories.
+  /// Returns whether a simulation without histories might have other results.
   bool is_replay_void() const;
   /// Histories up to now, by ball. REQUIRES: recording is on; the replay isn't void.
   MarbleHistories histories() const;
@@ -158,7 +160,8 @@ class Marbles {
     return partners_[ball] != k_none && replayed_[partners_[ball]] != nullptr;
   }
   bool is_resting(BodyId ball) const { return balls_[ball].segment.mode == MotionMode::resting; }
-  /// Returns when a ball's current motion ends, ignoring other balls; now() for a ball at rest.
+  /// Returns the tick at which a ball's current motion ends, if no other ball meets it. For a ball
+  /// at rest, returns now().
   Tick next_of(BodyId ball) const {
     const Marble& own = balls_[ball];
     return is_resting(ball) ? now_ : std::min({own.static_tick, own.supports.end, end_});
@@ -263,8 +266,8 @@ class Marbles {
   std::vector<Surroundings> surroundings_;
   BallBoxes boxes_;             ///< of paths or confinements
   std::vector<EventKey> keys_;  ///< next event by ball
-  /// By ball: the partner that the ball meets next, at pair_tick. A replayed ball's partners are in
-  /// its history.
+  /// For each ball: the partner that the ball meets next, at pair_tick. The partners of a replayed
+  /// ball are in its history.
   std::vector<BodyId> partners_;
   Resting resting_;
   RecentContacts recent_;

@@ -91,8 +91,8 @@ class Marbles::AtEvent : public contact::Event {
   }
   Twist twist(BodyId ball) const { return marbles_.twist_at(ball, tick); }
   Supports& supports(BodyId ball) { return marbles_.balls_[ball].supports; }
-  /// Cached: the motion from rest depends only on normals and friction, and these are constant on
-  /// faces without friction maps.
+  /// Cached. The motion from rest depends only on normals and friction. Both are constant on faces
+  /// without friction maps.
   bool stands(BodyId ball, std::span<const LastingContact> on) {
     Marble& own = marbles_.balls_[ball];
     const bool same =

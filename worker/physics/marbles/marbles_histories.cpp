@@ -9,13 +9,14 @@
 namespace sleight::physics {
 namespace {
 
-/// Maximum checkpoints per ball, including the start. Balls that lean on each other meet thousands
-/// of times, and simulations rarely resume there. Affects speed only, like the next two constants.
+/// Maximum number of checkpoints per ball, including the start. Balls that lean on each other meet
+/// thousands of times, but simulations rarely resume at such meetings. This constant and the next
+/// two affect only speed.
 constexpr std::size_t k_checkpoints_max = 48;
 
-/// A ball that meets no other ball gets a checkpoint after this many events, because resuming
-/// repeats all events since the last checkpoint. More checkpoints cost more than they save. The
-/// maximum k_lone_checkpoints_max leaves room for checkpoints after meetings.
+/// A ball that meets no other ball gets a checkpoint after this many events. Resuming repeats all
+/// events since the last checkpoint, but more checkpoints cost more than they save.
+/// k_lone_checkpoints_max leaves room for checkpoints after meetings.
 constexpr std::uint32_t k_checkpoint_every = 16;
 constexpr std::size_t k_lone_checkpoints_max = 24;
 
@@ -31,8 +32,8 @@ void Marbles::keep_part(BodyId ball, const TouchBox& box) {
   auto& parts = kept_[ball].parts;
   auto& flights = kept_[ball].flights;
   const Marble& own = balls_[ball];
-  // Remove parts of the path that are in the future or are rewritten now. If a ball collides
-  // several times at one tick, each collision has its own part.
+  // Remove parts of the path that begin in the future, and the part that is rewritten now. If a
+  // ball collides several times at one tick, each collision has its own part.
   while (!parts.empty() &&
          (parts.back().begin > now_ ||
           (parts.back().begin == now_ && parts.back().last_feature == own.last_feature))) {
@@ -60,8 +61,7 @@ void Marbles::keep_meeting(BodyId a, BodyId b) {
   }
 }
 
-/// Creates a checkpoint of a ball's current state; some of the data are appended to the history's
-/// lists.
+/// Creates a checkpoint of a ball's current state. Appends some of its data to the history's lists.
 MarbleHistory::Checkpoint Marbles::checkpoint_in(MarbleHistory& history, BodyId ball,
                                                  Tick tick) const {
   MarbleHistory::Checkpoint checkpoint{.tick = tick,
@@ -99,7 +99,7 @@ MarbleHistories Marbles::histories() const {
   MarbleHistories histories(balls_.size());
   for (BodyId ball{}; ball < balls_.size(); ++ball) {
     if (const auto& replayed = replayed_[ball]) {
-      // The replayed history must not extend beyond the present.
+      // Use the replayed history only if it doesn't extend beyond the present.
       if (replayed->stays && replayed->last.tick <= now_) histories[ball] = replayed;
       continue;
     }

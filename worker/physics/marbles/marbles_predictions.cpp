@@ -8,7 +8,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Number of times that a path's box is halved before the path is assumed to come near another box.
+/// After this many halvings of a path's box, the path is assumed to come near the other box.
 /// Affects speed only.
 constexpr int k_halvings = 5;
 
@@ -17,21 +17,21 @@ using detail::k_root_shrink;
 /// Paths longer than this (16 ms) usually leave the cell in which they begin. Affects speed only.
 constexpr TickCount k_short = TickCount{1} << 24;
 
-/// A ball that moves by less than this share of its radius has settled: it stays in its
-/// surroundings for several such motions. Affects speed only.
+/// A ball has settled if it moves by less than this share of its radius. A settled ball stays in
+/// its surroundings for several such motions. Affects speed only.
 constexpr double k_short_radii = 0.25 * k_settled_radii;
 
-/// Number of ticks tested before the search computes how long no collision is possible. Rounding
-/// makes some searches one tick early, and these find the collision at the next tick. Affects speed
-/// only.
+/// The search tests this many ticks before it computes how long no collision is possible. By
+/// rounding, some searches start one tick early, and find the collision at the next tick. Affects
+/// speed only.
 constexpr std::uint64_t k_early_ticks = 2;
 
-/// After this many tested ticks, a corner's region is tested at each tick, and not only at touches.
-/// Affects speed only.
+/// After this many tested ticks, a corner's region is tested at each tick. Before, it is tested
+/// only at touches. Affects speed only.
 constexpr std::uint64_t k_steps_without_region = 6;
 
-/// Returns a time for which an edge or a vertex certainly fails the touch or approach test of
-/// examine(); 0 if it passes both.
+/// Returns a time for which an edge or a vertex certainly fails examine()'s test of touch or of
+/// approach. If it passes both tests, returns 0.
 double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre, double radius_m,
                           double size_m) {
   Vec3 away_m = centre.position_m - corner.point_m;
@@ -46,8 +46,8 @@ double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre
   const double c_v = math::dot(away_m, velocity_mps);
   const auto [gap_m, rate_mps] = gap_at_distance(distance_m, c_v, radius_m);
   if (collides(gap_m, rate_mps)) return 0;
-  // The distance is at least the distance from a plane through the line or point that is
-  // perpendicular to the connecting vector. The distance doesn't shrink while c.v is positive
+  // Take the plane that contains the line or point and is perpendicular to `away_m`. The distance
+  // is at least the distance from this plane. The distance doesn't shrink while c.v is positive
   // (sphere_search.h).
   const double c_a = math::dot(away_m, pull_mps2);
   double not_before_s = 0;
@@ -60,7 +60,7 @@ double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre
       not_before_s = first_fall_s(left, c_v_rate, 3 * v_a);
       if (not_before_s == k_forever_s) return k_forever_s;
     }
-    // The rate falls no faster than the pull, so an approach can't begin before this bound.
+    // The rate falls by at most `pull` per second, so no approach can begin before this bound.
     const double pull = math::norm(pull_mps2);
     if (pull == 0) return k_forever_s;
     not_before_s = std::max(not_before_s, (rate_mps + k_approach_mps) / pull);
@@ -76,7 +76,6 @@ MovingPoint centre_at(const FreeFlight& flight, Tick tick) {
           .acceleration_mps2 = flight.acceleration_mps2};
 }
 
-/// Box of a ball whose centre stays within an extent.
 TouchBox ball_box(const PathExtent& extent, double radius_m) {
   // Converting to float changes a number by at most 2^-24 of it.
   const Four pad_m = Four::axes(radius_m + k_place_pad_m);
@@ -105,9 +104,8 @@ TouchBox ball_box(const PathExtent& extent, double radius_m) {
   return ball_box(extent, radius_m);
 }
 
-/// Whether two balls certainly don't touch for a time span. The bound on their distance is the
-/// second centre's distance from a plane through the first one, perpendicular to their connecting
-/// vector.
+/// Returns whether two balls certainly don't touch for a time span. Uses the second centre's
+/// distance from the plane through the first centre that is perpendicular to `between_m`.
 bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double span_s) {
   const Vec3 between_m = b.position_m - a.position_m;
   const double square = math::dot(between_m, between_m);
@@ -123,7 +121,7 @@ bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, doub
 
 // ---- static geometry ----------------------------------------------------------------------------
 
-/// A part of a path during which the set of nearby features is constant.
+/// A part of a path. The set of nearby features is constant on it.
 struct Marbles::Window {
   Tick start{};
   Tick stop{};
@@ -159,10 +157,10 @@ struct Marbles::Window {
     measured_to = stop;
     extent = extent_of(path.place_m, path.velocity_mps, path.pull_mps2, path.span_s);
   }
-  /// Upper bound for the sum of the path's extents along the three axes. REQUIRES: measure() was
-  /// called.
+  /// Returns an upper bound for the sum of the path's extents along the three axes. REQUIRES:
+  /// measure() was called.
   double goes_m() const { return sum(extent.high_m - extent.low_m); }
-  /// Computes the box for tests against touch boxes. REQUIRES: the path's margins are set.
+  /// REQUIRES: the path's margins are set.
   void make_box() {
     if (boxed_to == stop) return;
     boxed_to = stop;
@@ -175,8 +173,8 @@ struct Marbles::Window {
   }
 };
 
-/// Predicts a ball's next collision with static geometry after its motion has changed, and sets the
-/// box of its path up to its next event.
+/// Called after a ball's motion has changed. Predicts the ball's next collision with static
+/// geometry, and sets the box of its path up to its next event.
 void Marbles::predict_static(BodyId index) {
   Marble& ball = balls_[index];
   ball.static_tick = k_never;
@@ -187,9 +185,9 @@ void Marbles::predict_static(BodyId index) {
     if (records_) keep_part(index, boxes_.of(index));
     return;
   }
-  // Skip the ball's supports, which it can't meet before its mode event. Test the feature of the
-  // last collision first, because the ball often meets it again; the other features are then too
-  // far away.
+  // Skip the ball's supports, because the ball can't meet them before its mode event. Test the
+  // feature of the last collision first. The ball often meets this feature again, and then the
+  // other features are too far away.
   std::array<FeatureId, 4> done{k_nothing, k_nothing, k_nothing, k_nothing};
   if (in_contact(ball.segment)) {
     for (std::uint32_t i = 0; i < ball.supports.count; ++i)
@@ -225,8 +223,8 @@ void Marbles::predict_static(BodyId index) {
       met(index_of_corner, meets_corner(flight, corner, window, after_s));
   };
   const TouchBox* const touch_boxes = near_->touch_boxes().data();
-  // The processor can't predict which features are near, so no branch depends on it: near features
-  // are collected first and tested afterwards.
+  // The processor can't predict which features are near, so no branch depends on it. Collect the
+  // near features first, and test them afterwards.
   std::array<std::uint32_t, 64> near;
   const auto ask_each = [&](std::span<const FeatureId> features, const auto& ask)
       __attribute__((always_inline)) {
@@ -247,7 +245,7 @@ void Marbles::predict_static(BodyId index) {
     }
   };
   for (window.start = now_; window.start <= until; window.start = window.stop + 1) {
-    // Extend the window while no features are near except those near its start.
+    // Extend the window as long as only features near its start are near.
     window.begin(flight);
     const bool is_settled = surroundings.holds(window.path.place_m);
     const NearFeatures::Cell cell =
@@ -268,7 +266,7 @@ void Marbles::predict_static(BodyId index) {
       if (stay_s < window.path.span_s)
         window.ends(std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s))));
       if (best_tick > window.stop) {
-        // Forget a collision beyond the window; a later window finds it again.
+        // Forget a collision beyond the window, because a later window finds it again.
         best_tick = k_never;
         best = k_nothing;
       }
@@ -300,8 +298,8 @@ void Marbles::predict_static(BodyId index) {
   if (records_) keep_part(index, boxes_.of(index));
 }
 
-/// Fails the simulation. A search usually takes few ticks, so reaching the limit means that a bound
-/// is wrong.
+/// Fails the simulation. A search usually takes few ticks. If it reaches the limit, a bound is
+/// wrong.
 Tick Marbles::gives_up(Tick tick) {
   fail(SceneError::Kind::search_gave_up,
        fmt::format("a collision search examined more than {} ticks, up to tick {} ({:.9g} s)",
@@ -309,8 +307,8 @@ Tick Marbles::gives_up(Tick tick) {
   return k_never;
 }
 
-/// First tick at which the ball collides with a face. `after_s`: earliest time of a touch with the
-/// face's plane.
+/// Returns the first tick at which the ball collides with a face. `after_s` is the earliest time at
+/// which the ball may touch the face's plane.
 Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
                          double after_s) {
   const std::span<const RegionSide> sides = statics_->sides(face);
@@ -322,8 +320,7 @@ Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, co
         collides(gap_to_face(face, now.position_m - face.point_m, now.velocity_mps, radius_m_));
     if (hits && is_inside(sides, now.position_m)) return tick;
     if (hits) {
-      // The ball goes below the plane outside the face's region, and may enter the region at that
-      // depth.
+      // The ball is below the plane and outside the face's region, but may still enter the region.
       const double outside_s = k_root_shrink * outside_for_s(sides, now);
       if (!(outside_s <= seconds(window.stop - tick))) return k_never;
       tick = tick + std::max<TickCount>(1, ticks_after(outside_s));
@@ -334,8 +331,8 @@ Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, co
   return k_never;
 }
 
-/// First tick at which the ball collides with an edge or a vertex. `after_s`: earliest time of a
-/// touch.
+/// Returns the first tick at which the ball collides with an edge or a vertex. `after_s` is the
+/// earliest time of a touch.
 Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner,
                            const Window& window, double after_s) {
   const PathPart& path = window.path;
@@ -362,8 +359,8 @@ Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner
   return k_never;
 }
 
-/// First tick between two ticks at which a ball meets one of the changed features, computed as in
-/// predict_static; k_never if none.
+/// Returns the first tick from `from` to `until` at which a ball meets a changed feature, or
+/// k_never. Computes this tick as predict_static does.
 Tick Marbles::first_met(const FreeFlight& flight, Tick from, Tick until,
                         const MarbleChange& change) {
   Window window;
@@ -398,8 +395,8 @@ TouchBox Marbles::way_box_of(const FreeFlight& flight, Tick from, Tick to) const
 
 bool Marbles::way_meets(const FreeFlight& flight, Tick from, Tick to, const TouchBox& box,
                         int depth) const {
-  // Both boxes contain whole balls. The centres are further inside the boxes, and two radii apart
-  // when the balls touch.
+  // Both boxes contain whole balls, so the centres are at least a radius inside the boxes. When the
+  // balls touch, the centres are two radii apart.
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   if (apart_m2(box_of_way(flight, from, to, radius_m_), box, radius_m_) > reach_m * reach_m)
     return false;
@@ -409,8 +406,8 @@ bool Marbles::way_meets(const FreeFlight& flight, Tick from, Tick to, const Touc
          way_meets(flight, middle, to, box, depth + 1);
 }
 
-/// Predicts a ball's next collision with another ball after its motion has changed. Balls that are
-/// left alone near its path are made to catch up.
+/// Called after a ball's motion has changed. Predicts the ball's next collision with another ball.
+/// If balls near its path are left alone, makes them catch up.
 void Marbles::predict_pairs(BodyId index) {
   balls_[index].pair_tick = k_never;
   partners_[index] = k_none;
@@ -424,7 +421,7 @@ void Marbles::predict_pairs(BodyId index) {
   }
 }
 
-/// Processes a ball whose path comes near another ball or its confinement.
+/// Handles a ball whose path may come near another ball, or near the other ball's confinement.
 void Marbles::comes_near(BodyId index, const TouchBox& own, BodyId other) {
   if (balls_[other].suspended) {
     if (balls_[other].resumes || !path_meets(index, now_, next_of(index), boxes_.of(other), 0))
@@ -438,7 +435,8 @@ void Marbles::comes_near(BodyId index, const TouchBox& own, BodyId other) {
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   if (apart_m2(own, boxes_.of(other), radius_m_) > reach_m * reach_m) return;
   const Tick tick = predict_pair(std::min(index, other), std::max(index, other));
-  // On a tie the key with the lower ids counts; the loop visits balls in ascending order.
+  // If ticks are equal, the key with the lower ids counts. The loop visits balls in ascending
+  // order.
   if (tick >= balls_[index].pair_tick) return;
   balls_[index].pair_tick = tick;
   partners_[index] = other;
@@ -475,7 +473,7 @@ Tick Marbles::predict_pair(BodyId a, BodyId b) const {
   return first_touch(first, second, from, until, refractory);
 }
 
-/// First tick between two ticks at which two balls collide; k_never if none.
+/// Returns the first tick from `from` to `until` at which two balls collide, or k_never.
 Tick Marbles::first_touch(const FreeFlight& first, const FreeFlight& second, Tick from, Tick until,
                           const Refractory& refractory) const {
   const double radii_m = radius_m_ + radius_m_;

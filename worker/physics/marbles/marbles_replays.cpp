@@ -8,14 +8,15 @@
 namespace sleight::physics {
 namespace {
 
-/// Safety factor for the work limit. The work of replayed balls was counted in another simulation
-/// and may differ here, because other balls disturb the balls that are left alone. So if the total
-/// work times this factor exceeds the limit, the replay is void and everything is simulated.
+/// Safety factor for the work limit. The work of replayed balls was counted in another simulation.
+/// The work may differ here, because other balls disturb the balls that are left alone. So if the
+/// total work times this factor exceeds the limit, the replay is void and everything is simulated.
 constexpr std::uint64_t k_work_margin = 2;
 
 }  // namespace
 
-/// Whether a ball that was left alone would get the same confinement now.
+/// Let a ball have been left alone in its history. Returns whether it would get the same
+/// confinement now.
 bool Marbles::stays_alone(BodyId ball, const MarbleHistory::Part& part,
                           const MarbleHistory::Flight& way) const {
   const auto box = confinement_(
@@ -26,9 +27,9 @@ bool Marbles::stays_alone(BodyId ball, const MarbleHistory::Part& part,
   return confined.low_m == part.box.low_m && confined.high_m == part.box.high_m;
 }
 
-/// First tick, up to `until`, at which changes affect a ball's history. From this tick on, the ball
-/// meets a changed feature, or has met a feature that has changed, or would not be left alone in
-/// the same confinement. Returns k_never if there is none.
+/// Returns the first tick, up to `until`, at which changes affect a ball's history. At this tick,
+/// the ball meets a changed feature, has met a feature that has changed, or would not be left alone
+/// in the same confinement. Returns k_never if there is none.
 Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until) {
   const MarbleHistory& history = *replayed_[ball];
   const auto is_changed = [&](FeatureId feature) {
@@ -48,8 +49,8 @@ Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until)
     Tick first = k_never;
     for (const MarbleChange& change : replay.changes) {
       if (!overlaps(change.box, part.box)) continue;
-      // A ball's supports need no test, because it has met them before. A start near a change is
-      // tested again when the ball starts.
+      // A ball's supports need no test, because the ball has met them before. If the ball starts
+      // near a change, the start is tested again when it happens.
       const TouchBox start = way_box_of(history.flights[i].flight(), part.begin, part.begin);
       if (i == 0 && overlaps(change.box, start)) return part.begin;
       if (part.mode == MotionMode::resting) continue;
@@ -133,8 +134,8 @@ void Marbles::goes_live_by(BodyId ball, Tick tick) {
   }
 }
 
-/// Ends the replay of the balls in hastened_ from index `from` on: each at its tick, or now if its
-/// tick has come.
+/// Ends the replay of each ball in hastened_ from index `from` on. The replay ends at the ball's
+/// tick, or now if this tick has come.
 void Marbles::hasten(std::size_t from) {
   while (hastened_.size() > from) {
     const auto [ball, tick] = hastened_.back();
@@ -169,8 +170,8 @@ void Marbles::goes_live(BodyId ball) {
   hasten(from);
 }
 
-/// Collects the balls whose replay must end because the replay of a given ball ends. Such a ball
-/// will meet the given ball, rests on it, or has just met it and may read it in rest decisions.
+/// The replay of `ball` ends. Collects the other balls whose replays must therefore end. They will
+/// meet `ball`, rest on `ball`, or have just met it and may read it in rest decisions.
 void Marbles::hasten_partners(BodyId ball, Tick now) {
   for (const BodyId other : replays_) {
     const MarbleHistory& theirs = *replayed_[other];
@@ -192,10 +193,10 @@ void Marbles::hasten_partners(BodyId ball, Tick now) {
   }
 }
 
-/// Gives a ball the state of a checkpoint, and queues the ball to catch up.
+/// Sets a ball to the state of a checkpoint, and queues the ball to catch up.
 void Marbles::go_on_from(BodyId ball, const MarbleHistory& history,
                          const MarbleHistory::Checkpoint& checkpoint, Tick now) {
-  // The balls that a resting ball lies on must be simulated, so that they can wake it.
+  // If the ball rests on other balls, these must be simulated, so that they can wake it.
   for (const BodyId other : replays_) {
     if (checkpoint.rest.rests_on(other)) hastened_.emplace_back(other, now);
   }
@@ -222,7 +223,7 @@ void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
   own.parts.assign(history.parts.begin(), history.parts.begin() + parts);
   own.flights.assign(history.flights.begin(), history.flights.begin() + parts);
   std::ranges::copy_if(history.checkpoints, std::back_inserter(own.checkpoints), is_before);
-  // The lists grow with each checkpoint, so data of later checkpoints come after these and are left
+  // Each checkpoint appends to the lists. So the data of later checkpoints come last, and are left
   // out.
   const std::size_t touches = checkpoint.rest.first_touch + checkpoint.rest.touch_count();
   const std::size_t met = checkpoint.first_met + checkpoint.met_count;
@@ -235,8 +236,8 @@ void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
 
 // ---- simulated and replayed balls ---------------------------------------------------------------
 
-/// Finds replayed balls that a ball may meet before a tick. The given ball stays in the box, or
-/// follows its path there if `is_path`.
+/// Finds replayed balls that ball `index` may meet up to the tick `to`. Ball `index` stays in the
+/// box. If `is_path`, it follows its path in the box.
 void Marbles::comes_near_replayed(BodyId index, const TouchBox& box, Tick to, bool is_path) {
   const Tick from = present();
   if (to < from) return;
@@ -272,15 +273,16 @@ void Marbles::comes_near_replayed(BodyId index, const TouchBox& box, Tick to, bo
   hasten(found);
 }
 
-/// Whether another ball's history starts so near to this ball that the two may overlap.
+/// Returns whether a replayed ball starts so near to `ball` that the two may overlap. `way` is the
+/// replayed ball's first flight.
 bool Marbles::starts_at(BodyId ball, const MarbleHistory::Flight& way) const {
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   return apart_m2(path_box_of(ball, way.begin, way.begin),
                   way_box_of(way.flight(), way.begin, way.begin), radius_m_) <= reach_m * reach_m;
 }
 
-/// First tick between two ticks at which a ball meets a ball with known motion. The result may be
-/// early but is never late.
+/// Returns the first tick from `from` to `until` at which a ball meets a ball with known motion.
+/// The result may be too early, but never too late.
 Tick Marbles::meets_way(BodyId ball, const MarbleHistory::Flight& way, MotionMode mode, Tick from,
                         Tick until) const {
   const Segment& segment = balls_[ball].segment;
@@ -292,7 +294,7 @@ Tick Marbles::meets_way(BodyId ball, const MarbleHistory::Flight& way, MotionMod
   return first_touch(segment.flight, way.flight(), from, until, {});
 }
 
-/// Advances to the last part of a replayed ball's path that has begun by the present.
+/// Advances part_now_ to the part of a replayed ball's path that is current at the present tick.
 void Marbles::find_part_now(BodyId ball) {
   const auto& parts = replayed_[ball]->parts;
   std::size_t& part = part_now_[ball];
@@ -300,7 +302,8 @@ void Marbles::find_part_now(BodyId ball) {
     ++part;
 }
 
-/// First tick at which a replayed ball comes near a box, in its known history; k_never if none.
+/// Returns the first tick at which a replayed ball comes near a box, according to its history, or
+/// k_never.
 Tick Marbles::replayed_comes_near(const TouchBox& box) {
   Tick first = k_never;
   for (const BodyId other : replays_) {

@@ -10,13 +10,14 @@ namespace sleight::physics {
 namespace {
 
 constexpr float k_infinity = std::numeric_limits<float>::infinity();
-/// Sizes of cells and their margins, as shares of a ball's radius: smaller cells have shorter
-/// lists; wider margins let a path stay longer. Affect speed only.
+/// Size and margin of a cell, as shares of a ball's radius. A smaller cell has a shorter list. With
+/// a wider margin, a path stays longer in one cell. Both affect only speed.
 constexpr double k_cell_radii = 0.7;
 constexpr double k_margin_radii = 0.2;
-/// Extra growth of a home on each side where a touch box left it.
+/// Where a touch box leaves its home, the home grows by this much more than necessary, as a share
+/// of the radius.
 constexpr double k_growth_radii = 0.15;
-/// Maximum number of cells; above it, cells are made larger.
+/// Maximum number of cells. If there would be more, cells are made larger.
 constexpr double k_cells_max = 1 << 16;
 
 constexpr TouchBox k_everywhere{.low_m = {-k_infinity, -k_infinity, -k_infinity, 0},
@@ -44,7 +45,7 @@ TouchBox NearFeatures::touch_box_of_plane(FeatureId index) const {
   return box;
 }
 
-/// Measures the features' own boxes, which rarely change, because they have slack.
+/// The features' own boxes have slack, so they rarely change.
 void NearFeatures::measure_features() {
   boxes_made_ = statics_.boxes_made();
   for (FeatureId f{statics_.plane_count()}; f < statics_.feature_count(); ++f)

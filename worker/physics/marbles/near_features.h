@@ -1,18 +1,18 @@
-// A table of the static geometry that a ball of a given size may touch.
+// Finds the static features that a ball of a given size may touch near a place.
 //
-// Idea. Each feature has a touch box, which contains every centre from which a ball touches the
-// feature in its region. Space is divided into cells, each with a list of the features whose touch
-// boxes come near the cell. A path that stays near a cell can touch only features in the cell's
-// list whose touch boxes overlap the path's box. Testing the overlap compares four numbers at a
-// time.
+// Idea. Each feature has a touch box. If a ball touches the feature from inside the feature's
+// region, the ball's centre is in the touch box. Space is divided into cells. Each cell lists the
+// features whose touch boxes come near the cell. A path near a cell can touch a feature only if the
+// cell lists the feature and the feature's touch box overlaps the path's box. The overlap test
+// compares four numbers at a time.
 //
-// When vertices move, touch boxes are recomputed, but lists rarely change. Lists depend on homes,
-// which are touch boxes with some slack. A home never shrinks, and grows only when its touch box
-// leaves it. So after a few moves of all vertices hardly any list changes.
+// When vertices move, touch boxes are recomputed, but lists rarely change. Lists depend on homes. A
+// home is a touch box with some slack. A home never shrinks, and grows only when its touch box
+// leaves it. So after a few moves of all vertices, hardly any list changes.
 //
 // Invariants
-//   1. A ball whose centre is outside a feature's touch box doesn't collide with the feature,
-//      rounding included.
+//   1. If a ball's centre is outside a feature's touch box, the ball doesn't collide with the
+//      feature, even with rounding.
 //   2. Lists are ascending, and contain every feature whose home overlaps the cell's reach.
 // Thread safety: const functions may run concurrently.
 #pragma once
@@ -33,7 +33,7 @@ namespace sleight::physics {
 
 class NearFeatures {
  public:
-  /// Builds the table for balls of one radius. Borrows the geometry.
+  /// Borrows the geometry.
   NearFeatures(const StaticGeometry& statics, double radius_m);
   /// Updates the table after the geometry's refresh().
   void refresh();
@@ -62,7 +62,7 @@ class NearFeatures {
   float reach_m() const { return static_cast<float>(radius_m_ + 2 * k_touch_m); }
   void enlarge_home(FeatureId feature);
   void grow_home(FeatureId feature);
-  /// Cell numbers by axis, from `from` up to but excluding `to`.
+  /// Cell numbers on each axis, from `from` to `to` - 1.
   struct Range {
     std::array<std::uint32_t, 3> from{};
     std::array<std::uint32_t, 3> to{};

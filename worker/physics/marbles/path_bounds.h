@@ -1,26 +1,28 @@
-// Bounds for a part of a ball's path: the earliest time at which the ball may collide with a
+// For a part of a ball's path, computes the earliest time at which the ball may collide with a
 // feature.
 //
 // Idea. A ball usually collides with only a few of the features near its path, and late on the
-// path. The coefficients of three parabolas along a feature's own directions bound the first
-// possible collision, for a tenth of the cost of testing one tick. This header computes the bounds;
-// the caller tests ticks from there on (marbles_predictions.cpp).
+// path. Three parabolas along a feature's own directions give a bound on the first possible
+// collision. Computing the bound costs a tenth of testing one tick. The caller tests the ticks
+// after the bound (marbles_predictions.cpp).
 //
-// Faces. The height n.(p - q) is a parabola in time. For a falling centre, the height is lowest at
-// an end of the path.
+// Faces. Let n be a face's normal and q a point of the face. The height n.(p - q) of the centre p
+// is a parabola in time. If the centre's height curves downwards, it is lowest at an end of the
+// path.
 //
 // Edges and vertices. Let c be the initial vector from an edge's line, or a vertex, to the centre.
-// The plane perpendicular to c gives |c(h)| >= c.c(h) / |c|, a parabola again. The square c.c is a
-// polynomial in time: its first three terms are a parabola, and the others are bounded.
+// The plane perpendicular to c gives |c(h)| >= c.c(h) / |c|. The right side is also a parabola. The
+// square c.c is a polynomial in time. The polynomial's first three terms are a parabola, and the
+// other terms are bounded.
 //
 // Regions. For a half-space, the bound is the parabola's maximum between two times.
 //
 // Invariants
 //   1. Before the returned time, examine (sphere_search.h) finds no collision of the ball with the
-//      feature: its touch, approach or region condition fails, rounding included. A shorter path
-//      may use a longer path's margins.
-//   2. Every margin is at least 4 times the bound's rounding error. With N the sum of all sizes
-//      added on the way (size_m, and size_m times the speed for c.v), a bound has fewer than 16
+//      feature. The condition on touch, approach or region fails, even with rounding. A shorter
+//      path may use a longer path's margins.
+//   2. Every margin is at least 4 times the bound's rounding error. Let N be the sum of all sizes
+//      added on the way: size_m, or size_m times the speed for c.v. A bound has fewer than 16
 //      roundings, each of 2^-53 N.
 // Thread safety: pure functions.
 #pragma once
@@ -38,7 +40,7 @@ namespace sleight::physics {
 
 namespace detail {
 
-/// Covers the rounding of a root's time.
+/// Shortens a root's time to cover its rounding.
 inline constexpr double k_root_shrink = 1 - 0x1p-40;
 
 /// Relative rounding of sums of products.
@@ -50,7 +52,7 @@ inline Four parabolas(const Four& place, const Four& speed, const Four& pull, do
 
 }  // namespace detail
 
-/// A centre's parabola for a time span, with the margins for its bounds.
+/// A centre's parabola for a time span, and the margins for bounds on it.
 struct PathPart {
   Four place_m;
   Four velocity_mps;
@@ -65,8 +67,8 @@ struct PathPart {
   double floor_m2ps = 0;     ///< the same for c.v (corners)
   double side_margin_m = 0;  ///< margin of region sides
 
-  /// Sets margins for this path and for any part that ends sooner. REQUIRES: the fields above are
-  /// set. `around_m`: sum of |coordinates| of nearby features.
+  /// Sets the margins, also for any part of this path that ends sooner. REQUIRES: the fields above
+  /// are set. `around_m`: sum of |coordinates| of nearby features.
   void sets_margins(double around_m, double radius_m) {
     const double for_s = span_s;
     const double pull_mps = sum(fabs(pull_mps2)) * for_s;
@@ -76,13 +78,12 @@ struct PathPart {
     touch_m = radius_m + (k_touch_m + k_rounding_ulps * size_m);
     const double rounding_mps = detail::k_sum_ulps * (speed_mps + pull_mps);
     floor_mps = rounding_mps - k_approach_mps;
-    // The centre approaches if c.v < -|c| k_approach, and its distance from what it touches is at
-    // least half its radius.
+    // The centre approaches if c.v < -|c| k_approach. |c| is at least half the ball's radius.
     floor_m2ps = rounding_mps * size_m - 0.5 * k_approach_at * k_approach_mps * radius_m;
     side_margin_m = k_clear_margin_m + k_rounding_ulps * size_m;
     near_m = near_m2 = k_forever_s;
   }
-  /// Sets near_m for a path of at most this length along all axes together. The length is usually
+  /// Sets near_m. `way_m` is an upper bound of the path's length along all axes together, usually
   /// less than travel_m.
   void goes(double way_m) {
     near_m = touch_m + way_m;
@@ -112,8 +113,8 @@ inline PathExtent extent_of(const Four& place_m, const Four& velocity_mps, const
                         velocity_mps, pull_mps2, velocity_mps + pull_mps2 * Four::all(span_s));
 }
 
-/// Lower bound for the time in which a point stays between two walls on each axis. REQUIRES: the
-/// point is between the walls, and they are finite.
+/// Returns a lower bound for the time in which a point stays between two walls on each axis.
+/// REQUIRES: the point is between the walls, and they are finite.
 inline double stays_s(const Four& place, const Four& speed, const Four& pull, const Four& low,
                       const Four& high) {
   constexpr double k_less = 1 - 0x1p-30;
@@ -125,18 +126,19 @@ inline double stays_s(const Four& place, const Four& speed, const Four& pull, co
   const Four a = choose_if_less(speed, zero, zero - pull, pull);
   const Four v = fabs(speed);
   const Four twice = a + a;
-  // A decelerating point meets the wall ahead before its apex, or otherwise the wall behind.
+  // A point that slows down meets the wall ahead before its apex. If it doesn't reach this wall, it
+  // meets the wall behind.
   const Four square = v * v;
   const Four at_ahead = square + twice * ahead;
   const Four root = sqrt(choose_if_less(at_ahead, zero, square - twice * behind, at_ahead));
-  // Avoid 0 / 0: the bound is 0 for a point at rest at a wall.
+  // Avoid 0 / 0. For a point at rest at a wall, the bound is 0.
   const Four sum_of_speeds = max(v + root, Four::all(1e-300));
   return k_less * least(choose_if_less(at_ahead, zero, sum_of_speeds, ahead + ahead) /
                         choose_if_less(at_ahead, zero, zero - a, sum_of_speeds));
 }
 
-/// Earliest time t at which a gap can be below 0 and shrink. The gap is at least excess_m +
-/// rate_mps t + pull_mps2 t^2 / 2. `not_before_s`: the gap doesn't shrink before this time.
+/// Returns the earliest time t at which a gap can be below 0 and shrink. The gap is at least
+/// excess_m + rate_mps t + pull_mps2 t^2 / 2. It doesn't shrink before `not_before_s`.
 inline double falls_after_s(double excess_m, double rate_mps, double pull_mps2,
                             double not_before_s) {
   if (excess_m > 0) return std::max(not_before_s, first_fall_s(excess_m, rate_mps, pull_mps2));
@@ -150,8 +152,8 @@ inline double falls_after_s(double excess_m, double rate_mps, double pull_mps2,
   return not_before_s;
 }
 
-/// Earliest time at which a centre may touch a face's plane and approach it; infinite if it
-/// doesn't.
+/// Returns the earliest time at which a centre may touch a face's plane and approach it, or
+/// infinity.
 inline double face_not_before_s(const PathPart& path, const SphereFeature& face) {
   const Four normal = Four::of(face.direction);
   const double above_m = dot(normal, path.place_m - Four::of(face.point_m));
@@ -161,8 +163,8 @@ inline double face_not_before_s(const PathPart& path, const SphereFeature& face)
   // The centre never approaches.
   const double last_rate_mps = rate_mps + pull_mps2 * path.span_s;
   if (rate_mps > path.floor_mps && last_rate_mps > path.floor_mps) return k_forever_s;
-  // The centre never touches the plane: the gap has no minimum between the ends, and is positive at
-  // both ends. touch_m includes a rounding margin.
+  // If the gap is positive at both ends and has no minimum between them, the centre never touches
+  // the plane. touch_m includes a rounding margin.
   const double excess_m = above_m - path.touch_m;
   if (excess_m > 0 && (pull_mps2 <= 0 || last_rate_mps <= 0) &&
       excess_m + 0.5 * (rate_mps + last_rate_mps) * path.span_s > 0)
@@ -172,7 +174,8 @@ inline double face_not_before_s(const PathPart& path, const SphereFeature& face)
   return detail::k_root_shrink * falls_after_s(excess_m, rate_mps, pull_mps2, not_before_s);
 }
 
-/// The vector from an edge's line, or a vertex, to a centre, perpendicular to the edge.
+/// The vector c from a corner (an edge's line or a vertex) to a centre. At an edge, c is
+/// perpendicular to the edge.
 struct CornerWay {
   Four along;  ///< the edge's direction; 0 for a vertex
   Four c;
@@ -185,25 +188,25 @@ inline CornerWay corner_way(const PathPart& path, const SphereFeature& corner) {
   return {.along = along, .c = c, .c_c = dot(c, c)};
 }
 
-/// Touch distance plus rounding errors. c has the rounding error of coordinates. c.c has a rounding
-/// error relative to its own size, which along the path is at most 2 (travel_m^2 + c_c). The
-/// distance's error is the error of c.c, divided by the diameter.
+/// Returns the touch distance plus rounding errors. c has the rounding error of coordinates. The
+/// rounding error of c.c is relative to the size of c.c. Along the path, this size is at most 2
+/// (travel_m^2 + c_c). The distance's error is the error of c.c divided by the diameter.
 inline double corner_reach_m(const PathPart& path, const CornerWay& way, double radius_m) {
   const double square = path.travel_m * path.travel_m + way.c_c;
   return (radius_m + k_touch_m) + detail::k_sum_ulps * (path.size_m + 2 * square / radius_m);
 }
 
-/// Earliest time at which a centre may touch an edge's line or a vertex and approach it; infinite
-/// if it doesn't.
+/// Returns the earliest time at which a centre may touch and approach an edge's line or a vertex,
+/// or infinity.
 inline double corner_not_before_s(const PathPart& path, const CornerWay& way, double radius_m) {
   const double span_s = path.span_s;
   const double reach_m = corner_reach_m(path, way, radius_m);
   const double square = reach_m * reach_m;
   const double first_c_v = dot(way.c, path.velocity_mps);
   const double first_c_a = dot(way.c, path.pull_mps2);
-  // The bound from the plane perpendicular to c shows that the centre never touches the corner. The
-  // bound is lowest at an end of the span. If the centre turns back within the span, the bound is
-  // underestimated.
+  // The plane perpendicular to c may show that the centre never touches the corner. The distance
+  // from this plane is lowest at an end of the span. If the centre turns back within the span, the
+  // computed bound is lower than the true one.
   if (way.c_c > square) {
     const double last_c_v = first_c_v + first_c_a * span_s;
     const double change =
@@ -224,12 +227,12 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
     const double c_v = first_c_v + (c_v_rate + (1.5 * v_a + half) * s) * s;
     const double rate = c_v_rate + 3 * (v_a + half) * s;
     const double bend = v_a + 2 * half;
-    // The centre doesn't approach while c.v is positive; c.v's last term only raises it.
+    // The centre doesn't approach while c.v is positive. The last term of c.v only raises c.v.
     const double left = c_v - path.floor_m2ps;
     const double not_before_s = left > 0 ? first_fall_s(left, rate, 3 * bend) : 0;
     if (!(detail::k_root_shrink * (s + not_before_s) <= span_s)) return k_forever_s;
-    // Half of c.c's excess after a further time h: excess + c.v h + rate h^2 / 2 + bend h^3 / 2 +
-    // a.a h^4 / 8. The last two terms are at least bend h^2 / 2 times the remaining time.
+    // After a further time h, half of c.c's excess is: excess + c.v h + rate h^2 / 2 + bend h^3 / 2
+    // + a.a h^4 / 8. The last two terms are at least bend h^2 / 2 times the remaining time.
     const double least_rate = rate + std::min(0.0, bend) * (span_s - s);
     const double fails_s = falls_after_s(0.5 * (c_c - square), c_v, least_rate, not_before_s);
     const double then_s = detail::k_root_shrink * (s + fails_s);
@@ -242,7 +245,7 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
   return s;
 }
 
-/// Whether a centre stays beyond one side of a region, and thus outside the region, between two
+/// Returns whether a centre stays beyond one side of a region, and so outside it, between two
 /// times.
 inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& path, double from_s,
                           double to_s) {
@@ -256,7 +259,7 @@ inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& pat
     const double rate_mps = dot(normal, path.velocity_mps) + pull_mps2 * from_s;
     const double last_rate_mps = rate_mps + pull_mps2 * for_s;
     if (inside_m + 0.5 * (rate_mps + last_rate_mps) * for_s >= 0) continue;
-    // Between these times the centre may be inside, if it rises, turns and falls.
+    // If the centre rises and then falls, it may be inside between the two times.
     if (rate_mps > 0 && last_rate_mps < 0 && inside_m - 0.5 * rate_mps * rate_mps / pull_mps2 >= 0)
       continue;
     return true;
@@ -264,7 +267,8 @@ inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& pat
   return false;
 }
 
-/// Lower bound for the squared distance between the centres of two balls that stay in two boxes.
+/// Let two balls stay in two boxes. Returns a lower bound for the squared distance of their
+/// centres.
 inline double apart_m2(const TouchBox& a, const TouchBox& b, double radius_m) {
   const Four gaps_m =
       max(Four::of(a.low_m) - Four::of(b.high_m), Four::of(b.low_m) - Four::of(a.high_m)) +

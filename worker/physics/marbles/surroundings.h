@@ -1,13 +1,13 @@
-// The features that a ball may touch while it hardly moves.
+// Stores the features that a ball may touch while it hardly moves.
 //
-// Idea. Most motions are much shorter than a ball is wide, such as dying bounces and pieces of
-// rolling. So the features that a ball may touch from anywhere in a small box are computed once and
-// used until the ball leaves the box. Because the list is used often, computing the list may cost
-// more: unlike a cell of the table (near_features.h), the list omits features whose regions the
-// ball can't enter.
+// Idea. Most motions, such as dying bounces and pieces of rolling, are much shorter than a ball is
+// wide. So the features that a ball may touch from anywhere in a small box are listed once. The
+// list is used until the ball leaves the box. Computing the list may cost more than a cell
+// (near_features.h), because it is used often. Unlike a cell, the list omits features whose regions
+// the ball can't enter.
 //
-// Invariant: while the ball's centre is in the box, it collides with none of the cell's other
-// features, rounding included. Thread safety: const functions may run concurrently.
+// Invariant: while a ball's centre is in the box, the ball collides with no feature of the cell
+// that isn't in the list, even with rounding. Thread safety: const functions may run concurrently.
 #pragma once
 
 #include <array>
@@ -32,8 +32,8 @@ class Surroundings {
             .faces = all.first(face_count_),
             .corners = all.subspan(face_count_, corner_count_)};
   }
-  /// Computes the box and features for a centre in a cell; the box is empty if there are too many
-  /// features. REQUIRES: the geometry doesn't change until the next call.
+  /// Computes the box and the features for a centre in a cell. If there are too many features, the
+  /// box is empty. REQUIRES: the geometry doesn't change until the next call.
   void settle(const NearFeatures& near, const NearFeatures::Cell& cell, const Four& centre_m);
 
  private:

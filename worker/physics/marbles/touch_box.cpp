@@ -41,7 +41,7 @@ Floats roots(Floats a) {
 #endif
 }
 
-/// Converts to floats; touch boxes are padded by much more than the rounding.
+/// Converts to floats. The padding of touch boxes is much larger than the rounding.
 Floats floats_of(Two xy, Two z) {
 #ifdef __SSE2__
   return _mm_movelh_ps(_mm_cvtpd_ps(xy), _mm_cvtpd_ps(z));
@@ -73,8 +73,8 @@ Floats zxy(Floats a) {
   return __builtin_shufflevector(a, a, 2, 0, 1, 3);
 }
 
-/// Returns, for each axis, the maximum component of unit vectors perpendicular to a given unit
-/// vector.
+/// For each axis, returns the maximum component of unit vectors that are perpendicular to a given
+/// one.
 Floats across(Floats parts) {
   return roots(greatest(1 - parts * parts, Floats{}));
 }
@@ -84,14 +84,15 @@ struct Corners {
   Floats high;
 };
 
-/// Minimum and maximum of each coordinate of the unit vectors that point from a feature to the
-/// centres in its region.
+/// Minimum and maximum of each coordinate of some unit vectors: the directions from a feature to
+/// the centres in its region.
 struct Spread {
   Floats low;
   Floats high;
 };
 
-/// For an edge: unit vectors perpendicular to it, between its two faces if it has two.
+/// For an edge, the unit vectors are perpendicular to the edge. If it has two faces, the vectors
+/// are between them.
 [[gnu::always_inline]] inline Spread spread_of_edge(const SphereFeature& edge,
                                                     std::span<const RegionSide> sides) {
   const Floats along = direction_of(edge.direction);
@@ -99,8 +100,8 @@ struct Spread {
   const Spread around{.low = -furthest, .high = furthest};
   if (sides.size() != 4) return around;
   // The region ends at rays perpendicular to the sides' normals. Each ray is on the side of the
-  // other normal. If the normals are nearly parallel, the right side is unclear, so the full circle
-  // is used.
+  // other normal. If the normals are nearly parallel, rounding hides the right side, so the full
+  // circle is used.
   const Floats first = direction_of(sides[2].space.normal);
   const Floats second = direction_of(sides[3].space.normal);
   const Floats along_yzx = yzx(along);
@@ -114,13 +115,14 @@ struct Spread {
   const Floats border_a = floats_from(bits_of(ray_a) ^ (bits_of(all(side_a)) & k_sign));
   const Floats border_b = floats_from(bits_of(ray_b) ^ (bits_of(all(side_b)) & k_sign));
   // For each axis, project the axis onto the plane perpendicular to the edge. If the region
-  // contains the projection, its direction is the extreme. Otherwise a border ray is the extreme.
+  // contains the projection, the projection's direction is the extreme. Otherwise a border ray is
+  // the extreme.
   const Floats nearly = all(1e-5F);
   return {.low = greatest(first, second) > nearly ? least(border_a, border_b) : around.low,
           .high = least(first, second) < -nearly ? greatest(border_a, border_b) : around.high};
 }
 
-/// For a vertex: unit vectors at an obtuse angle to each of its edges.
+/// For a vertex, the unit vectors make an obtuse angle with each of its edges.
 [[gnu::always_inline]] inline Spread spread_of_vertex(std::span<const RegionSide> sides) {
   // Rounding to float preserves the order, so the maximum can be taken in doubles.
   Two most_xy{}, most_z{}, smallest_xy{}, smallest_z{};

@@ -1,11 +1,12 @@
-// Touch boxes: bounds for a ball's centre when the ball touches a feature.
+// Computes touch boxes. A touch box contains a ball's centre when the ball touches a feature.
 //
 // Idea. A ball touches a feature only from within the feature's region, so the direction from the
 // feature to the centre is limited. For a face, the direction is the normal. For an edge, the
 // direction is perpendicular to the edge, between its two faces. For a vertex, the direction makes
 // an obtuse angle with each of its edges. A touch box is the feature's own box, enlarged by the
 // ball's radius times these directions. Moving vertices change thousands of touch boxes, so vector
-// registers compute all axes at once; each number has the same bits as the scalar float operations.
+// registers compute all axes at once. Each number has the same bits as with scalar float
+// operations.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -43,7 +44,6 @@ inline TouchBox touch_box_of(const Box& box) {
   return result;
 }
 
-/// Enlarges a box to contain a point and a margin around it.
 inline void enlarge(TouchBox& box, const Vec3& place_m, float margin_m) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto at_m = static_cast<float>(place_m[static_cast<Eigen::Index>(axis)]);
@@ -65,7 +65,7 @@ inline constexpr double k_touch_box_pad_m = 1e-6;
 /// Padding of positions, far above their rounding and the touch distance.
 inline constexpr double k_place_pad_m = 2e-6;
 
-/// Whether two boxes overlap. Inline for speed, since it is called for everything near a path.
+/// Whether two boxes overlap. Inline, since it is called for everything near a path.
 inline bool overlaps(const TouchBox& a, const TouchBox& b) {
 #ifdef __SSE2__
   const __m128 from_a = _mm_cmple_ps(_mm_load_ps(a.low_m.data()), _mm_load_ps(b.high_m.data()));
@@ -79,7 +79,7 @@ inline bool overlaps(const TouchBox& a, const TouchBox& b) {
 #endif
 }
 
-/// The part of a touch box that depends only on the feature's own box; the fourth numbers are 0.
+/// The part of a touch box that depends only on the feature's own box. The fourth numbers are 0.
 struct alignas(16) FeatureExtent {
   std::array<float, 4> low_m{};
   std::array<float, 4> high_m{};
@@ -101,8 +101,8 @@ struct TouchBoxes {
   std::span<TouchBox> boxes;
 };
 
-/// Writes the touch boxes of some features, and k_unmeetable for features that can't be met.
-/// Appends to `outgrown` the features whose touch boxes have left their homes. REQUIRES: no planes.
+/// Writes the touch boxes of some features. If a feature can't be met, writes k_unmeetable. If a
+/// touch box has left its home, appends the feature to `outgrown`. REQUIRES: no planes.
 void write_touch_boxes(const StaticGeometry& statics, std::span<const FeatureId> features,
                        float reach_m, const TouchBoxes& table, std::vector<FeatureId>& outgrown);
 
