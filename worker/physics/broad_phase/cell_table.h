@@ -34,7 +34,7 @@ namespace sleight::physics {
 
 /// A point on a ring of 2^8 points.
 using RingPoint = std::uint8_t;
-/// A box on three rings. On each ring, the box covers the points from start to start + width.
+/// A box on three rings. On each axis, it covers the points from start to start + width.
 struct Sketch {
   std::array<RingPoint, 3> start{};
   std::array<RingPoint, 3> width{};  ///< k_whole_ring covers the ring

@@ -335,8 +335,8 @@ double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shado
   return comes_down_s(fixed.base, fixed.fall_mps2, &shadows.of_a, shadows.of_b, out_s);
 }
 
-/// If a piece is fixed, returns the normal of the face above which the other piece's centre is
-/// highest. If both pieces move, returns the direction from A's centre to B's.
+/// Returns the direction from A's centre to B's. If a piece is fixed, uses the normal of its face
+/// above which the other centre is highest (reversed if B is fixed).
 Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b) {
   const auto of_faces = [](const MovingPiece& fixed, const MovingPiece& other) -> Vec3 {
     const Vec3 centre_m =

@@ -165,8 +165,8 @@ TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
 
 TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
   // Goal: if another program creates a file at the destination during a fetch, the file is replaced
-  // only if that is allowed. If the file has the same content, there is no conflict. Method: create
-  // the file when the last piece arrives.
+  // only if that is allowed. A file with the same content is not a conflict. Method: create the
+  // file when the last piece arrives.
   const std::string content = content_of(2 * k_piece_bytes_max, 3);
   service.add_file("ball.h5", content);
   const ServerThread server(socket(), service);
