@@ -8,9 +8,9 @@
 // out every such sum from left to right. rotation.h has the products of rotations.
 //
 // Invariants
-//   1. The same arguments give the same bits, whether a function is compiled for SSE2 or AVX2.
-//      Equal bits require -ffp-contract=off, which all our targets have, and no FMA, which
-//      elementary.h refuses. tests/determinism/arithmetic builds both and compares.
+//   1. Every function yields the same bits for the same arguments whether compiled for SSE2 or for
+//      AVX2. Therefore all our targets use -ffp-contract=off, and elementary.h doesn't compile with
+//      FMA. tests/determinism/arithmetic builds both and compares.
 //   2. Results never use these members of Eigen: dot, norm, squaredNorm, normalized, cross, sum,
 //      prod, products of matrices or quaternions, inverse, and from Eigen/Geometry AngleAxis,
 //      Rotation2D and slerp (these call libm's sine). Results never use vectors of run-time size

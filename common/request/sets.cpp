@@ -24,7 +24,7 @@ Diagnostic wrong(std::string_view text, std::string message) {
   return {printable(option_of(text), k_text_characters_max), k_no_place, std::move(message)};
 }
 
-/// A `--set` before its ranges are expanded.
+/// A `--set` option before its ranges are expanded.
 struct Written {
   std::string section;
   std::string key;

@@ -3,8 +3,8 @@
 // and notices a keeper's end at once. system_attempts.h runs them in a batch system and queries the
 // system periodically.
 //
-//   `Launch` writes request.toml and starts a keeper. The keeper's record leads to Launched.
-//   `Look` leads to a Sight, at once or soon.
+//   `Launch` writes request.toml and starts a keeper, whose record leads to Launched.
+//   `Look` asks for the attempt's state, which is reported as a Sight.
 //   `Stop` sends a signal to the keeper.
 //
 // Thread safety: only the loop's thread makes calls. launch(), stop() and look() never call `hear`

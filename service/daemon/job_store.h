@@ -9,11 +9,10 @@
 //   `state`    has format, service time and next id.
 //
 // Invariants
-//   1. A save is one transaction. A save is durable when `save` returns. If `save` throws, it has
-//      no effect.
-//   2. Every row has a checksum that covers its key too. If a disk or a person changed a row,
-//      reading refuses it and leaves the store untouched. If the store has another format, it is
-//      also refused.
+//   1. A save is one transaction. A save is durable when `save` returns, and otherwise has no
+//      effect.
+//   2. Every row has a checksum that also covers its key. If a checksum is wrong, reading throws
+//      and doesn't change the store. A store of another format is refused too.
 //   3. Erasing a job erases its requests.
 //
 // Thread safety: one thread at a time.

@@ -165,9 +165,9 @@ void wake_on_those_that_left(At& at) {
 // A sphere loses its bounce on a face if the bounce would be slower than separation_speed_mps. The
 // sphere then stays if gravity presses it onto one face, into a valley between two faces, or into a
 // corner of three faces. At an edge, a fast sphere hops (contact_motion.h), and a slow sphere moves
-// round the edge piece by piece (edge_motion.h). While the sphere moves by only a few micrometres,
-// a vertex counts as a face, and so does an edge together with another feature. So a sphere can
-// come to rest between a face and an edge.
+// round the edge piece by piece (edge_motion.h). As long as the sphere moves by no more than a few
+// micrometres, a vertex counts as a face, and so does an edge together with another feature. So a
+// sphere can come to rest between a face and an edge.
 //
 // A sphere stays only if it has met no other body for the duration of some bounces. A sphere that
 // leans on another body bounces off both the face and the body. If the sphere stayed on the face

@@ -1,10 +1,10 @@
 // Computes when a body that isn't a sphere begins to stay on a fixed plane, and when the stay ends.
 // response/plane_motion.h computes the body's motion, and contact_events.h has the rules.
 //
-// Idea. Let a body bounce on a plane by micrometres, and let all points that carry it be near the
-// plane. Such a body stays in its current pose. The body isn't turned towards the plane. Like a
-// resting body, it hovers above the plane by at most the height of a bounce. The body's motion is
-// projected onto the motions that the plane allows.
+// Idea. If a body's bounces on a plane are only micrometres high and all points that carry the body
+// are near the plane, the body stays in its current pose. The body isn't turned towards the plane,
+// and hovers above the plane by at most the height of a bounce, as resting bodies do. The body's
+// motion is projected onto the motions that the plane allows.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -1,5 +1,5 @@
-// An EventQueue as a tournament. Slots compete in groups of eight. The groups' winners compete in
-// pairs, up to the overall winner. The overall winner is the least event.
+// An EventQueue as a tournament. Slots compete in groups of eight, and the groups' winners compete
+// in pairs. The overall winner is the least event.
 //
 // Idea. Every slot has a fixed path to the top, so nothing is moved and no slot stores its
 // position. A group's eight ticks fill one cache line. For seven of eight new keys, the slot isn't

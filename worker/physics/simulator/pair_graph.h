@@ -1,11 +1,11 @@
 // The graph of watched pairs, which stores when each pair may collide next.
 //
-// If two bounding volumes overlap, each of the two bodies has an edge to the other in its list.
-// Lists are ranges of a few shared arrays, so that they occupy few pages of memory. A full list
-// moves to a range of twice the capacity. Ids, ticks, change numbers and details are in separate
-// arrays. So a search for an id reads one cache line, and an edge's two copies needn't store each
-// other's position. If all bodies are spheres in flight, there are no details: sixteen neighbours
-// occupy four cache lines.
+// Each body has a flat list of edges, one for each body whose bounding volume overlaps its own.
+// Lists are ranges of a few shared arrays, so that the lists in use occupy few pages of memory. A
+// full list moves to a range of twice the capacity. Ids, ticks, change numbers and details are in
+// separate arrays. So a search for an id reads one cache line, and the two copies of an edge don't
+// store each other's position. If the world has only spheres in flight, there are no details, and
+// sixteen edges fill four cache lines.
 //
 // A pair's prediction is stored in the copy of the body whose motion changed last, because that
 // body made the prediction. The partner's copy may still hold an older prediction. Each copy also

@@ -21,8 +21,8 @@
 
 namespace sleight::worlds::ball_2d {
 
-/// By collision: the normal's tilt from the vertical. Positive tilts are towards +x. Entries from
-/// WorldParameters::collisions on are unused and zero.
+/// The tilt of each collision's normal from the vertical, positive towards +x. Only the first
+/// WorldParameters::collisions entries are used; the others are zero.
 using NormalAngles = std::array<double, k_collisions_max>;
 
 /// One parabolic hop. A hop begins at the start or at a collision, and ends at the next collision.

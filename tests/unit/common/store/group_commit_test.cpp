@@ -215,9 +215,9 @@ class Putter {
 
 TEST(GroupCommit, StalledDiskHoldsPutsUp) {
   // Goal: while a group is being written, at most k_queue_bytes_max bytes of results wait in
-  // memory, and no result is lost. Method: pause a commit and put results. Each result is an eighth
-  // of the limit. put() must accept at least eight results and then block until the commit
-  // continues.
+  // memory, and no result is lost. Method: pause a commit, and put results. Each result has an
+  // eighth of the limit's size. Check that put() accepts at least eight results and blocks until
+  // the commit continues.
   Recorder recorder;
   recorder.hold();
   GroupCommit group_commit(recorder.commit());

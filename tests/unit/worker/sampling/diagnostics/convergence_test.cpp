@@ -89,9 +89,9 @@ TEST(Complaints, name_shifted_chains) {
 }
 
 TEST(Complaints, name_chains_that_never_move) {
-  // Goal: complaints() reports chains that never move, whether R-hat is infinite, about 1e15 or
-  // smaller. Method: give each chain its own constant value. For some numbers of draws, means are
-  // exact; for others, means are rounded. Then make only one of four chains constant.
+  // Goal: complaints() reports chains that never move, for any R-hat: infinite, about 1e15, or
+  // smaller. Method: give each chain its own constant value, with numbers of draws for which means
+  // are exact or rounded. Then make only one of four chains constant.
   const auto own = [](double, std::size_t chain) { return 0.1 * static_cast<double>(chain); };
   for (const std::size_t draws : {64U, 1000U, 1024U, 2000U}) {
     const std::vector<std::string> found = complaints_of(changed(made({.draws = draws}), own));

@@ -69,9 +69,9 @@ TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
 }
 
 TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
-  // Goal: if the map can learn nothing, it draws the same throws as the prior, with weight 1. The
-  // map learns nothing if no goal has signed misses, if there are too few throws, or if only
-  // orientations are random.
+  // Goal: if the map can learn nothing, it draws the same throws as the prior, with weight 1. It
+  // learns nothing if no goal has signed misses, if there are too few throws, or if only the
+  // orientation is random.
   const DieStart start;
   DieStart fixed;
   fixed.position_sd_m = fixed.velocity_sd_mps = fixed.spin_sd_radps = {0, 0, 0};
