@@ -26,7 +26,7 @@ class MemoryArchive final : public Sink, public Source {
   Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
               std::uint64_t count) const override;
 
-  /// Returns values for writing, so that a test can store values that a real writer never stores.
+  /// Returns a mutable reference, so that a test can store values that a real writer never stores.
   Values& values(std::string_view group, std::string_view dataset);
   Group& group(std::string_view name);
 

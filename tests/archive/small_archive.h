@@ -15,8 +15,8 @@
 
 namespace sleight::archive {
 
-/// An archive of two chains with four scans each. All animations are equal; animation i is from
-/// scan 3 of chain i.
+/// An archive of two chains, each of four scans. All animations have the same segments. Animation i
+/// is from scan 3 of chain i.
 class StoredArchive : public archive::Source {
  public:
   StoredArchive(std::string world, std::string request, double animations)
@@ -55,7 +55,8 @@ class StoredArchive : public archive::Source {
     add("/sample_stats", name, {{"chain", 2}, {"draw", 4}}, std::move(values));
   }
 
-  /// Adds all of /animations except the segments' columns. Each animation has `segments` segments.
+  /// Adds the datasets of /animations, except the segments' columns. Each animation has `segments`
+  /// segments.
   void add_animations(std::size_t segments) {
     segments_ = segments;
     const auto each = [&](double first, double step) {
@@ -87,7 +88,8 @@ class StoredArchive : public archive::Source {
     add(group, name, std::move(dims), std::move(values));
   }
 
-  /// Adds a column for the segments of all animations, each with the given values.
+  /// Adds a column of segments. `values` has one animation's values; all animations get the same
+  /// values.
   void add_column(const char* name, std::vector<archive::Dimension> dims,
                   const std::vector<double>& values) {
     dims.insert(dims.begin(), {"segment", animations_ * segments_});
@@ -112,7 +114,7 @@ class StoredArchive : public archive::Source {
   std::map<std::string, std::vector<double>> values_;
 };
 
-/// An archive of the named world, with one animation that has no data.
+/// An archive of the named world. The only animation has no data.
 class BareArchive final : public StoredArchive {
  public:
   explicit BareArchive(std::string world) : StoredArchive(std::move(world), "", 1) {

@@ -1,6 +1,6 @@
-// Writes an archive of the fake world, and optionally its tables as CSV, to test readers by other
-// programs. Usage: sleight-sample-archive OUT.h5 SCANS [CSV_FOLDER]. Prints the digest and the
-// seconds that writing took.
+// Writes an archive of the fake world, to test other programs that read archives. Optionally also
+// writes the archive's tables as CSV. Usage: sleight-sample-archive OUT.h5 SCANS [CSV_FOLDER].
+// Prints the archive's digest and the writing time in seconds.
 #include <fmt/format.h>
 
 #include <chrono>

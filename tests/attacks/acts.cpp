@@ -14,13 +14,12 @@ constexpr std::size_t k_message_bytes_max = 4U << 20U;    // for a user, from Se
 constexpr std::size_t k_stranger_bytes_max = 16U << 10U;  // for a stranger
 constexpr std::uint64_t k_opening_answers = 2;
 
-/// A connection and the server messages received on it.
 class Talk {
  public:
   Talk(const Scene& scene, std::unique_ptr<Line> line) : scene_(scene), line_(std::move(line)) {}
 
-  /// Reads what has arrived, and waits up to the timeout for the first bytes. Returns false if the
-  /// connection is open and nothing came.
+  /// Reads available bytes. If no bytes are available, waits for the first bytes until the timeout.
+  /// Returns false if no bytes came and the connection is still open.
   bool hear(int patience_ms = 0) {
     bool has_heard = false;
     std::string bytes;
@@ -55,7 +54,8 @@ class Talk {
     if (listener_.bugs() > 0) scene_.trouble_is("the server failed at a call: a refusal as bug");
     if (listener_.is_garbled()) scene_.trouble_is("the server's answers can't be read");
   }
-  /// Returns the number of server reactions: answers after the opening, and a close by the server.
+  /// Returns how often the server reacted: by answers after the opening, and by closing the
+  /// connection.
   std::uint64_t reached(bool ended_by_itself) const {
     const std::uint64_t heard = listener_.messages();
     return (heard > k_opening_answers ? heard - k_opening_answers : 0) + (ended_by_itself ? 1 : 0);
@@ -121,7 +121,7 @@ void Scene::trouble_is(const std::string& words) const {
   trouble.say(fmt::format("{} (episode {}, {})", words, episode, kind));
 }
 
-// Goal: the server answers calls of all methods with any valid parameters.
+// Goal: the server answers calls of every method, whatever the valid parameters are.
 void calls(const Scene& scene) {
   auto talk = begin_opened(scene);
   if (!talk) return;
@@ -227,8 +227,8 @@ void cut_streams(const Scene& scene) {
   if (talk->listener().messages() > 0) ++scene.tally.reached;
 }
 
-// Goal: answers that a peer doesn't read don't accumulate in the server, which drops them when the
-// connection ends.
+// Goal: if a peer reads no answers, they don't accumulate in the server. When the connection ends,
+// the server drops its answers.
 void unread_answers(const Scene& scene) {
   auto talk = begin_opened(scene);
   if (!talk) return;
@@ -241,8 +241,8 @@ void unread_answers(const Scene& scene) {
     is_taken = talk->line().send_unread(asked.frame + finish(asked.question), 20);
   }
   scene.tally.attacks += sent;
-  // The tally counts answers that the connection reads. The first connection always reads, to check
-  // that the server answers.
+  // The tally counts only answers that were read. The first connection always reads answers, to
+  // check that the server sends them.
   if (never_reads && scene.tally.reached > 0) return;
   const std::uint64_t before = talk->listener().messages();
   talk->end();

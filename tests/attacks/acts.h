@@ -1,8 +1,8 @@
-// Attacks on the Cap'n Proto interface, one episode per connection: on the socket, and in TLS
-// before and after a login.
+// Attacks on the Cap'n Proto interface: on the socket, and in TLS before and after a login. An
+// episode uses one connection.
 //
-// An episode counts its attacks. It also counts the attacks after which the server answered or
-// ended the connection, because these have reached the server's decoder. The server must answer
+// An episode counts its attacks, and the attacks that have reached the server's decoder. An attack
+// has reached the decoder if the server then answers or ends the connection. The server must answer
 // each valid call, and must close a connection that its peer has ended. The episode reports
 // anything else as trouble.
 //
@@ -38,7 +38,6 @@ enum class Door : std::uint8_t {
   session    ///< within TLS, after a login
 };
 
-/// Counts for one kind of attack.
 struct Tally {
   std::atomic<std::uint64_t> attacks = 0;
   std::atomic<std::uint64_t> reached = 0;
@@ -92,7 +91,7 @@ void noise(const Scene& scene);
 void wrong_logins(const Scene& scene);
 
 /// Reads until the server closes the connection, and counts the close. Reports trouble if the
-/// server doesn't close it.
+/// server keeps the connection open.
 void await_end(const Scene& scene, Line& line);
 
 }  // namespace sleight::attack

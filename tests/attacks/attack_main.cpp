@@ -1,5 +1,5 @@
 // `sleight-attack` attacks a running service on its socket and over TLS, and reports whether the
-// service withstood. tests/programs/test_attacks.py and deploy/soak run the program, which isn't
+// service survived. tests/programs/test_attacks.py and deploy/soak run the program. It isn't
 // installed.
 //
 // Exits with 0 if all kinds of attack occurred and reached the server, honest clients were always
@@ -38,7 +38,7 @@ void tell(const Options& options, const Progress& progress) {
   std::fflush(stdout);
 }
 
-/// Returns whether all kinds of attack occurred and reached the server. Prints the others.
+/// Prints the others.
 bool judge(const Outcome& outcome) {
   bool is_good = true;
   for (const Count& count : outcome.counts) {

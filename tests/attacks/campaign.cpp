@@ -25,7 +25,7 @@ struct Kind {
   double size;   ///< approximate attacks per episode
 };
 
-// Handshakes cost most, so most attacks share a connection.
+// Handshakes take most of the time, so most attacks share a connection.
 constexpr std::array k_kinds = std::to_array<Kind>({
     {"socket: calls", Door::socket, calls, 14, 90},
     {"socket: mutated messages", Door::socket, mutated_messages, 14, 2},
@@ -65,7 +65,8 @@ constexpr std::array k_kinds = std::to_array<Kind>({
     {"TLS: after the handshake", Door::stranger, tls_after_handshakes, 0.4, 1},
 });
 
-/// Returns an episode's kind: each kind once, then kinds drawn by their shares.
+/// Returns an episode's kind. The first episodes use each kind once; later kinds are drawn by their
+/// shares.
 std::size_t kind_of(std::uint64_t episode, Dice& dice) {
   if (episode < k_kinds.size()) return static_cast<std::size_t>(episode);
   double sum = 0;
@@ -129,7 +130,6 @@ void attack(Shared& shared, int thread) {
   }
 }
 
-/// Connects and calls the service as an honest client.
 void ask_honestly(Shared& shared, const rpc::ServicePlace& place, const char* way) {
   const base::SteadyClock clock;
   const double began_s = clock.now_s();

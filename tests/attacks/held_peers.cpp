@@ -13,8 +13,8 @@ namespace {
 
 constexpr int k_peers_of_kind = 8;
 constexpr auto k_step = std::chrono::milliseconds(3);
-/// Steps until another peer replaces a silent one. These steps take far longer than the time limit
-/// of a login.
+/// After this number of steps, a new peer replaces a silent peer. The steps take far longer than
+/// the time limit of a login.
 constexpr int k_silent_steps = 8000;
 
 struct Peer {

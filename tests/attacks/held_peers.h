@@ -1,6 +1,6 @@
-// Peers that stay connected, over the socket and over TLS: slow ones, which send single bytes, and
-// silent ones. Held peers must not hinder others. Thread safety: run() belongs to one thread; the
-// rest is shared.
+// Peers that stay connected, over the socket and over TLS. Slow peers send single bytes; silent
+// peers send nothing. Held peers must not hinder others. Thread safety: run() belongs to one
+// thread; the rest is shared.
 #pragma once
 
 #include <atomic>

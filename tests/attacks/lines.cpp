@@ -86,7 +86,7 @@ class SecuredLine final : public Line {
   Got receive(std::string& into, int patience_ms) override {
     const std::size_t before = into.size();
     std::string encrypted;
-    // First read the data that arrived with the handshake.
+    // First read data that arrived together with the handshake.
     bool is_open = tls_->decrypt(into);
     while (is_open && into.size() == before) {
       const Got got = line_->receive(encrypted, patience_ms);

@@ -1,6 +1,6 @@
 // Connections that can send any bytes: over a Unix socket, TCP, or TLS (also encrypted bytes).
 //
-// Each wait has a timeout, and its result shows whether it timed out.
+// Each wait has a timeout. The result tells whether the wait timed out.
 //
 // Thread safety: a line belongs to one thread.
 #pragma once
@@ -16,7 +16,7 @@
 
 namespace sleight::attack {
 
-/// The server must answer, or close a connection that its peer has ended, within this time.
+/// Maximum time in which the server must answer, or close a connection that its peer has ended.
 inline constexpr int k_patience_ms = 10'000;
 
 enum class Got : std::uint8_t {
@@ -40,13 +40,12 @@ class Line {
   virtual bool send_unread(std::string_view bytes, int patience_ms) = 0;
   /// Appends received bytes to `into`.
   virtual Got receive(std::string& into, int patience_ms) = 0;
-  /// Ends the sending direction.
   virtual void end_sending() = 0;
 };
 
 /// Returns null if the server refuses the connection.
 std::unique_ptr<Line> line_to_socket(const std::string& path);
-/// Connects from an address of 127.0.0.0/8 chosen by `number`, because a single address has ports
+/// Connects from the address in 127.0.0.0/8 that `number` chooses, because one address has ports
 /// for only some hundred connections per second. REQUIRES: `address.host` is 127.0.0.1.
 std::unique_ptr<Line> line_to_port(const access::ServerAddress& address, std::uint64_t number);
 
@@ -90,7 +89,8 @@ class Tls {
 /// Does the handshake over `line`. Returns false if the server closed the connection.
 bool shake_hands(Line& line, Tls& tls);
 
-/// Returns a TLS line over `line` after its handshake. Null: the server closed the connection.
+/// Does the handshake and returns a TLS line over `line`. Returns null if the server closed the
+/// connection.
 std::unique_ptr<Line> secured(std::unique_ptr<Line> line, const TlsSettings& settings);
 
 }  // namespace sleight::attack

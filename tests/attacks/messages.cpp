@@ -27,7 +27,7 @@ capnp::Text::Reader text_of(const std::string& text) {
   return {text.c_str(), text.size()};
 }
 
-/// Begins a call on the service. The call's target is the promised result of question 1.
+/// Begins a call on the promised result of question 1.
 protocol::Call::Builder begin_call(capnp::MessageBuilder& message, std::uint32_t question,
                                    std::uint16_t method) {
   auto call = message.initRoot<protocol::Message>().initCall();
@@ -198,7 +198,7 @@ std::string login(const std::string& token) {
 Asked valid_call(Dice& dice, const Bounds& bounds, std::uint32_t question) {
   auto method = static_cast<Method>(dice.below(k_methods));
   if (bounds.is_owner && (method == drain || method == stop)) method = info;
-  // Most calls of retired methods become calls of `change`, but a few stay.
+  // Replace most calls of retired methods by calls of `change`. A few stay.
   if (method > logs && method < fetch && !dice.one_in(8)) method = change;
   capnp::MallocMessageBuilder message;
   auto call = begin_call(message, question, method);
@@ -314,7 +314,7 @@ std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t quest
     auto root = message.initRoot<protocol::Message>();
     switch (dice.below(3)) {
       case 0: {
-        // The promise resolves to itself or to any other promise id.
+        // Resolves the promise to itself or to any other promise.
         auto resolved = root.initResolve();
         resolved.setPromiseId(promise);
         resolved.initCap().setSenderPromise(dice.one_in(2) ? promise : odd_id(dice));
@@ -334,7 +334,7 @@ std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t quest
 
 std::string odd_pointers(Dice& dice, std::uint32_t question) {
   capnp::MallocMessageBuilder message;
-  // Use only methods that, with any parameters, neither stop the service nor change jobs.
+  // Use only methods that neither stop the service nor change jobs, whatever their parameters are.
   constexpr std::uint16_t k_readers[] = {submit, list, status,       watch,       logs,
                                          fetch,  info, create_token, revoke_token};
   auto call = begin_call(message, question, k_readers[dice.below(std::size(k_readers))]);

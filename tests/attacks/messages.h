@@ -1,7 +1,7 @@
-// Cap'n Proto messages as frames, from plain calls to messages that no client would send.
+// Cap'n Proto messages as frames: plain calls, and messages that no client would send.
 //
-// A connection's question 0 requests the bootstrap object, and question 1 opens a session or logs
-// in; the result of question 1 is a promise of the service. Attacks use question numbers from 2 on.
+// A connection's question 0 requests the bootstrap object. Question 1 opens a session or logs in,
+// and its result is a promise of the service. Attacks use question numbers from 2 on.
 //
 // Thread safety: functions change only their Dice.
 #pragma once
@@ -28,7 +28,7 @@ struct Asked {
 std::string opening();
 std::string login(const std::string& token);
 
-/// A valid call of any method with any parameters, which the server must answer.
+/// A call of any method with valid parameters. The server must answer the call.
 Asked valid_call(Dice& dice, const Bounds& bounds, std::uint32_t question);
 /// Releases the question's results.
 std::string finish(std::uint32_t question);
@@ -37,9 +37,10 @@ std::string finish(std::uint32_t question);
 std::string odd_protocol(Dice& dice);
 /// A call on the promised result of another question, or on an existing or missing capability.
 std::string pipelined_call(Dice& dice, std::uint32_t question);
-/// A call that passes capabilities of the client, and later messages about these capabilities.
+/// A call that passes the client's capabilities, and later messages about the capabilities.
 std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t question);
-/// A call with random pointers, which may point outside the message, to themselves, or nest deeply.
+/// A call with random pointers. Pointers may point outside the message or to themselves, or nest
+/// deeply.
 std::string odd_pointers(Dice& dice, std::uint32_t question);
 /// Any of the above messages with some bytes changed.
 std::string mutated(Dice& dice, const Bounds& bounds, std::uint32_t question);

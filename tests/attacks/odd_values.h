@@ -1,5 +1,5 @@
-// Values that a server should never receive: extreme numbers, hostile texts, invalid tokens. Each
-// is repeatable from its Dice. Thread safety: one Dice belongs to one thread.
+// Values that a server should never receive: extreme numbers, hostile texts, invalid tokens. Equal
+// Dice give equal values. Thread safety: one Dice belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -30,14 +30,14 @@ class Dice {
 };
 
 std::string random_bytes(Dice& dice, std::size_t size);
-/// Returns 0, 1, a power of two or its neighbour, the maximum, or any number.
+/// Returns 0, 1, the maximum, a number close to a power of two, or any number.
 std::uint64_t odd_number(Dice& dice);
 /// NaN, infinite, tiny, or negative.
 double odd_real(Dice& dice);
 /// Returns 0, or a number far beyond all job ids.
 std::uint64_t far_id(Dice& dice);
-/// An odd text: empty, or with `../`, control characters, invalid UTF-8 or format strings. One in a
-/// thousand is as long as `bytes_max` or half of it.
+/// An odd text: empty, or with `../`, control characters, invalid UTF-8 or format strings. One text
+/// in a thousand has `bytes_max` or half of `bytes_max` bytes.
 std::string odd_text(Dice& dice, std::size_t bytes_max);
 /// An invalid request: deeply nested, with very long names, or too expensive.
 std::string odd_request(Dice& dice, std::size_t bytes_max);

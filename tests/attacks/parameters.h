@@ -13,7 +13,7 @@ namespace sleight::attack {
 
 /// Limits of message contents.
 struct Bounds {
-  /// Maximum size of a text, which is also roughly the maximum size of a message.
+  /// Maximum size of a text. The maximum size of a message is roughly the same.
   std::size_t text_bytes_max = 1U << 20U;
   /// Whether the attacker is the service's own user, who may do anything. Such an attacker sends no
   /// message that would stop the service, create tokens or change jobs.

@@ -141,7 +141,7 @@ void tls_half_handshakes(const Scene& scene) {
   await_end(scene, *line);
 }
 
-// Goal: key updates, new handshakes, alerts and bad records after a TLS handshake do the server no
+// Goal: after a TLS handshake, key updates, new handshakes, alerts and bad records do the server no
 // harm.
 void tls_after_handshakes(const Scene& scene) {
   auto line = reach(scene);

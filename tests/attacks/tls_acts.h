@@ -1,5 +1,5 @@
-// Attacks on TLS itself: random bytes, handshakes that are changed, stopped or cut into odd
-// records, and data after a handshake. Thread safety: as for acts.h.
+// Attacks on TLS itself: random bytes, data after a handshake, and handshakes that are changed,
+// stopped or cut into odd records. Thread safety: as for acts.h.
 #pragma once
 
 #include "tests/attacks/acts.h"

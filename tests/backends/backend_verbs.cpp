@@ -1,4 +1,4 @@
-// Runs any backend by the messages of service/backend/messages.h, for the conformance suite.
+// Runs any backend for the conformance suite, with the messages of service/backend/messages.h.
 //   - `sleight-backend --kind slurm --script direct.sbatch [--option KEY=VALUE] VERB` uses Slurm.
 //   - `sleight-backend --kind program --program PATH [--seconds S] VERB` uses a program.
 // The program reads the question on stdin. Each run of the program acts like a new daemon.

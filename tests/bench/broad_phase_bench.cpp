@@ -1,4 +1,4 @@
-// Time of a broad phase to move one body's box, in a gas and in a heap.
+// Time that a broad phase needs to move one body's box, in a gas and in a heap.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ namespace {
 using physics::BodyId;
 using physics::Box;
 
-/// Balls of diameter 1 near lattice places, each in a box 1.3 wide, and their moves.
+/// Balls of diameter 1 near lattice places, and their moves. Each ball has a box of width 1.3.
 struct Balls {
   using Point = std::array<double, 3>;
   std::array<double, 3> period_m{};
@@ -31,8 +31,8 @@ struct Balls {
 };
 
 constexpr double k_box_m = 1.3;
-/// Maximum offset of a ball from its place, per axis. With this offset, ends of boxes pass each
-/// other even if places are in straight rows.
+/// Maximum offset of a ball from its place, per axis. The offset lets box ends pass each other even
+/// in straight rows of places.
 constexpr double k_loose_m = 0.3;
 constexpr std::size_t k_moves = 1 << 16;
 constexpr std::size_t k_moves_verified = 2000;
@@ -130,7 +130,7 @@ class Neighbours {
       sum += list.size();
     return static_cast<double>(sum) / static_cast<double>(lists_.size());
   }
-  /// Hash of the set of pairs, independent of the lists' order.
+  /// Hash of the set of pairs. The lists' order doesn't matter.
   std::uint64_t hash() const {
     ResultHash hash;
     for (std::uint64_t body = 0; body < lists_.size(); ++body) {

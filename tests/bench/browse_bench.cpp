@@ -1,8 +1,9 @@
-// Times of interactive queries on 5,000 animations of a bouncing body with 64 path pieces each.
+// Times of interactive queries on 5,000 animations of a bouncing body. Each animation has 64 path
+// pieces.
 //
-// `find` searches for animations that pass a box of some centimetres within a tenth of a second.
-// `find_slowly` does the same for fewer animations with the plain reference of tests/browse.
-// `items_per_second` counts animations examined, or pairs for `matrix`.
+// `find` searches for animations in which the body passes a box of some centimetres during a
+// certain tenth of a second. `find_slowly` searches fewer animations by the plain algorithm of
+// tests/browse. `items_per_second` counts examined animations. For `matrix`, it counts pairs.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // A die of 16 mm comes to rest on a bumpy table. Other engines simulate the same throw for
-// comparison (scene "die"). The table is an exact bicubic B-spline over control points 21 mm apart
+// comparison (scene "die"). The table is an exact bicubic B-spline. Control points are 21 mm apart,
 // and up to 1 mm high or deep.
 #include <benchmark/benchmark.h>
 
@@ -24,7 +24,7 @@ constexpr double k_side_m = 0.016;
 constexpr double k_mass_kg = 1200 * k_side_m * k_side_m * k_side_m;
 constexpr std::int32_t k_half_points = 12;  ///< the table is 0.5 m wide; flat beyond
 
-/// A fixed random set of control points, which other engines use too.
+/// A fixed random set of control points. Other engines use the same set.
 class Bumps final : public SurfaceControls {
  public:
   Bumps() {
@@ -86,7 +86,7 @@ Scene table() {
   return scene;
 }
 
-/// Simulates until rest, but at most for 6 s. The same limit holds for other engines.
+/// Simulates until rest, for at most 6 s. The same limit holds for other engines.
 Pose rest_of(Scene& scene, std::uint64_t number) {
   scene.bodies[0].start = throw_of(number);
   auto started = Simulation::start(scene, {.record = false});

@@ -1,8 +1,10 @@
-// Distances between convex pieces, which take most of the time in scenes of polyhedra.
+// Times of distances between convex pieces. In scenes of polyhedra, distances take most of the
+// time.
 //
-// Two equal bodies of size 1 tumble past each other in 1,024 steps of 0.005 sizes and 0.02 rad,
-// never closer than 0.01. Poses are computed in advance, and an item is one distance. Cold searches
-// start from scratch at every step, and warm searches from the last step's features.
+// Two equal bodies of size 1 tumble past each other in 1,024 steps of 0.005 sizes and 0.02 rad. The
+// bodies' distance is never below 0.01. Poses are computed in advance. An item is one distance.
+// Cold searches start from scratch at every step. Warm searches start from the last step's
+// features.
 #include <benchmark/benchmark.h>
 
 #include <vector>
@@ -73,7 +75,7 @@ void warm(benchmark::State& state, const physics::ConvexPolyhedron& body, std::u
   physics::SeparationCache cache;
   for (const Step& step : steps)
     add(hash, physics::closest_warm(view, step.a, view, step.b, cache));
-  // Go back and forth, so that no step is a jump.
+  // Go through the steps back and forth, so that bodies never jump.
   std::size_t i = 0;
   bool back = false;
   cache = {};

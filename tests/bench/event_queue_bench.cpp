@@ -1,6 +1,6 @@
-// The event queues under the load of a gas of hard spheres. A step removes the least event,
-// schedules new events for its body and another body after exponential waits, and slightly moves
-// the events of six more bodies.
+// Times of event queues under the load of a gas of hard spheres. A step removes the earliest event.
+// The step schedules new events for the event's body and another body, after exponential waits. The
+// step also slightly moves the events of six more bodies.
 //
 // Bodies are drawn uniformly, which is the worst case for caches. In a simulation, neighbours tend
 // to be close in memory, and many of the six bodies would keep their event.
@@ -29,7 +29,7 @@ using physics::Slot;
 using physics::Tick;
 using physics::TickCount;
 
-/// Mean time between two events of one body: 0.1 s.
+/// Mean time between two events of a body.
 constexpr double k_mean_wait_ticks = 0.1 * physics::k_ticks_per_second;
 constexpr std::size_t k_changed = 6;
 
@@ -92,7 +92,7 @@ class Gas {
   std::size_t next_ = 0;
 };
 
-/// Hash of the first events, which is the same for all queues.
+/// Hash of the first events. All queues have the same hash.
 std::uint64_t expected_hash(std::uint32_t slots) {
   switch (slots) {
     case 64:

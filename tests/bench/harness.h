@@ -28,7 +28,7 @@ class ResultHash {
   std::uint64_t value_ = 0xcbf29ce484222325U;
 };
 
-/// Compares the hash of a fixed piece of work with the known hash. A difference makes the benchmark
+/// Compares the hash of a fixed piece of work with the known hash. If they differ, the benchmark
 /// and the whole program fail. REQUIRES: called once for each run of a benchmark.
 void verify(benchmark::State& state, std::uint64_t hash, std::uint64_t expected);
 

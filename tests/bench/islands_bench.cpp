@@ -1,6 +1,6 @@
-// Free islands of 32 particles (worker/sampling/island.h) with a guide learnt in advance. Rows
-// report islands per second (as items) and simulations per island, which include simulations of
-// single dice but not of single balls.
+// Times of free islands of 32 particles (worker/sampling/island.h). The guide is learnt in advance.
+// Rows report islands per second (as items) and simulations per island. Simulations of single dice
+// count; simulations of single balls don't.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
@@ -20,7 +20,7 @@ using worlds::dice::StagedDice;
 
 constexpr sampling::ChainStreams k_streams{.seed = 1, .chain = {}, .replica = {}};
 
-/// Returns a world with the log lambda of requests without a sampler.
+/// Returns a world. `log_lambda` is the value that requests without a sampler use.
 StagedSpelling world_of(const spelling::Pattern& pattern, double log_lambda) {
   spelling::Parameters parameters;
   parameters.pattern = pattern;
@@ -28,7 +28,7 @@ StagedSpelling world_of(const spelling::Pattern& pattern, double log_lambda) {
   return StagedSpelling(parameters);
 }
 
-/// Hashes all bits of the first `hashed` islands' log Z and drawn states.
+/// Hashes log Z and the drawn states of the first `hashed` islands.
 template <class World>
 void islands(benchmark::State& state, const World& world, std::uint64_t hashed,
              std::uint64_t expected) {

@@ -19,7 +19,7 @@ std::string filter_of(const std::vector<std::string>& names) {
   return filter.empty() ? "." : filter;
 }
 
-/// All benchmarks except scenes of many bodies, which take seconds to minutes.
+/// All benchmarks except scenes of many bodies, because such scenes take seconds to minutes.
 constexpr const char* k_all_but_large =
     "-^(box/.*/(512|4096)|hourglass/.*/([4-9]0|100|1000)|wall/|broad_phase/.*/10648)";
 

@@ -1,4 +1,4 @@
-// Measures the time to evaluate free flight, which every search and bounding volume needs.
+// Measures the time to evaluate free flight. Every search and bounding volume needs free flight.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -62,9 +62,9 @@ void orientations(benchmark::State& state, InertiaSymmetry symmetry, TickCount a
   verify(state, hash.value(), expected);
 }
 
-/// With this spacing, successive orientations differ by about 0.03 rad, as in a search.
+/// At this spacing in time, successive orientations differ by about 0.03 rad, as in a search.
 constexpr TickCount k_near = TickCount{1} << 20;
-/// With this spacing, each evaluation is in a different step of a general body's motion.
+/// At this spacing in time, each evaluation is in another step of a general body's motion.
 constexpr TickCount k_far = TickCount{1} << 23;
 
 void spherical(benchmark::State& state) {

@@ -1,20 +1,20 @@
-// The cost of keeping a simulation's history, and its benefit (docs/SIMULATOR.md, "Replay of an
-// earlier simulation").
+// Cost and benefit of keeping a simulation's history (docs/SIMULATOR.md, "Replay of an earlier
+// simulation").
 //
 // Each row alternates between a recorded simulation from scratch (`whole_ms`) and the row's own
 // simulation (`ms`). CPU times include the start and the new history.
 //
 //   - Row `keep` times a simulation that keeps its history.
-//   - In rows `all`, everything differs. The simulation gets the useless history of another scene,
+//   - In rows `all`, all bodies differ. The simulation gets the useless history of another scene,
 //     or none.
 //   - In rows `early`, one body starts differently, or is kicked, at the beginning. In scenes whose
 //     bodies mix, the whole motion is simulated again.
-//   - In rows `half`, the change comes after half of the time, and in rows `late` after nine
-//     tenths.
+//   - In rows `half`, the change comes after half of the time. In rows `late`, the change comes
+//     after nine tenths.
 //
 // In rows `early`, `half` and `late`, both simulations keep their histories, as in a chain of
-// proposals. In `all`, neither does. The verified hash is the recording's digest, which is the same
-// for both.
+// proposals. In `all`, neither does. Both recordings have the same digest, which is the verified
+// hash.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -83,7 +83,7 @@ std::uint64_t digest_of(const Scene& scene, double duration_s,
   return simulation.recording().digest();
 }
 
-/// Returns a proposal that changes one body after a fraction of the time, or all bodies.
+/// Returns a proposal: one body changes after a fraction of the time, or all bodies change.
 Scene changed(const Subject& subject, const Scene& before, Row row) {
   Scene scene = before;
   if (row == Row::all) {

@@ -2,11 +2,11 @@
 //
 // Without an option, 8 processes request a job's status, 100 watchers receive events, and a client
 // fetches a file. The program prints calls/s, latencies and MB/s. With `--check`, a short run tests
-// all answers, but no times.
+// all answers, and doesn't judge times.
 //
-// The server is a separate process, and so is each client that requests a status. Watchers are
-// threads. An event's latency begins when the server's process can first see the event (it looks
-// every 0.5 ms) and ends when the watcher's sink receives it.
+// The server and each client that requests a status are separate processes. Watchers are threads.
+// An event's latency begins when the server's process can first see the event, and ends when the
+// watcher's sink receives the event. The server looks for events every 0.5 ms.
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -49,7 +49,7 @@ void print_times(const std::string& what, std::vector<double> times_s) {
              1e3 * at_share(times_s, 0.5), 1e3 * at_share(times_s, 0.99), 1e3 * times_s.back());
 }
 
-/// A client process's work: makes calls for `seconds` seconds, and writes their latencies.
+/// Runs a client process: makes calls for `seconds` seconds, and writes their latencies.
 [[noreturn]] void ask_for_status(const std::string& socket, double seconds, int write_to) {
   Client client(socket);
   const base::SteadyClock clock;
@@ -97,7 +97,6 @@ void measure_status(const std::string& socket, double seconds) {
   print_times("a status call", std::move(times_s));
 }
 
-/// Records the time of each event.
 class Stopwatch final : public WatchSink {
  public:
   Stopwatch(const std::vector<std::atomic<double>>& told_s, std::vector<double>& latencies_s)

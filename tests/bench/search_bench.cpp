@@ -1,6 +1,7 @@
-// Searches: pourings built ball by ball (worker/worlds/spelling/pouring_builder.h) from a map of
-// landings learnt in advance, and six dice built die by die (worker/worlds/dice/throw_stages.h).
-// Items are solutions. Learning the map is measured too.
+// Times of searches. One search builds pourings ball by ball
+// (worker/worlds/spelling/pouring_builder.h). The map of landings is learnt in advance. Another
+// search builds six dice die by die (worker/worlds/dice/throw_stages.h). Items are solutions.
+// Learning the map is measured too.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -17,7 +18,7 @@ namespace spelling = worlds::spelling;
 using spelling::Spelling;
 
 constexpr std::uint64_t k_seed = 1;
-/// 2,000 balls. A map from more balls doesn't make pourings cheaper.
+/// The map is learnt from 2,000 balls. More balls don't make pourings cheaper.
 constexpr std::uint64_t k_batches = 20;
 
 Spelling world_of(const spelling::Pattern& pattern) {
@@ -45,7 +46,7 @@ void measure(benchmark::State& state, const Find& find, std::uint64_t number,
   state.counters[guesses] = static_cast<double>(effort.guesses) / each;
 }
 
-/// Hashes the first `hashed` pourings, and then measures more pourings.
+/// Hashes the first `hashed` pourings. Then measures more pourings.
 void search(benchmark::State& state, const spelling::Pattern& pattern, std::uint64_t hashed,
             std::uint64_t expected) {
   const Spelling world = world_of(pattern);
@@ -96,7 +97,6 @@ void search_six_dice(benchmark::State& state) {
 }
 BENCHMARK(search_six_dice)->Name("search/six_dice")->Unit(benchmark::kMillisecond);
 
-/// A batch of single balls in the box of ACM.
 void landings(benchmark::State& state) {
   const Spelling world = world_of(word("ACM"));
   ResultHash hash;

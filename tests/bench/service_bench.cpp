@@ -1,9 +1,11 @@
-// Calls per second that a daemon answers: durable submits, and status requests with many jobs.
+// Calls per second that a daemon answers: durable submits, and status requests while there are many
+// jobs.
 //
 // Usage: `sleight-service-bench SOCKET SUBMITS SECONDS`.
 //
-// Eight processes together submit SUBMITS jobs, each waiting until its job is durable. Then they
-// request the status of random jobs for SECONDS. The daemon must be running (service_figures.py).
+// Eight processes together submit SUBMITS jobs. After each submit, the process waits until the job
+// is durable. Then the processes request the status of random jobs for SECONDS. The daemon must be
+// running (service_figures.py).
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>

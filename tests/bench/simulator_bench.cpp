@@ -1,12 +1,14 @@
-// The event-driven simulator on the thesis's two experiments (3.3) and on gases of spheres.
+// Times of the event-driven simulator in the thesis's two experiments (3.3) and in gases of
+// spheres.
 //
 // Rows of box/, hourglass/ and wall/ time simulations without a recording. Each row first simulates
-// the beginning once with a recording and verifies the recording's digest, which both algorithms
-// share. Rows named sync use Algorithm 3.4 with a complete sort of all extents, which is faster on
-// these scenes than the same algorithm on the grid (sync_grid, for comparison). Rows of one size
-// simulate the same time, so total times are comparable (hourglass/1000 simulates a twentieth of a
-// second). Rows named sync report the ratio to async in the same run of the program. Rows that take
-// more than about a second are always verified, but timed only if their name or scene is requested.
+// the beginning once with a recording, and verifies the recording's digest. Both algorithms have
+// the same digest. Rows named sync use Algorithm 3.4 with a complete sort of all extents. Rows
+// named sync_grid use the same algorithm on the grid, which is slower in these scenes. Rows of one
+// size simulate the same time, so total times are comparable (hourglass/1000 simulates a twentieth
+// of a second). Rows named sync report the ratio of their time to async's time in the same run of
+// the program. Rows that take more than about a second are always verified, but timed only if their
+// name or scene is requested.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -81,7 +83,7 @@ struct Experiment {
   bool long_async;  ///< timed only when requested by name
   bool long_sync;
   std::uint64_t digest;  ///< of the recording up to verified_s
-  /// If not 0, timing starts at this simulated time and lasts duration_s.
+  /// Simulated time at which timing starts, if not 0. Timing then lasts duration_s.
   double from_s = 0;
 };
 
@@ -93,7 +95,7 @@ constexpr Experiment k_experiments[] = {
     {"box", scenes::boxed_polyhedra, 16, 100, 10, false, false, 0x482f495f6497c650U},
     {"box", scenes::boxed_polyhedra, 32, 100, 10, false, false, 0x3d6ea41aa7311758U},
     {"box", scenes::boxed_polyhedra, 64, 100, 10, false, false, 0x3f8a130a2dc87871U},
-    // At least ten collisions per body.
+    // The run has at least ten collisions per body.
     {"box", scenes::boxed_polyhedra, 512, 40, 2, false, true, 0xf34d0f773bc47a6cU},
     {"box", scenes::boxed_polyhedra, 4096, 45, 0.25, true, true, 0xa5022b9348d23a3bU},
     {"hourglass", scenes::hourglass, 10, 0, 1.5, false, false, 0x2f83a5fc1c9c632cU},
@@ -108,14 +110,16 @@ constexpr Experiment k_experiments[] = {
     {"hourglass", scenes::hourglass, 100, 0, 1.5, true, true, 0x1ce8b39c1df40df0U},
     {"round_solids", scenes::round_solids, 12, 0, 1, false, true, 0x33e4dfda7fbc0944U},
     {"bowling", scenes::bowling, 11, 0, 1, false, true, 0x26de07c6d97275fcU},
-    // Two hundred bricks, and the ball that knocks them down.
+    // A ball knocks down two hundred bricks.
     {"wall", scenes::wall, 201, 0.75, 0.03, true, true, 0xdf661de415c33449U},
-    // All grains have started, and the last ones fall on the heap. The whole simulation takes
-    // minutes with the asynchronous algorithm, and an hour with the synchronous one.
+    // When timing starts, all grains have started, and the last grains fall on the heap. The whole
+    // simulation takes minutes with the asynchronous algorithm, and an hour with the synchronous
+    // algorithm.
     {"hourglass", scenes::hourglass, 1000, 0.05, 1.5, true, true, 0x4929c940aa320193U, 50},
 };
 
-/// CPU seconds of each experiment's asynchronous run, or of one event if parts are timed.
+/// CPU seconds of each experiment's asynchronous run. If only a part is timed, CPU seconds per
+/// event.
 std::map<const Experiment*, double>& async_seconds() {
   static std::map<const Experiment*, double> seconds;
   return seconds;
@@ -157,8 +161,8 @@ std::optional<Timed> time_whole(benchmark::State& state, const physics::Scene& s
   return timed;
 }
 
-/// Times a part of a long simulation. An experiment's rows share the simulation. Each row continues
-/// where the last row stopped.
+/// All rows of an experiment share one simulation; each row continues where the row before it
+///  stopped.
 std::optional<Timed> time_part(benchmark::State& state, const Experiment& experiment,
                                const physics::Scene& scene, Way way) {
   static std::map<const Experiment*, Simulation> shared;
@@ -198,7 +202,7 @@ void run(benchmark::State& state, const Experiment& experiment, Way way) {
                                              : time_whole(state, setting.scene, way, duration_s);
     if (!timed) return;
     count(state, timed->counts, duration_s, timed->cpu_s, experiment.n);
-    // Parts of one simulation have different events, so compare times per event.
+    // Each row times another part of the simulation, so compare times per event.
     const double run_s = timed->cpu_s / static_cast<double>(state.iterations());
     const double unit_s =
         experiment.from_s > 0 ? run_s / static_cast<double>(timed->counts.events()) : run_s;

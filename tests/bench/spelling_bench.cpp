@@ -1,5 +1,6 @@
-// Times for balls that spell HI: simulations of ten balls with completely new geometry, until the
-// outcome is decided or until rest; a chain of Algorithm 2.1; and both engines.
+// Times for balls that spell HI. Some rows simulate ten balls with completely new geometry, until
+// the outcome is decided or until rest. Other rows run a chain of Algorithm 2.1, or compare both
+// engines.
 #include <benchmark/benchmark.h>
 
 #include <ctime>
@@ -71,7 +72,7 @@ using worlds::spelling::Replays;
 BENCHMARK_CAPTURE(simulation, decision, &decide, Replays::no, 0xcbb75db773a49fa5U)
     ->Name("spelling_hi/decision")
     ->Unit(benchmark::kMillisecond);
-/// The same simulation, but with all data kept for simulations of similar states.
+/// The same simulation, but it also keeps all data for simulations of similar states.
 BENCHMARK_CAPTURE(simulation, decision_kept, &decide_and_keep, Replays::yes, 0xcbb75db773a49fa5U)
     ->Name("spelling_hi/decision_kept")
     ->Unit(benchmark::kMillisecond);
@@ -109,9 +110,10 @@ BENCHMARK_CAPTURE(chain, fresh, worlds::spelling::Replays::no)
     ->Iterations(1);
 
 // The ratio of both engines' times (docs/SIMULATOR, "Equal balls by themselves"). Each engine
-// simulates the same scenes from the start until two seconds after the last drop. Building static
-// geometry is measured separately and excluded, because a chain reuses it. Like a chain's
-// proposals, rows named `reuse` use the history of a scene in which one ball is dropped elsewhere.
+// simulates the same scenes from the start until two seconds after the last drop. The time to build
+// static geometry isn't part of the ratio, because a chain reuses static geometry. Rows named
+// `reuse` use the history of a scene in which one ball is dropped elsewhere, as a chain's proposals
+// do.
 
 constexpr double k_after_the_last_s = 2;
 
@@ -133,7 +135,8 @@ void hash_place(ResultHash& hash, const math::Vec3& place_m) {
     hash.add(place_m[axis]);
 }
 
-/// Runs both engines on a scene, with the history of a scene in which `moved` starts elsewhere.
+/// Runs both engines on a scene. If `other` isn't null, the engines use its history. In `other`,
+/// the ball `moved` starts elsewhere.
 void run_engines(const physics::Scene& scene, const physics::Scene* other, std::uint32_t moved,
                  Engines& engines) {
   const physics::Tick end =
@@ -211,7 +214,7 @@ void engines(benchmark::State& state, bool reuses) {
       Spelling::State proposal = states[i];
       proposal.drops_m[moved] = states[(i + 1) % states.size()].drops_m[moved];
       const physics::Scene scene = *world.scene(proposal);
-      // Share the mesh, so that the engine sees at once that it is unchanged.
+      // Both scenes share the mesh, so that the engine sees at once that the mesh is unchanged.
       physics::Scene before = scene;
       before.bodies[moved].start = world.scene(states[i])->bodies[moved].start;
       run_engines(scene, reuses ? &before : nullptr, moved, both);

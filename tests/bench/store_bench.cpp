@@ -1,4 +1,5 @@
-// The run store's speed: scans per second from put() until committed, including fsync.
+// The run store's speed in scans per second. The time runs from put() until the scans are
+// committed, including fsync.
 #include <benchmark/benchmark.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -56,7 +57,6 @@ std::vector<plan::UnitResult> results() {
   return all;
 }
 
-/// Hash of the data read from the store.
 std::uint64_t stored_hash(const std::string& folder) {
   ResultHash hash;
   const store::StoredRun run(folder, {.chains = k_chains, .scans = k_units * k_scans_per_unit});

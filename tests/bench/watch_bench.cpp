@@ -1,11 +1,11 @@
-// Latency of a run's events for 100 watchers of a daemon.
+// Latency with which a daemon sends a run's events to 100 watchers.
 //
 // Usage: `sleight-watch-bench SOCKET JOB EVENTS_LOG`.
 //
-// Watchers are threads with their own connections that watch a running job. An event's latency
-// starts when its line can first be read in the run's log (checked every 0.5 ms), and ends when the
-// watcher's sink receives the event. The program ends when the job ends. The daemon and the job
-// must be running (service_figures.py).
+// Watchers are threads. Each watcher watches a running job through its own connection. An event's
+// latency starts when its line can first be read in the run's log (checked every 0.5 ms). The
+// latency ends when the watcher's sink receives the event. The program ends when the job ends. The
+// daemon and the job must be running (service_figures.py).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace {
 
 constexpr int k_watchers = 100;
 
-/// Times in seconds of a common clock, by event number.
+/// Times by event number, in seconds of a common clock.
 using Moments = std::map<std::uint64_t, double>;
 
 class Arrivals final : public WatchSink {
@@ -53,7 +53,7 @@ class Arrivals final : public WatchSink {
   std::uint64_t last_ = 0;
 };
 
-/// Times at which each new line of the log could first be read.
+/// Returns when each new line of the log could first be read.
 Moments follow(const std::string& log, const std::atomic<bool>& is_over) {
   const base::SteadyClock clock;
   std::ifstream file(log);

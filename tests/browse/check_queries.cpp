@@ -2,10 +2,10 @@
 //
 // Usage: `sleight-check-queries ARCHIVE.h5 QUERIES SEED`.
 //
-// Each query runs on one animation; the animations take turns. If the query can be typed, its text
-// is parsed and must give the same answer. Answers that depend on the last bits of a root are
-// counted, not compared. At the first difference, the program prints the command that repeats it
-// and exits with 1.
+// Each query runs on one animation; the animations take turns. If a query has a text, the program
+// parses the text, and the parsed query must give the same answer. Answers that depend on the last
+// bits of a root are counted, not compared. At the first difference, the program prints a command
+// that repeats the query, and exits with 1.
 #include <fmt/format.h>
 
 #include <cstdint>

@@ -1,13 +1,13 @@
 // Writes the C++ programs' answers to random questions about an archive's animations.
-// tests/programs/test_gallery_search.py compares the search of a saved page with them.
+// tests/programs/test_gallery_search.py compares these answers with those of a saved page.
 //
 // Usage: `sleight-gallery-answers ARCHIVE.h5 FOLDER QUERIES SETS SEED`.
 //
-// The program writes into the folder: index.bin, the file that a saved page searches;
-// questions.jsonl and answers.jsonl, one JSON object per line. The program also damages each random
-// query's text by removing, inserting or exchanging characters. Most damaged texts are invalid. The
-// errors' places and messages must be equal too. The program groups sets of animations, and
-// searches each set for animations that resemble some of its members.
+// The program writes three files into the folder. index.bin is the file that a saved page searches.
+// questions.jsonl and answers.jsonl have one JSON object per line. The program also damages each
+// random query's text: it removes, inserts or exchanges characters. Most damaged texts are invalid.
+// For a damaged text, the page must report the same error at the same place. The program groups
+// sets of animations, and searches each set for animations that resemble some of its members.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -39,7 +39,7 @@ using Json = json::Value;
 using Entries = std::vector<std::size_t>;
 
 constexpr int k_depth = 3;
-/// Valid words, signs and numbers of queries, to insert into a query's text at wrong places.
+/// Words, signs and numbers of queries. The program inserts them at wrong places of texts.
 constexpr auto k_put_in = std::to_array<std::string_view>({" and ",
                                                            " or ",
                                                            " then ",
@@ -93,7 +93,7 @@ bool goes_on(char c) {
   return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
 }
 
-/// Returns the first place at or after `at` that is not inside a multi-byte character.
+/// Returns `at`, or the end of the multi-byte character that contains `at`.
 std::size_t between_characters(const std::string& text, std::size_t at) {
   while (at < text.size() && goes_on(text[at]))
     ++at;

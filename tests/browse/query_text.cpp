@@ -19,7 +19,8 @@ std::string in_quotes(std::string_view name) {
   return text + "\"";
 }
 
-/// Writes "0.1..0.2" or "..0.2". A range without ends gets a low end that is below all values.
+/// Writes "0.1..0.2" or "..0.2". If the range has no ends, writes a low end that is below all
+/// values.
 std::string range(double low, double high) {
   const bool is_open = !std::isfinite(low) && !std::isfinite(high);
   const auto end = [](double value) {

@@ -10,7 +10,7 @@
 namespace sleight::browse::testing {
 namespace {
 
-/// Rounding error of a position, whose coordinates are at most some metres.
+/// Rounding error of a position whose coordinates are at most some metres.
 constexpr double k_rounding_m = 1e-9;
 
 math::Vec3 place_of(const Piece& piece, double t_s) {
@@ -26,7 +26,7 @@ bool is_in(const math::Vec3& place_m, const Box& box, double margin_m) {
   return true;
 }
 
-/// Adds the times at which a coordinate crosses a bound.
+/// Appends the times at which a coordinate equals `bound`.
 void add_roots(double p, double v, double a, double bound, double start_s,
                std::vector<double>& moments) {
   if (!std::isfinite(bound)) return;
@@ -39,7 +39,7 @@ void add_roots(double p, double v, double a, double bound, double start_s,
   if (square < 0) return;
   for (const double sign : {-1.0, 1.0}) {
     moments.push_back(start_s + (-v + sign * std::sqrt(square)) / a);
-    // Compute the same root by another formula, which rounds differently.
+    // Append the same root by another formula, because its rounding differs.
     const double q = -(v + sign * std::sqrt(square));
     if (q != 0) moments.push_back(start_s + 2 * c / q);
   }
@@ -59,8 +59,8 @@ std::vector<double> moments_of(const Piece& piece, double from_s, double to_s, c
   return moments;
 }
 
-/// Returns when the condition is first met: the latest of the bodies' first times for `every`, the
-/// earliest for `any`.
+/// Returns when the condition is first met. For `every`, this is the latest of the bodies' first
+/// times; for `any`, the earliest.
 template <class FirstOf>
 std::optional<double> slow_first_of(const Bodies& who, const Entry& entry, FirstOf first_of_body) {
   std::vector<double> firsts;

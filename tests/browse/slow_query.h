@@ -1,8 +1,9 @@
 // Slow, plain answers to queries, and random queries. They test the fast answers.
 //
-// A body's centre is in a box during a piece if and only if it is in the box at one of these times:
-// the piece's ends, the times at which a coordinate crosses a bound, and the middles between
-// successive times. The slow answer tests all these times, for all pieces of the body.
+// Certain times decide whether a body's centre is in a box during a piece: the piece's ends, the
+// times at which a coordinate crosses a bound, and the middles between successive times. If the
+// centre is in the box at all, it is in the box at one of these times. The slow answer tests all
+// these times of all pieces.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +17,23 @@
 
 namespace sleight::browse::testing {
 
-/// Returns the first time in the box, or nothing if the body is never in the box. The box is wider
-/// by `margin_m` on each side, or narrower if `margin_m` is negative.
+/// Returns the first time in the box, or nothing if the body is never in the box. Each side of the
+/// box first moves outwards by `margin_m`, or inwards if `margin_m` is negative.
 std::optional<double> slow_first_inside(std::span<const Piece> pieces, const Box& box,
                                         const Stretch& when, double margin_m = 0);
 
 bool slow_is_met(const Condition& condition, const Entry& entry, double margin_m = 0);
 
-/// Returns whether any comparison of this condition is within rounding of its bound in this
-/// animation. Then both answers are valid.
+/// Returns whether rounding errors may decide if this animation meets the condition. Then both
+/// answers are valid.
 bool is_close_call(const Condition& condition, const Entry& entry);
 
 /// Returns the text that a person would type for the condition. Returns nothing for hits of a goal,
 /// which have no text.
 std::optional<std::string> text_of(const Condition& condition, const Index& index);
 
-/// Returns a random condition on animations of the index. The condition is at most `depth` deep,
-/// and is met about half of the time. REQUIRES: at least one entry.
+/// Returns a random condition on animations of the index. The condition is at most `depth` deep.
+/// About half of the conditions are met. REQUIRES: at least one entry.
 Condition random_condition(const Index& index, random::Stream& stream, int depth);
 
 }  // namespace sleight::browse::testing

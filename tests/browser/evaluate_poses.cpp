@@ -1,16 +1,16 @@
-// Computes bodies' positions with the C++ code, for comparison with the web page (pixels.test.mjs,
-// evaluation.test.mjs).
+// Computes bodies' positions with the C++ code. Tests compare them with the web page's positions
+// (pixels.test.mjs, evaluation.test.mjs).
 //
 // `sleight-evaluate-poses ARCHIVE.h5 < QUESTIONS` answers questions about an archive. Each line of
-// QUESTIONS is "NAME TIME_S". Each answer is a line of JSON, in which `centre_m` is null if the
-// body hasn't entered:
+// QUESTIONS is "NAME TIME_S". Each answer is a line of JSON. If a body hasn't entered, its
+// `centre_m` is null:
 //
 //   {"name", "time_s", "end_s", "bodies": [{"name", "radius_m", "centre_m": [x, y, z]}]}
 //
-// `sleight-evaluate-poses --segments COUNT SEED FOLDER` writes random segments of all modes as
-// columns. The file segments.bin contains the segments and a time for each. The file expected.bin
-// contains the positions, velocities and orientations at these times. Columns have the same form as
-// answers to the web page (clients/gallery_server/packed.h).
+// `sleight-evaluate-poses --segments COUNT SEED FOLDER` writes random segments as columns. The
+// segments have all modes. The file segments.bin contains the segments and one time per segment.
+// The file expected.bin contains the positions, velocities and orientations at these times. The
+// server sends columns to the web page in the same form (clients/gallery_server/packed.h).
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -102,7 +102,7 @@ int write_segments(std::uint64_t count, std::uint64_t seed, const std::string& f
   for (std::uint64_t n = 0; n < count; ++n) {
     random::Stream stream({.seed = seed, .purpose = random::Purpose::scene}, n);
     const motion::Segment segment = any_segment(stream, n);
-    // A time in the segment's first half second, sometimes its start.
+    // The time is the segment's start, or within half a second after it.
     const double t_s = segment.start_s + (n % 50 == 0 ? 0 : 0.5 * stream.uniform());
     all.push_back(segment);
     time.push_back(t_s);

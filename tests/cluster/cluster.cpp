@@ -6,7 +6,7 @@
 namespace sleight::cluster {
 namespace {
 
-/// `utilisation_amid` is measured from the first of these shares of the scans to the second.
+/// `utilisation_amid` is measured while the share of finished scans is between these numbers.
 constexpr double k_marks[] = {0.2, 0.8};
 /// Number of assignments between two checks of the run's progress.
 constexpr std::uint64_t k_note_every = 32;
@@ -47,7 +47,7 @@ Cluster::Cluster(const Case& of)
 }
 
 Outcome Cluster::run(double limit_s) {
-  // Workers that join later aren't started at first.
+  // Don't start workers that join later.
   std::vector<bool> is_late(workers_.size());
   for (const Fault& fault : scenario_.faults) {
     if (fault.kind == Fault::Kind::workers_join)
@@ -170,7 +170,7 @@ void Cluster::strike(const Fault& fault) {
   }
 }
 
-/// Overlapping bursts of bad weather have the worst burst's effect.
+/// If bursts of bad weather overlap, only the worst burst has an effect.
 void Cluster::change_weather(const Fault& fault, bool begins) {
   if (begins) {
     bad_weather_.push_back(fault);

@@ -1,6 +1,6 @@
-// A simulated cluster on one simulated clock: workers, a coordinator that may die and start again,
-// a store, a network, and a schedule of faults. The simulation uses the real plans, scheduler,
-// block runner and cache.
+// A simulated cluster: workers, a coordinator, a store, a network, and a schedule of faults share
+// one simulated clock. The coordinator may die and start again. The simulation uses the real plans,
+// scheduler, block runner and cache.
 //
 // Data flow:
 //   faults ──▶ workers ◀── network ──▶ coordinator (session 1, 2, ...) ──▶ store.
@@ -78,9 +78,9 @@ class Cluster {
 };
 
 /// Maximum time of a run after the last fault. Each outstanding assignment returns or is assigned
-/// again within the longest lease. Then the available threads do the remaining work, at most that
-/// of the whole run. The work takes at least the time of one replica's scans in sequence. The
-/// factor of two covers copies, because short leases cause blocks to be assigned twice.
+/// again within the longest lease. Then the available threads do the remaining work, at most the
+/// whole run's work. The work takes at least the time of one replica's scans in sequence. The
+/// factor of two allows for copies, because short leases cause blocks to be assigned twice.
 double liveness_bound_s(const Case& of);
 
 }  // namespace sleight::cluster

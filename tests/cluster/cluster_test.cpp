@@ -16,10 +16,9 @@ std::uint64_t seeds() {
   return property::long_run() ? 10'000 : property::of_tier(20, 150);
 }
 
-/// Number of tests that share the seeds, so that several processes can run them.
+/// Number of tests that share the seeds. Several processes can run the tests.
 constexpr std::uint64_t k_shares = 4;
 
-/// Totals of a test's clusters, printed for people.
 struct Summary {
   std::uint64_t runs = 0;
   std::uint64_t large = 0;
@@ -52,7 +51,6 @@ struct Summary {
   }
 };
 
-/// Runs the cluster that a seed defines, and reports its errors.
 void check_seed(std::uint64_t seed, const CaseChoice& choice, Summary& summary) {
   const Case of = case_of(seed, choice);
   SCOPED_TRACE(of.name());
@@ -80,17 +78,17 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(Seeds, DigestIsTheSerialRuns) {
-  // Goal: after any faults of workers, messages, coordinator and disk, a run ends, has the same
-  // bits as a serial run, and loses no commit. Method: simulate clusters of 1 to 4096 workers.
+  // Goal: a run ends, has the same bits as a serial run, and loses no commit, whatever faults
+  // workers, messages, coordinator and disk have. Method: simulate clusters of 1 to 4096 workers.
   // Compare digests with the serial run, check the store's invariants, and limit the time from the
   // last fault to the end.
   check_share({}, seeds());
 }
 
 TEST_P(Seeds, FewWorkersDoIt) {
-  // Goal: runs on small clusters, where one blocked worker would stop the run, also end with the
-  // serial run's bits and lose no commit. Method: simulate clusters of at most four workers, with
-  // twenty times as many seeds as for large clusters.
+  // Goal: runs on small clusters also end with the serial run's bits and lose no commit. On such a
+  // cluster, one blocked worker would stop the run. Method: simulate clusters of at most four
+  // workers. Use twenty times as many seeds as for large clusters.
   check_share({.method = {}, .workers_max = 4}, 20 * seeds());
 }
 

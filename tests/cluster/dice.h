@@ -1,5 +1,6 @@
-// Random choices of a simulated cluster, which depend only on its seed and the order of calls. Each
-// part has its own dice, so that changing a part leaves others' draws unchanged. Not thread-safe.
+// Random choices of a simulated cluster. The choices depend only on the seed and the order of
+// calls. Each part has its own dice, so that changing a part leaves others' draws unchanged. Not
+// thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,8 @@ namespace {
 
 using Kind = Fault::Kind;
 
-/// The coordinator fails less often than workers and messages, because its end disturbs everything.
+/// Workers and messages fail more often than the coordinator, because the coordinator's end
+/// disturbs everything.
 constexpr Kind k_kinds[] = {
     Kind::workers_die,       Kind::workers_die,    Kind::workers_die,
     Kind::workers_stall,     Kind::workers_stall,  Kind::workers_stall,
@@ -30,7 +31,7 @@ std::vector<Fault> faults_of(std::uint64_t seed, std::uint32_t workers, double s
     fault.kind = k_kinds[dice.whole(0, std::size(k_kinds) - 1)];
     fault.at_s = dice.uniform(0, span_s);
     fault.for_s = span_s * dice.log_uniform(0.002, 0.2);
-    // A host has several workers, and a rack several hosts.
+    // A host has several workers; a rack has several hosts.
     const double most = std::max(1.0, workers / 4.0);
     fault.workers = static_cast<std::uint32_t>(dice.log_uniform(1, most));
     fault.first_worker = static_cast<std::uint32_t>(dice.whole(0, workers - fault.workers));

@@ -1,4 +1,4 @@
-// A schedule of a run's faults, drawn from the seed before the run begins.
+// A schedule of a run's faults. The seed determines the schedule before the run begins.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,8 @@ struct Fault {
 
 inline constexpr std::uint64_t k_faults_max = 100;
 
-/// Draws up to k_faults_max faults that begin before `span_s` and last at most a fifth of it.
+/// Draws up to k_faults_max faults. Faults begin before `span_s` and last at most a fifth of
+/// `span_s`.
 std::vector<Fault> faults_of(std::uint64_t seed, std::uint32_t workers, double span_s);
 
 /// Returns the time after which only permanent faults remain.

@@ -7,7 +7,7 @@
 namespace sleight::cluster {
 namespace {
 
-/// Applies a mistake that differs between workers.
+/// Applies the mistake in which each worker has its own seed.
 sampling::HashedWorker::Options hash_of(const HashWorkerOptions& options) {
   sampling::HashedWorker::Options hash = options.hash;
   if (options.mistake == Mistake::own_numbers) hash.seed += options.id;

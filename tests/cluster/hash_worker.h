@@ -1,5 +1,5 @@
-// A worker that computes a hash chain (HashedWorker) scan by scan. Each scan has a fixed cost, and
-// the worker holds a bounded number of states by replica and version, like a real worker process.
+// A worker that computes a hash chain (HashedWorker) scan by scan. Each scan has a fixed cost. Like
+// a real worker process, the worker holds a bounded number of states by replica and version.
 //
 // Costs are log-uniform over a factor of k_cost_spread. Running a unit advances the given clock by
 // its cost, so a block runner measures exactly this cost. Not thread-safe.
@@ -22,7 +22,7 @@ std::uint64_t mixed(std::uint64_t a, std::uint64_t b);
 
 inline constexpr double k_cost_spread = 100;
 
-/// The cost of each scan, independent of where and when it runs.
+/// Costs of scans. A scan's cost doesn't depend on the worker or the time.
 struct Costs {
   std::uint64_t seed = 1;
   double least_s = 1e-4;

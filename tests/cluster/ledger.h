@@ -1,4 +1,4 @@
-// All scans of a stored or serial run with their states, by replica. Not thread-safe.
+// All scans of a stored or serial run, by replica. Each scan has its state. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct Ledger {
   };
   std::map<plan::ReplicaKey, Replica> replicas;
 
-  /// Returns whether the result starts its replica or directly continues it.
+  /// Returns whether the result is its replica's first result, or directly continues the replica.
   bool continues(const plan::UnitResult& result) const;
   /// REQUIRES: continues(result).
   void add(plan::UnitResult result);
@@ -32,7 +32,8 @@ std::uint64_t digest_of(const Ledger& ledger);
 /// Returns a description of the first difference between two ledgers, or an empty string.
 std::string difference(const Ledger& expected, const Ledger& found);
 
-/// Returns the plan's results if scans run one after another. The plan is finished afterwards.
+/// Runs the plan's scans one after another, and returns the results. The plan is finished
+/// afterwards.
 Ledger run_serially(plan::Plan& plan, const plan::UnitWorker& worker);
 
 }  // namespace sleight::cluster

@@ -1,4 +1,4 @@
-// Control test of contract C1, on clusters with one known mistake each.
+// Control test of contract C1. Each cluster has one known mistake.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -13,7 +13,7 @@
 namespace sleight::cluster {
 namespace {
 
-/// Exit status of a process that checks a run: what was wrong with the run.
+/// Exit status of a process that checks a run.
 enum Verdict : int { k_right = 0, k_digest = 10, k_violation = 11, k_unfinished = 12 };
 
 /// Maximum runs per mistake.

@@ -66,13 +66,13 @@ void print_line(const std::string& line) {
   std::fclose(file);
 }
 
-/// Returns the time until all levels have made their scans, if no level waits for workers or
-/// messages. Two levels that swap both wait for the slower one.
+/// Returns the time in which all levels make their scans, if no level waits for workers or
+/// messages. If two levels swap, both wait for the slower level.
 double critical_path_s(const Case& of, const Size& size) {
   std::vector<double> done_s(size.levels, 0.0);
   for (std::uint64_t scan = 0; scan < size.scans; ++scan) {
-    // Costs belong to replicas. Here they belong to levels, which gives the same distribution
-    // because all costs are independent.
+    // In a run, costs belong to replicas. Here costs belong to levels, which gives the same
+    // distribution because all costs are independent.
     for (std::uint32_t level = 0; level < size.levels; ++level)
       done_s[level] += of.scenario.work.costs.of({{}, base::ReplicaId{level}}, scan);
     for (std::uint32_t level = scan % 2; level + 1 < size.levels; level += 2)
@@ -82,10 +82,10 @@ double critical_path_s(const Case& of, const Size& size) {
 }
 
 TEST(Scale, AThousandWorkersAreBusy) {
-  // Goal: with at least one ladder per worker, up to 1,024 workers are busy at least 95% of the
-  // time in the middle of a run. Method: simulate clusters of several sizes. Measure the
-  // utilisation between the first and the last fifth of the scans, and over the whole run with its
-  // slow start and end.
+  // Goal: if there is at least one ladder per worker, up to 1,024 workers are busy at least 95% of
+  // the time in the middle of a run. Method: simulate clusters of several sizes. Measure the
+  // utilisation between the first and the last fifth of the scans. Also measure the whole run,
+  // which starts and ends slowly.
   const bool is_long = property::long_run();
   print_line("| workers | ladders x levels | scans a block | amid the run | whole run | run |");
   print_line("|---|---|---|---|---|---|");
@@ -108,7 +108,7 @@ TEST(Scale, AThousandWorkersAreBusy) {
   }
 }
 
-/// Four chains of islands per worker, with scans of 9 ms on average.
+/// Four chains of islands per worker. A scan takes 9 ms on average.
 Case case_of_islands(std::uint32_t workers, double handling_s) {
   sampling::IndependentChainsOptions options;
   options.chains = 4 * workers;
@@ -130,9 +130,9 @@ Case case_of_islands(std::uint32_t workers, double handling_s) {
 }
 
 TEST(Scale, IslandsKeepAThousandWorkersBusy) {
-  // Goal: chains of islands never wait, so 1,024 workers are busy nearly all the time in a whole
-  // run of about 3.6 s. Only the coordinator's time for the first messages of all workers limits
-  // the utilisation. Method: simulate runs with two handling times per message, and compare their
+  // Goal: chains of islands never wait, so 1,024 workers are busy nearly all the time. A whole run
+  // takes about 3.6 s. Only the coordinator's time for the first messages of all workers limits the
+  // utilisation. Method: simulate runs for each of two handling times per message. Compare the
   // results with a serial run.
   constexpr std::uint32_t k_workers = 1024;
   struct Asked {
@@ -154,10 +154,10 @@ TEST(Scale, IslandsKeepAThousandWorkersBusy) {
 TEST(Scale, OneLadderAgainstWorkers) {
   // Goal: the utilisation of one ladder by different numbers of workers is near its theoretical
   // bounds. Method: simulate clusters of 1 to 64 workers. A ladder of N levels has at most N units
-  // that can run at once. With W workers and costs c, a run takes at least sum(c) / W, and at least
-  // the time of the swaps' critical path. Each scan of a pair waits for the slower level, so S
-  // scans take longer than S E[max(c1, c2)]. If costs are log-uniform over a factor r, and q = log
-  // r:
+  // that can run at once. If c are the scans' costs and there are W workers, a run takes at least
+  // sum(c) / W. A run also takes at least the time of the swaps' critical path. Each scan of a pair
+  // waits for the slower level, so S scans take longer than S E[max(c1, c2)]. If costs are
+  // log-uniform over a factor r, and q = log r:
   //   E[c] / E[max(c1, c2)] = (r - 1) / (2 (r - (r - 1) / q)).
   constexpr Size k_size{.workers = 1, .ladders = 1, .levels = 32, .scans = 600};
   constexpr double k_r = k_cost_spread;
@@ -173,7 +173,7 @@ TEST(Scale, OneLadderAgainstWorkers) {
     const double of_pairs = std::min(1.0, pairs * size.levels / workers);
     print_line(fmt::format("| {} | {:.1f}% | {:.1f}% | {:.1f}% |", workers,
                            100 * outcome.utilisation, 100 * path, 100 * of_pairs));
-    // The actual critical path follows from the replicas' costs. The computed path is another draw
+    // The run's critical path depends on the replicas' costs. The computed path is another draw
     // from the same distribution.
     EXPECT_LE(outcome.utilisation, 1.1 * path);
     EXPECT_GE(outcome.utilisation, workers <= 4 ? 0.9 * path : 0.4 * path);

@@ -185,7 +185,7 @@ Case case_of(std::uint64_t seed, const CaseChoice& choice) {
                    .mistake = choice.mistake};
   scenario.scheduler = scheduler_options(dice);
   scenario.handling_s = dice.log_uniform(1e-6, 50e-6);
-  // If the coordinator can't handle a message from each worker within a lease, it assigns only
+  // If a lease is too short to handle a message from each worker, the coordinator assigns only
   // copies of blocks.
   const double round_s = scenario.handling_s * scenario.workers * scenario.threads_max;
   scenario.scheduler.lease_s = std::max(scenario.scheduler.lease_s, 10 * round_s);
@@ -194,7 +194,8 @@ Case case_of(std::uint64_t seed, const CaseChoice& choice) {
   scenario.commit_every_s = dice.log_uniform(0.002, 0.05);
   scenario.hello_every_s = 2 * scenario.scheduler.lease_s;
 
-  // A plan whose length depends on its results may be too short. If so, draw a larger plan.
+  // If a plan's length depends on its results, the plan may be too short. If so, draw a larger
+  // plan.
   const std::uint64_t least = std::max<std::uint64_t>(k_units_per_worker * scenario.workers, 300);
   for (std::uint64_t units = least;; units *= 2) {
     choose_plan(scenario, dice, units);

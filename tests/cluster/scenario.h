@@ -1,4 +1,4 @@
-// A simulated run, drawn from a seed: its plan, its cluster, its faults, and the expected result.
+// A simulated run: its plan, cluster, faults and expected result. A seed determines the run.
 #pragma once
 
 #include <cstdint>
@@ -58,11 +58,12 @@ struct CaseChoice {
   Mistake mistake = Mistake::none;
 };
 
-/// Draws a case: a log-uniform number of workers up to the maximum, enough work for them, and
-/// faults.
+/// Draws a case: workers, enough work for them, and faults. The number of workers is log-uniform up
+/// to the maximum.
 Case case_of(std::uint64_t seed, const CaseChoice& choice = {});
 
-/// Runs the plan serially for the expected result. REQUIRES: everything but the faults is set.
+/// Sets the expected result, by running the plan serially. REQUIRES: everything but the faults is
+/// set.
 void expect_serial(Case& of);
 
 }  // namespace sleight::cluster

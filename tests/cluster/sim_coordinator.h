@@ -1,5 +1,5 @@
-// One session of a simulated coordinator. The session does what service/coordinator/drive.cpp does,
-// with the real scheduler and a fresh real plan, on the simulated clock.
+// One session of a simulated coordinator. The session uses the real scheduler and a fresh real plan
+// on the simulated clock. The session drives both as service/coordinator/drive.cpp does.
 //
 // The coordinator handles incoming messages one at a time, in the order of arrival, and takes
 // handling_s for each. A session's end or death cancels its later actions. Not thread-safe.
@@ -21,7 +21,7 @@ namespace sleight::cluster {
 
 class SimCoordinator : public std::enable_shared_from_this<SimCoordinator> {
  public:
-  /// Receives messages to workers, and the session's end.
+  /// Receives messages to workers, and is told when the session ends.
   struct Outside {
     std::function<void(core::WorkerId, schema::Assignment)> assign;
     std::function<void(core::WorkerId, schema::Ping)> ask;

@@ -1,4 +1,4 @@
-// A simulated coordinator's run store, in which results become durable in groups. A crash loses
+// The run store of a simulated coordinator. Results become durable in groups. A crash loses
 // uncommitted results. A full disk fails a commit, which ends the coordinator.
 //
 // The store checks two invariants (violation()):

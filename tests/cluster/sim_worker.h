@@ -1,11 +1,11 @@
-// A simulated worker process. Assignments wait in a queue, each thread runs one block at a
-// time, and results are sent when the block's cost has elapsed.
+// A simulated worker process. Assignments wait in a queue. Each thread runs one block at a time,
+// and sends the results when the block's cost has elapsed.
 //
 // A worker may die: its queue, states and running blocks are lost, and a later start is a new
-// incarnation. A worker may also stall: nothing happens until the stall ends, and then the worker
-// handles everything received meanwhile. A worker answers pings. A worker sends a hello at its
-// start, and periodically while it has no work or has received nothing, so that a new coordinator
-// notices it.
+// incarnation. A worker may also stall: it does nothing until the stall ends, and then handles
+// everything that it received meanwhile. A worker answers pings. A worker sends a hello at its
+// start. While a worker has no work or has received nothing, it repeats the hello periodically, so
+// that a new coordinator notices the worker.
 //
 // Not thread-safe. The worker's owner, the cluster, outlives all events.
 #pragma once
@@ -45,10 +45,9 @@ class Meter {
 
 class SimWorker {
  public:
-  /// Sends a message to the coordinator.
   using Send = std::function<void(core::Input)>;
 
-  /// Borrows all arguments. No other object may use the clock, which measures costs.
+  /// Borrows all arguments. The clock measures costs. No other object may use it.
   SimWorker(const Scenario& scenario, std::uint32_t id, EventQueue& events,
             base::ManualClock& clock, Meter& meter, Send send);
 

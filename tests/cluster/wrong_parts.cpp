@@ -20,7 +20,8 @@ void WrongDeliveries::given(const schema::Assignment& assignment) {
   if (mistake_ != Mistake::none) outstanding_[assignment.assignment] = assignment.block;
 }
 
-/// Gives the results the names of another assignment. Returns false if more than the names differs.
+/// Gives the results the names of another assignment's results. Returns false if the assignments
+/// differ in more than names.
 bool WrongDeliveries::take_as(schema::Delivery& delivery, std::uint64_t assignment) const {
   const plan::Block& asked = outstanding_.at(assignment);
   if (asked.ladder || asked.members.size() != delivery.results.size()) return false;

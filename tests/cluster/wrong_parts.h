@@ -19,7 +19,7 @@ class WrongDeliveries {
  public:
   WrongDeliveries(Mistake mistake, std::uint64_t epoch) : mistake_(mistake), epoch_(epoch) {}
   void given(const schema::Assignment& assignment);
-  /// Changes the delivery into what the wrong coordinator takes it for.
+  /// Replaces the delivery by the one that the wrong coordinator believes it received.
   void take(schema::Delivery& delivery);
 
  private:
@@ -31,7 +31,7 @@ class WrongDeliveries {
   std::map<std::uint64_t, plan::Block> delivered_;
 };
 
-/// A block worker's wrong handling of ladders' parts. Borrows both workers. Thread-safe if they
+/// Makes a block worker handle parts of ladders wrongly. Borrows both workers. Thread-safe if they
 /// are.
 class WrongBlocks final : public plan::BlockWorker {
  public:

@@ -1,7 +1,7 @@
 // A slow broad phase: each change compares the body's old and new box with all other boxes.
 //
-// A change costs one pass over all boxes, 32 bytes each, in order.
-// Invariants and thread safety: broad_phase.h.
+// A change costs one pass over all boxes in order. A box takes 32 bytes. Invariants and thread
+// safety: broad_phase.h.
 #pragma once
 
 #include "worker/physics/broad_phase/body_boxes.h"

@@ -9,10 +9,10 @@
 namespace sleight::physics {
 namespace {
 
-/// Buckets per slot. More buckets make epochs longer and cost 4 bytes each.
+/// Buckets per slot. More buckets make epochs longer. A bucket costs 4 bytes.
 constexpr std::uint32_t k_buckets_per_slot = 4;
-/// Number of sampled events, and number of the earliest events in the sample. Only these earliest
-/// events determine the buckets' width, because late events may never be processed.
+/// Number of sampled events, and how many of the earliest determine the buckets' width. Late events
+/// don't matter, because they may never be processed.
 constexpr std::size_t k_sample_max = 64;
 constexpr std::size_t k_early_of_sample = 8;
 
@@ -57,7 +57,7 @@ void CalendarQueue::begin_epoch() {
     earliest = std::min(earliest, record.key.tick);
 
   // If the last epoch was too short to pay for this scan of all slots, make buckets at least four
-  // times as wide. Otherwise the width follows the sample, but shrinks only in small steps.
+  // times as wide as before. Otherwise use the sample's width, but shrink only in small steps.
   const std::uint32_t wanted = wanted_shift(earliest);
   const bool short_epoch = changes_ < records_.size();
   const std::uint32_t least = short_epoch ? shift_ + 2 : std::max(shift_, 1U) - 1;
@@ -70,7 +70,7 @@ void CalendarQueue::begin_epoch() {
   }
 }
 
-/// Returns log2 of the bucket width at which a bucket holds about one early event.
+/// Returns log2 of the bucket width at which each bucket holds about one early event.
 std::uint32_t CalendarQueue::wanted_shift(Tick earliest) const {
   std::array<std::uint64_t, k_sample_max> sample{};
   std::size_t count = 0;

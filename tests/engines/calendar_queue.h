@@ -3,21 +3,23 @@
 //
 // Idea. Buckets of equal width divide future time, so that each holds about one event. Only the
 // current bucket is ordered, as a heap. The other buckets are lists, so most key changes only move
-// a slot from one list to another. An event after the last bucket is `far` and in no list.
+// a slot from one list to another. If an event comes after the last bucket, it is `far` and in no
+// list.
 //
 // An epoch ends with the last bucket. The queue then scans all slots and lays out new buckets from
-// the earliest event on. The buckets' width follows from a sample of waiting events. Paul instead
-// reuses buckets in a circle, fixes their width by hand, and stores a list of far events.
+// the earliest event on. A sample of waiting events determines the buckets' width. Paul's queue
+// instead reuses buckets in a circle, fixes their width by hand, and stores a list of far events.
 //
 // Invariants, in addition to event_queue.h
-//   1. An event's location follows from its tick: it is in the heap if its bucket isn't after the
-//      current one, else in its bucket's list, or far if it is after all buckets.
+//   1. An event's tick determines its location. If the event's bucket isn't after the current
+//      bucket, the event is in the heap. An event after all buckets is far. Any other event is in
+//      its bucket's list.
 //   2. The heap is empty only if the queue is empty.
 //   3. A bucket's bit in `occupied_` is set if and only if the bucket's list isn't empty.
-// A wrong width only costs time. Wide buckets leave the work to the heap, and narrow buckets make
-// epochs short. After a short epoch, buckets become at least four times as wide. Time: O(1)
-// amortised if events spread over time; the call that begins an epoch scans all slots. Memory: 64
-// to 80 bytes per slot. Thread safety: as for event_queue.h.
+// A wrong width only costs time. Wide buckets leave the work to the heap; narrow buckets make
+// epochs short. After a short epoch, buckets become at least four times as wide as before. Time:
+// O(1) amortised if events spread over time. The call that begins an epoch scans all slots. Memory:
+// 64 to 80 bytes per slot. Thread safety: as for event_queue.h.
 #pragma once
 
 #include <cstdint>
@@ -75,7 +77,7 @@ class CalendarQueue {
   /// Returns the bucket of a tick, or buckets() for far ticks.
   std::uint64_t bucket_of(Tick tick) const {
     if (tick <= base_) return 0;
-    // The signed difference of two ticks may overflow, and the unsigned difference can't.
+    // Use unsigned numbers, because the signed difference of two ticks may overflow.
     const std::uint64_t since =
         static_cast<std::uint64_t>(tick.value) - static_cast<std::uint64_t>(base_.value);
     const std::uint64_t bucket = since >> shift_;
@@ -98,7 +100,7 @@ class CalendarQueue {
     }
   }
 
-  // Doubly linked lists: `place` is the previous slot, or k_nowhere for the first.
+  // Doubly linked lists: `place` is the previous slot. The first slot has k_nowhere.
   void link(std::uint32_t slot, std::uint64_t bucket) {
     std::uint32_t& head = heads_[bucket];
     records_[slot].place = k_nowhere;

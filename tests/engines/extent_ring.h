@@ -1,19 +1,22 @@
-// One axis of sweep-and-prune: the ends of all bodies' arcs, in order around the ring.
+// One axis of sweep-and-prune. The axis is a ring, and each body covers an arc of it. The ring
+// stores the ends of all arcs in order.
 //
 // Idea. A list of extents sorted along an axis (thesis 3.2.3) becomes a circle, so a repeating axis
 // needs no copies of boxes near its ends. When an arc changes, its two ends travel through the
 // circle past their neighbours. Two arcs begin or cease to overlap only when the first point of one
-// passes the last point of the other. Only these passes name pairs to check (thesis, figure 3.5).
+// arc passes the last point of the other arc. Only these passes name pairs to check (thesis, figure
+// 3.5).
 //
-// An end is one number with three fields: place on the axis's ring (32 bits), first or last (1
-// bit), and body (28 bits). First points precede last points at the same place, because boxes are
-// closed. All ends are different, so their order has no ties.
+// An end is a number with three fields: its place on the ring (32 bits), whether it is the first or
+// last point (1 bit), and its body (28 bits). First points precede last points at the same place,
+// because boxes are closed. All ends are different, so their order has no ties.
 //
 // Invariants
-//   1. The list, read from any entry, is in order of forward distance around the circle of 2^61.
+//   1. From any entry on, the list's entries are in order of forward distance around the circle.
+//      The circle's length is 2^61.
 //   2. place(body, kind) is the index of the body's end in the list.
-// On a non-repeating axis, no travel crosses the seam between the greatest and the least float. The
-// list is then sorted, apart from a rotation. Thread safety: none.
+// On a non-repeating axis, no travel crosses the seam between the greatest and the least float. So
+// the list of such an axis is a rotation of a sorted list. Thread safety: none.
 #pragma once
 
 #include <algorithm>
@@ -26,14 +29,14 @@
 
 namespace sleight::physics {
 
-/// Signed travels of an arc's two ends, each less than one turn.
+/// Signed travels of an arc's two ends. A travel is less than one turn.
 struct ArcTravel {
   std::int64_t first = 0;
   std::int64_t last = 0;
 };
 
-/// Returns a travel from one arc to another that never turns the arc inside out: the shorter way on
-/// a repeating axis, and within the axis otherwise.
+/// Returns how an arc's ends travel to another arc. The arc never turns inside out. On a repeating
+/// axis, the arc travels the shorter way. On another axis, the arc stays within the axis.
 constexpr ArcTravel travel(Arc from, Arc to, bool periodic) {
   constexpr std::int64_t k_turn = std::int64_t{1} << 32;
   const std::int64_t wider = std::int64_t{to.width} - std::int64_t{from.width};
@@ -60,15 +63,15 @@ class ExtentRing {
   /// REQUIRES: the body is present.
   void remove(std::uint32_t body);
 
-  /// Moves the body's ends and calls visit(other) for each passed opposite end of another body, at
-  /// most twice per body. REQUIRES: the body is present.
+  /// Moves the body's ends. If an end passes an opposite end of another body, calls visit(other),
+  /// at most twice per other body. REQUIRES: the body is present.
   template <class Visit>
   void move(std::uint32_t body, ArcTravel by, const Visit& visit) {
     move_end(body, k_first, by.first, visit);
     move_end(body, k_last, by.last, visit);
   }
 
-  /// Moves the ends of all present bodies at once by insertion sort. Calls visit(a, b) when
+  /// Moves the ends of all present bodies at once, by insertion sort. Calls visit(a, b) when
   /// opposite ends of bodies a and b pass each other. `travel_of(body)` returns a body's ArcTravel.
   template <class TravelOf, class Visit>
   void move_all(const TravelOf& travel_of, const Visit& visit);
@@ -96,8 +99,8 @@ class ExtentRing {
   template <class Visit>
   void move_end(std::uint32_t body, std::uint64_t kind, std::int64_t by, const Visit& visit);
 
-  /// Returns whether two ends that pass each other are the first point of one body and the last
-  /// point of another.
+  /// Returns whether one end is a body's first point and the other end is another body's last
+  /// point.
   static bool telling(std::uint64_t a, std::uint64_t b) {
     return ((a ^ b) & k_last) != 0 && body_of(a) != body_of(b);
   }
@@ -126,7 +129,7 @@ void ExtentRing::move_end(std::uint32_t body, std::uint64_t kind, std::int64_t b
   const std::uint64_t from = ends_[at];
   const bool forwards = by > 0;
   const std::uint64_t distance = static_cast<std::uint64_t>(forwards ? by : -by) << k_place_shift;
-  // Pass all ends within the distance, but at most one turn (`passed`).
+  // Pass all ends within the distance, but at most one turn of ends (`passed`).
   for (std::size_t passed = 1; passed < count; ++passed) {
     const std::size_t neighbour =
         forwards ? (at + 1 == count ? 0 : at + 1) : (at == 0 ? count - 1 : at - 1);
@@ -167,7 +170,7 @@ template <class TravelOf, class Visit>
 void ExtentRing::move_all(const TravelOf& travel_of, const Visit& visit) {
   if (ends_.empty()) return;
   // Cut the circle before its first entry, lay it out as a line, and move all ends. Values on the
-  // line stay between -1 and 3 turns, which fits 61 bits and a sign.
+  // line stay between -1 and 3 turns, so they fit into 64 bits.
   lifted_.clear();
   for (const std::uint64_t end : ends_) {
     const ArcTravel by = travel_of(body_of(end));
@@ -178,7 +181,8 @@ void ExtentRing::move_all(const TravelOf& travel_of, const Visit& visit) {
   // Sort the line.
   for (std::size_t i = 1; i < lifted_.size(); ++i)
     sift_down(i, visit);
-  // Close the circle: let the last end pass the first while it is more than a turn ahead.
+  // Close the circle: while the last end is more than a turn ahead of the first end, let it pass
+  // the first end.
   constexpr auto k_line_turn = static_cast<std::int64_t>(k_turn);
   while (lifted_.back() - lifted_.front() > k_line_turn) {
     const std::int64_t last = lifted_.back();

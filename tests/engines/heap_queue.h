@@ -1,8 +1,8 @@
-// An EventQueue as a heap of all slots with an event (slot_heap.h).
+// An EventQueue that stores all slots with an event in a heap (slot_heap.h).
 //
-// Cost: a new key passes at most O(log n) nodes, four per cache line. A key that changes little and
-// isn't among the least usually passes about one node. Empty slots cost nothing. Invariants and
-// thread safety are the same as in event_queue.h.
+// Cost: a new key passes at most O(log n) nodes. Four nodes share a cache line. If a key changes
+// little and isn't among the least keys, it usually passes about one node. Empty slots cost
+// nothing. Invariants and thread safety are the same as in event_queue.h.
 #pragma once
 
 #include <cstdint>

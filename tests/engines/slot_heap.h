@@ -1,8 +1,9 @@
-// A heap of slots with four children per node, for HeapQueue and CalendarQueue's current bucket.
+// A heap of slots for HeapQueue, and for the current bucket of CalendarQueue. A node has four
+// children.
 //
 // Idea. Nodes store the tick beside the slot, because ticks decide nearly all comparisons. Four
-// siblings fill one cache line. The slot's record has the rest of the key, which is read only for
-// equal ticks. A record stores its node's index, so a key can change in place.
+// siblings fill one cache line. The slot's record has the rest of the key, which the heap reads
+// only if ticks are equal. A record stores its node's index, so a key can change in place.
 //
 // Node p has the children 4p - 8 to 4p - 5, and the root is node 3. This puts siblings into one
 // aligned line, as in section 4 of "The influence of caches on the performance of heaps" (LaMarca
@@ -28,7 +29,7 @@ namespace sleight::physics {
 
 inline constexpr std::uint32_t k_nowhere = UINT32_MAX;
 
-/// A queue's data about a slot, which fill half a cache line.
+/// A queue's data about a slot: half a cache line.
 struct alignas(32) SlotRecord {
   EventKey key = k_no_event;
   std::uint32_t place = k_nowhere;  ///< in a SlotHeap: its node
@@ -36,7 +37,8 @@ struct alignas(32) SlotRecord {
 };
 static_assert(sizeof(SlotRecord) == 32);
 
-/// Returns whether slot a's event precedes slot b's, given the same tick.
+/// Returns whether slot a's event precedes slot b's event. REQUIRES: both events have the same
+/// tick.
 inline bool precedes_at_same_tick(const SlotRecord* records, std::uint32_t a, std::uint32_t b) {
   const std::strong_ordering order = records[a].key <=> records[b].key;
   return order == 0 ? a < b : order < 0;
@@ -93,7 +95,7 @@ class SlotHeap {
     return precedes_at_same_tick(records, a.slot, b.slot);
   }
 
-  /// Puts a node at an index that is free or may be overwritten.
+  /// Puts `moved` at `hole`, then moves it up or down to its place in the order.
   void place(SlotRecord* records, std::uint32_t hole, Node moved) {
     if (hole != k_root && precedes(records, moved, node(hole / 4 + 2))) {
       rise(records, hole, moved);

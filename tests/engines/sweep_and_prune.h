@@ -1,17 +1,17 @@
 // Sweep-and-prune as in the thesis (3.2.3, figures 3.3 and 3.5; after Cohen et al. 1995).
 //
-// Idea. There are three sorted lists of extents, and tables of overlapping pairs for each axis and
-// for space. When a box changes, its extents travel through the lists. When a first point passes a
-// last point, the axis's table changes. A pair that is in all three tables overlaps in space. A
-// moved extent passes all extents on its way, which are few if it moves little. But in a pile on a
-// floor, a vertical extent passes nearly all others (3.3.2). In an evenly filled cube, an axis's
-// table has about n^(5/3) pairs, and most don't overlap in space.
+// Idea. Each axis has a sorted list of extents and a table of overlapping pairs. Another table
+// lists the pairs that overlap in space. When a box changes, its extents travel through the lists.
+// When a first point passes a last point, the axis's table changes. A pair that is in all three
+// tables overlaps in space. An extent that moves little passes few other extents. But in a pile on
+// a floor, a vertical extent passes nearly all other extents (3.3.2). In an evenly filled cube, an
+// axis's table has about n^(5/3) pairs, and most of these pairs don't overlap in space.
 //
 // Invariants (in addition to broad_phase.h)
 //   1. Axis table k holds exactly the pairs of present bodies whose arcs on axis k overlap.
 //   2. The table of space holds the pairs that are in all three axis tables.
-// A pair's state on an axis is computed from boxes, not from passes, because arcs on a ring may
-// pass each other at both ends. Insertion and removal examine all bodies. Thread safety: none.
+// Boxes, not passes, determine whether a pair overlaps on an axis, because arcs on a ring may pass
+// each other at both ends. Insertion and removal examine all bodies. Thread safety: none.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct PairSlot {
 };
 using PairTable = FlatTable<PairSlot>;
 
-/// Returns the key of a pair of bodies, in either order. REQUIRES: a != b.
+/// Returns the key of a pair of bodies. The bodies' order doesn't matter. REQUIRES: a != b.
 constexpr std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
   return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
 }
@@ -138,7 +138,8 @@ void SweepAndPrune::move(BodyId body, const Box& box, Sink& sink) {
   boxes_.set(body, box, boxes_.periods().coded(box));
   const CodedBox& after = boxes_.coded(body);
 
-  // Move the extents on each axis, and note the bodies whose state on the axis changed.
+  // Move the extents on each axis. Note each body whose overlap with the moved body changed on the
+  // axis.
   touched_.clear();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const ArcTravel by = travel(before.arc(axis), after.arc(axis), boxes_.periods().periodic(axis));
@@ -162,7 +163,7 @@ void SweepAndPrune::move_all(std::span<const Box> boxes, Sink& sink) {
     if (boxes_.contains(body)) boxes_.set(body, boxes[body], boxes_.periods().coded(boxes[body]));
   }
 
-  // Sort each list again, and note the pairs whose state on its axis changed.
+  // Sort each axis's list again. Note the pairs whose overlap on the axis changed.
   pairs_touched_.clear();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const bool periodic = boxes_.periods().periodic(axis);

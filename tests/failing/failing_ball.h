@@ -1,4 +1,5 @@
-// The 2D ball for tests of failures: known shares of states fail or have overlapping starts.
+// A 2D ball for tests of failures. A known share of states fails, and a known share has overlapping
+// starts.
 //
 // A state's bytes determine whether it fails. Thread safety: as for Ball2d.
 #pragma once
@@ -13,7 +14,7 @@
 
 namespace sleight::failing {
 
-/// Percentages of states that give up, that exceed the work limit, and that can't start.
+/// Percentages of states that give up, that exceed the work limit, and whose starts overlap.
 inline constexpr std::uint64_t k_gives_up_percent = 3;
 inline constexpr std::uint64_t k_work_limit_percent = 1;
 inline constexpr std::uint64_t k_overlaps_percent = 2;

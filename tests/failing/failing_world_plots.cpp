@@ -1,4 +1,4 @@
-// The programs for tests of failures have no plots for particular worlds.
+// The test programs have no plots for particular worlds.
 #include "clients/cli/main_world_plots.h"
 
 namespace sleight::programs {

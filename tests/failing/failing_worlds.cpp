@@ -1,5 +1,5 @@
-// The worlds of the test programs: a failing ball, which uses the name and requests of ball_2d, and
-// a made-up world. Adding a world to a program takes one line of this list.
+// The worlds of the test programs: a failing ball and a made-up world. The failing ball uses the
+// name and requests of ball_2d. Adding a world to a program takes one line of this list.
 #include "clients/cli/main_worlds.h"
 #include "tests/failing/failing_ball.h"
 #include "tests/failing/pucks.h"

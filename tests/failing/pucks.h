@@ -1,6 +1,6 @@
-// A made-up world, for tests of adding a world. A puck is pushed along the ice and hits another
-// puck, which must come to rest at a target. The test programs contain this world and the failing
-// ball. Clients, service and common contain nothing specific to this world.
+// A made-up world, for tests of adding a world. A puck is pushed along the ice and hits a second
+// puck. The second puck must come to rest at a target. The test programs contain this world and the
+// failing ball. Clients, service and common contain nothing specific to this world.
 //
 //   Random variables: the first puck's speed and the pucks' gap, normal and independent.
 //   Outcome: the x at which the second puck rests.
@@ -46,7 +46,7 @@ struct PuckMotion {
 
 class Pucks {
  public:
-  /// Speed in m/s, and the gap between the pucks' sides in m.
+  /// The first puck's speed in m/s, and the gap between the pucks' sides in m.
   using State = std::array<double, 2>;
   using Outcome = PuckMotion;
 

@@ -1,5 +1,6 @@
-// Counts failing simulations, among draws from a request's prior and candidates of plain chains at
-// inverse temperature 1. Writes each failure as a file that `sleight replay` repeats.
+// Counts failing simulations: first among draws from a request's prior, then among candidates of
+// plain chains at inverse temperature 1. Writes each failure as a file that `sleight replay`
+// repeats.
 //
 // Example: `sleight-failure-rates requests/hi.toml --simulations 1000000 --keep failures`.
 #include <fmt/format.h>
@@ -23,7 +24,7 @@
 namespace sleight {
 namespace {
 
-/// Scans that a chain runs before the program checks the number of simulations.
+/// Number of scans that a chain runs between two checks of the number of simulations.
 constexpr std::uint32_t k_scans = 200;
 
 struct Tally {
@@ -60,7 +61,7 @@ void keep(const Job& job, const plan::UnitResult& result) {
 Tally run_chain(const Job& job, std::uint32_t chain) {
   Tally tally;
   base::Bytes state;
-  // The two temperatures use different replica numbers, so that their files have different names.
+  // Each temperature has its own replica number, so that file names differ.
   const base::ReplicaId replica{job.inverse_temperature == 0 ? 0U : 1U};
   for (std::uint64_t scan = 0; tally.simulations < job.simulations; scan += k_scans) {
     plan::UnitResult result = job.worker.run({.replica = {base::ChainId{chain}, replica},

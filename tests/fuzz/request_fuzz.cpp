@@ -1,8 +1,8 @@
 // Goal: no file, however hostile, makes the request reader crash, hang or report nonsense. Method:
-// read every input of libFuzzer as a request of every world. The normalised text of a valid request
-// must read back as the same request, with the same parameters and the same normalised text. A text
-// with another stop rule must read back too. An invalid request must have sorted errors. Each error
-// has a place within the file, and is one line without control characters.
+// read every input of libFuzzer as a request of every world. If a request is valid, reading its
+// normalised text must give the same parameters and the same normalised text. A text with another
+// stop rule must be readable too. An invalid request must have sorted errors. Each error must have
+// a place within the file, and must be one line without control characters.
 //
 // CMakeLists.txt beside this file explains how to replay a failure.
 #include <fmt/format.h>

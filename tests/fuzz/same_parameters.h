@@ -1,4 +1,4 @@
-// Compares all numbers of two requests' worlds, bit for bit except for the sign of zero.
+// Compares all numbers of two requests' worlds bit for bit. The sign of zero may differ.
 #pragma once
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // Goal: no bytes from a peer make the gallery's server crash, hang, exceed its memory limit, or
 // answer an unauthorized peer. Method: let libFuzzer create inputs. The first byte of an input
-// defines how the other bytes, which a connection receives, are split into pieces. Pass the pieces
-// through parser, guard and answers in memory, and compare the results with a second reader
-// (tests/unit/clients/web/checked_exchange.h lists the checks). CMakeLists.txt beside this file
-// explains how to replay a failure.
+// defines how the other bytes are split into pieces. The connection receives these pieces. Pass the
+// pieces through the parser, the guard and the answers in memory. Compare the results with those of
+// a second reader (tests/unit/clients/web/checked_exchange.h lists the checks). CMakeLists.txt
+// beside this file explains how to replay a failure.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>

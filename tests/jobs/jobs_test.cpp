@@ -1,4 +1,4 @@
-// Each job ends once, for any faults of daemon, keepers, messages, clocks and disk.
+// Each job ends once, whatever faults the daemon, keepers, messages, clocks and disk have.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,6 @@ std::uint64_t seeds() {
 /// The seeds are divided among this many tests, so that several processes can run them.
 constexpr std::uint64_t k_shares = 4;
 
-/// Totals of a test's services, printed for people.
 struct Summary {
   std::uint64_t runs = 0;
   std::uint64_t jobs = 0;
@@ -73,15 +72,15 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 
 TEST_P(Seeds, EachJobEndsOnce) {
   // Goal: each job ends exactly once, and the other invariants of jobs.h hold, whatever faults
-  // occur. Method: simulate services with 1 to 1,000 jobs of up to 20 users, whose daemon, keepers,
-  // messages, clock and disk fail in every way. Check the service's rules with a ledger, and limit
-  // the time from the last fault to the end of all jobs.
+  // occur. Method: simulate services that have 1 to 1,000 jobs and up to 20 users. The daemon, the
+  // keepers, messages, the clock and the disk fail in every way. Check the service's rules with a
+  // ledger, and limit the time from the last fault to the end of all jobs.
   check_share({}, seeds());
 }
 
 TEST_P(Seeds, FewJobsToo) {
   // Goal: the invariants of jobs.h hold even if faults hit every step of a job. Method: simulate
-  // services with at most ten jobs, with ten times as many seeds as for large services.
+  // services that have at most ten jobs. Use ten times as many seeds as for large services.
   check_share({.jobs_max = 10}, 10 * seeds());
 }
 

@@ -8,12 +8,12 @@
 namespace sleight::jobs::simulated {
 namespace {
 
-/// Maximum reported deaths in a row after which a job may continue. A job fails at the fifth death.
-/// The check allows two more deaths, because the daemon's own kill after a slow stop may count as
-/// one.
+/// A job may continue after at most this number of reported deaths in a row. A job fails at the
+/// fifth death. The check allows two more deaths, because the daemon's own kill after a slow stop
+/// may count as a death.
 constexpr std::uint32_t k_deaths_most = 6;
 
-/// Returns whether the end counts as a death. Implements the rules of ends.h independently.
+/// Returns whether the end counts as a death. A second implementation of the rules in ends.h.
 bool is_death(const Ended& ended) {
   if (ended.kind == EndKind::bug) return true;
   if (ended.kind == EndKind::none)
@@ -172,7 +172,8 @@ void Ledger::count_end(const Change& change, Told& told) {
   told.scans_at_death = end.scans;
   if (change.to == State::queued) {
     const auto doublings = static_cast<int>(told.deaths) - 1;
-    // An attempt that lived for steady_s resets the back-off, so the wait is at least one second.
+    // If the attempt lived for steady_s, the back-off starts again, and the wait is at least one
+    // second.
     const double waits_s =
         end.lived_s >= scenario_.options.steady_s ? 1 : std::ldexp(1.0, doublings);
     told.not_before_s = clock_s_ + waits_s;

@@ -3,9 +3,10 @@
 //
 // Numbered rules
 //   1. In each save, a job's history starts at its earlier state and ends at its saved state.
-//   2. A job ends once, unless its user extends or resumes it. No ended job's program starts.
-//   3. Only the stored open attempt is launched. Only an attempt that should stop or isn't the
-//      newest is stopped. Only a leaving job is removed. An answer matches the store.
+//   2. A job ends once, unless its user extends or resumes it. After a job's end, its program
+//      doesn't start.
+//   3. Only the stored open attempt is launched. An attempt is stopped only if it should stop or
+//      isn't the newest attempt. Only a leaving job is removed. An answer matches the store.
 //   4. At most one program of a job runs at a time. Each program of a job belongs to a newer
 //      attempt than the job's earlier programs.
 //   5. When an attempt is added, the stored open attempts are within the machine's and the user's
@@ -16,8 +17,8 @@
 //   7. At each submit, a user's unfinished jobs are within the limit.
 //   8. A key belongs to one job, and an id is never reused.
 //   9. A job is done when its program has finished, and fails when its program fails. A job also
-//      fails after five reported deaths without a commit in between, no earlier and no later, or
-//      after the same bug twice.
+//      fails at the fifth reported death without a commit in between, no earlier and no later. A
+//      job also fails if the same bug occurs twice.
 //  10. After n consecutive failed starts, the next start is at least 2^(n-1) s later.
 //  11. A job's deletion is announced announce_s in advance, unless a user deletes the job. Pinned
 //      jobs aren't deleted.
@@ -47,7 +48,7 @@ class Ledger {
   // The daemon's inputs and actions.
   /// Called before the machine receives the input.
   void tells(const Input& input, const Jobs& machine);
-  /// Called with a step's effects, before any is carried out.
+  /// Called with a step's effects, before the daemon carries out any of them.
   void decides(const std::vector<Effect>& effects, const Jobs& machine);
   /// Called when the save becomes durable.
   void saves(const Save& save, const SimStore& before);
@@ -74,8 +75,8 @@ class Ledger {
     std::uint32_t cores = 0;
     std::uint64_t memory_bytes = 0;
   };
-  /// Sums over the reports about a job. A report counts once the daemon has stored its
-  /// consequences.
+  /// Sums over the reports about a job. A report counts as soon as the daemon has stored the
+  /// report's consequences.
   struct Told {
     std::uint64_t scans_told = 0;
     std::uint32_t deaths = 0;  ///< consecutive, without a commit

@@ -1,5 +1,5 @@
-// Known mistakes for tests. Each mistake is in one part of the code around the machine of jobs, or
-// in one setting.
+// Known mistakes for tests. A mistake is in one part of the code around the machine of jobs, or in
+// one setting.
 #pragma once
 
 #include <array>

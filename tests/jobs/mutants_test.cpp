@@ -1,4 +1,5 @@
-// Control test on services with one known mistake, which the ledger or the time limit must catch.
+// Control test. Each service has one known mistake. The ledger or the time limit must catch the
+// mistake.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -14,7 +15,7 @@
 namespace sleight::jobs::simulated {
 namespace {
 
-/// Exit status of a process that checks a run: what was wrong with the run.
+/// Exit status of a process that checks a run.
 enum Verdict : int { k_right = 0, k_violation = 11, k_unfinished = 12 };
 
 /// Maximum runs per mistake.

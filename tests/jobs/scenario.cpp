@@ -27,7 +27,7 @@ std::vector<UserAct> acts_of(Dice& dice, double span_s) {
   if (dice.chance(0.05)) acts.push_back({.kind = AskKind::pin, .at_s = at_s});
   if (dice.chance(0.05)) acts.push_back({.kind = AskKind::set_priority, .at_s = at_s});
   if (dice.chance(0.05)) acts.push_back({.kind = AskKind::remove, .at_s = at_s * 1.3});
-  // In the end, users resume all held jobs and some cancelled ones.
+  // In the end, users resume all held jobs and some cancelled jobs.
   if (!acts.empty() && (acts.front().kind == AskKind::hold || dice.chance(0.3)))
     acts.push_back({.kind = AskKind::resume, .at_s = at_s + dice.log_uniform(1, span_s)});
   return acts;
@@ -67,7 +67,7 @@ std::vector<Fault> faults_of(std::uint64_t seed, double span_s,
   Dice dice(seed, Dice::Part::faults);
   std::vector<Fault> faults(dice.whole(0, k_faults_max));
   if (!wants.empty() && faults.size() < 20) faults.resize(20);
-  // If no message is wrong, running programs must be within the limits too.
+  // If no message is wrong, the ledger also checks that running programs are within the limits.
   const bool is_truthful = !wants.empty() || dice.chance(0.6);
   for (Fault& fault : faults) {
     fault.kind = static_cast<Fault::Kind>(
@@ -129,7 +129,7 @@ Scenario scenario_of(std::uint64_t seed, const ScenarioChoice& choice) {
   double last_s = span_s;
   for (std::uint64_t i = 0; i < jobs; ++i) {
     JobPlan& job = scenario.jobs.emplace_back(job_of(dice, users, room, span_s));
-    // The service would refuse a job that needs more cores.
+    // If a job needed more cores than the limit, the service would refuse it.
     if (options.limits.cores > 0)
       job.wishes.ranks = std::min(job.wishes.ranks, options.limits.cores);
     if (choice.are_deleted) {
@@ -159,7 +159,8 @@ double liveness_bound_s(const Scenario& scenario) {
   double bound_s = 5000;  // back-offs, stops and looks in progress
   double core_s = 0;
   for (const JobPlan& job : scenario.jobs) {
-    // Assume one core, an extension, all restarts that the slices allow, and all deaths.
+    // Assume that each job has one core and an extension, restarts as often as the slices allow,
+    // and dies as often as possible.
     core_s += 2 * job.scan_core_s * static_cast<double>(job.scans);
     bound_s += 8 * job.scan_core_s * static_cast<double>(job.scans) +
                20 * (job.queue_s + job.begin_s + job.stop_s + options.look_after_launch_s);

@@ -1,4 +1,4 @@
-// A simulated service, drawn from a seed: its users, their jobs, the jobs' fates, and faults.
+// A simulated service: its users, jobs, the jobs' fates, and faults. A seed determines all of them.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,6 @@ namespace sleight::jobs::simulated {
 inline constexpr std::uint64_t k_jobs_max = 1000;
 inline constexpr std::uint32_t k_users_max = 20;
 
-/// What a job's program does when it runs.
 enum class Fate : std::uint8_t {
   finishes,
   gives_up_with_finds,
@@ -95,14 +94,14 @@ struct Scenario {
 struct ScenarioChoice {
   std::uint64_t jobs_max = k_jobs_max;
   Mistake mistake = Mistake::none;
-  /// Kinds of faults that reveal the mistake. The scenario includes some of these faults.
+  /// Kinds of faults that reveal the mistake. The scenario includes some faults of these kinds.
   std::vector<Fault::Kind> wants{};
   bool are_deleted = false;  ///< each user deletes each job soon after its end
 };
 
 Scenario scenario_of(std::uint64_t seed, const ScenarioChoice& choice = {});
 
-/// Maximum time for jobs to end after the last fault, far above the actual time.
+/// Maximum time from the last fault to the end of all jobs. The actual time is far shorter.
 double liveness_bound_s(const Scenario& scenario);
 
 }  // namespace sleight::jobs::simulated

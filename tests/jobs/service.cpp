@@ -14,7 +14,7 @@ using Kind = Fault::Kind;
 
 constexpr double k_commit_s_min = 1e-3, k_commit_s_max = 0.02;
 constexpr double k_restart_s_max = 5;
-/// A user who gets no answer repeats the call after this time.
+/// If a user gets no answer within this time, the user repeats the call.
 constexpr double k_ask_again_s = 4;
 constexpr double k_submit_again_s = 20;
 constexpr double k_look_around_s = 5;
@@ -92,7 +92,7 @@ void Service::step(const Input& input) {
   std::vector<Effect> effects = machine_->step(input_with(scenario_.mistake, input, *machine_));
   effects = effects_with(scenario_.mistake, std::move(effects), dice_);
   ledger_.decides(effects, *machine_);
-  // Effects that precede a save don't wait for it.
+  // If an effect precedes a save, it doesn't wait for the save.
   Batch batch;
   for (Effect& effect : effects) {
     if (auto* save = std::get_if<Save>(&effect)) {
@@ -126,7 +126,7 @@ void Service::tick() {
   step(Tick{.now_s = events_.now_s() - ticks_begin_s_ + 1e-6, .wall = wall()});
 }
 
-/// Carries out effects up to the next save, which takes time.
+/// Carries out effects up to the next save. The save takes simulated time.
 void Service::pump() {
   while (machine_ && !is_committing_ && !batches_.empty()) {
     if (batches_.front().save) {
@@ -160,7 +160,7 @@ void Service::commit() {
   if (carry_out(batch.rest)) pump();
 }
 
-/// Passes the program of each submitted job to the backend.
+/// Passes each new job's plan to the ledger and the backend.
 void Service::know_new_jobs(const Save& save) {
   for (const Job& job : save.jobs) {
     if (store_.find(job.id) != nullptr) continue;
@@ -275,7 +275,8 @@ void Service::change(const Fault& fault, bool begins) {
   tell_surroundings();
 }
 
-/// Reports disk and backend, but sometimes omits a full disk or an unreachable backend.
+/// Reports the state of disk and backend to the daemon. Sometimes omits a full disk or an
+/// unreachable backend.
 void Service::tell_surroundings() {
   Room room = scenario_.room;
   BackendNote note{.results_version = "ours"};

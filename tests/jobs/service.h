@@ -1,5 +1,5 @@
-// A simulated service: users, a daemon that runs the real machine of jobs and may die at any
-// moment, its store, and a backend, on one simulated clock.
+// A simulated service: users, a daemon, its store, and a backend, which share one simulated clock.
+// The daemon runs the real machine of jobs, and may die at any moment.
 //
 // Data flow:
 //   users ──▶ daemon (1, 2, ...) ──▶ store
@@ -52,7 +52,7 @@ class Service {
   /// Runs until all jobs have ended, or until `limit_s` after the last fault.
   Outcome run(double limit_s);
 
-  /// Schedules an action during the run. REQUIRES: the run hasn't begun.
+  /// REQUIRES: the run hasn't begun.
   void at(double time_s, std::function<void()> action) { events_.at(time_s, std::move(action)); }
   double now_s() const { return events_.now_s(); }
   const SimBackend& backend() const { return backend_; }

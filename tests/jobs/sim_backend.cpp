@@ -12,7 +12,7 @@ namespace sleight::jobs::simulated {
 namespace {
 
 constexpr double k_latency_s_min = 1e-3, k_latency_s_max = 0.05;
-/// Maximum delay of messages, which is shorter than the time of Options::unbegun_max launches.
+/// Maximum delay of messages. Options::unbegun_max launches take longer than this delay.
 constexpr double k_late_s_max = 8;
 
 }  // namespace
@@ -36,7 +36,6 @@ void SimBackend::tell(Input input) {
   events_.after(latency_s(), [this, input = std::move(input)] { news_(input); });
 }
 
-/// Replaces an input with a wrong one.
 Input SimBackend::made_wrong(Input input) {
   if (const auto* launched = std::get_if<Launched>(&input))
     return LaunchFailed{.job = launched->job, .attempt = launched->attempt, .words = "wrongly"};
@@ -67,7 +66,7 @@ void SimBackend::launch(const Launch& launch) {
   events_.after(latency_s(), [this, launch] { enqueue(launch); });
 }
 
-/// Queues an attempt once, even if it is launched again.
+/// Queues an attempt. Does nothing if the attempt is queued already.
 void SimBackend::enqueue(const Launch& launch) {
   const auto found = folders_.find(launch.job);
   if (found == folders_.end()) return;
@@ -82,7 +81,7 @@ void SimBackend::enqueue(const Launch& launch) {
   });
 }
 
-/// Cancels a queued attempt, which leaves no record.
+/// Cancels a queued attempt. The attempt leaves no record.
 void SimBackend::leave_queue(JobId job, Attempt attempt) {
   Folder& folder = folders_.at(job);
   folder.pending.erase(attempt);

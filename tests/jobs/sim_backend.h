@@ -1,6 +1,6 @@
-// The simulated backend: folders with their records, keepers that obey K1 to K3 of jobs.h, and
-// programs that compute, die, fail and stop as planned. The backend outlives the daemon. Messages
-// in both directions may be lost, repeated, late or wrong. Not thread-safe.
+// The simulated backend: folders with their records, keepers, and programs. Keepers obey K1 to K3
+// of jobs.h. Programs compute, die, fail and stop as planned. The backend outlives the daemon.
+// Messages in both directions may be lost, repeated, late or wrong. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -46,17 +46,17 @@ class SimBackend {
   void fill_disk(bool full) { is_disk_full_ = full; }
   void leave(bool away) { is_away_ = away; }
   void change_programs(bool other) { has_other_programs_ = other; }
-  /// Takes the cores of the n-th running program, which stops cleanly or is killed.
+  /// Takes the cores of the n-th running program. The program stops cleanly or is killed.
   void take_place(std::uint64_t nth);
   /// Cancels the n-th running or waiting job, as a person would in the batch system.
   void cancel_by_hand(std::uint64_t nth);
-  /// Kills the n-th keeper that holds a folder, or all such keepers, and their programs.
+  /// Kills the n-th keeper that holds a folder, or all keepers. Their programs die too.
   void kill(std::uint64_t nth, bool all);
 
   bool anything_runs() const;
   /// Returns one user's core_s() until now.
   double core_s_of(UserId user) const;
-  /// Core-seconds of programs, and the part spent on committed scans.
+  /// Core-seconds of all programs, and core-seconds spent on committed scans.
   double core_s() const { return core_s_; }
   double useful_core_s() const { return useful_core_s_; }
 

@@ -1,4 +1,5 @@
-// A simulated daemon's job store, with atomic saves. It outlives the daemon. Not thread-safe.
+// The job store of a simulated daemon. Saves are atomic. The store outlives the daemon. Not
+// thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// Turns in simulated time: users' shares, short jobs, large jobs, patience, and the cost of turns.
+// Tests turns in simulated time: users' shares, short jobs, large jobs, patience, and the cost of
+// turns.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +17,8 @@ namespace {
 constexpr UserId k_ann{1};
 constexpr UserId k_bob{2};
 
-/// A job whose restart costs under 0.5 s: 0.2 s to start, 0.1 s per scan, 0.1 s to stop.
+/// Returns a job that takes 0.2 s to start, 0.1 s per scan, and 0.1 s to stop. So a restart costs
+/// under 0.5 s.
 JobPlan job_of(UserId user, double at_s, double core_s) {
   return {.user = user,
           .submitted_s = at_s,
@@ -82,8 +84,8 @@ TEST(Turns, TwoUsersHaveEqualShares) {
 
 TEST(Turns, AShortJobEndsSoon) {
   // Goal: even if one user's jobs fill the machine, another user's job of 2 s ends within 15 s.
-  // Method: let Ann's jobs use all cores, in some cases with more of her jobs waiting. Let Bob
-  // submit jobs at sixty different moments.
+  // Method: let Ann's jobs use all cores. In some cases, more of Ann's jobs wait. Let Bob submit
+  // jobs at sixty different moments.
   double longest_s = 0;
   for (const std::uint32_t cores : {1U, 2U, 8U}) {
     for (const std::size_t anns_jobs : {1UL, 20UL}) {
@@ -136,10 +138,10 @@ double longest_wait_s(Service& service, std::size_t nth, double until_s) {
 }
 
 TEST(Turns, ALargeJobGetsItsRoom) {
-  // Goal: a stream of small jobs doesn't starve a job that needs the whole machine, even if that
-  // job's user has used the machine most. Method: let each of 19 users always have jobs of one core
-  // waiting. Let Ann submit a job of eight ranks at the start or after she has used the machine for
-  // an hour. The patience is ten minutes.
+  // Goal: a stream of small jobs doesn't starve a job that needs the whole machine. The user of the
+  // large job may even have used the machine most. Method: let each of 19 users always have jobs of
+  // one core waiting. Let Ann submit a job of eight ranks. Ann submits this job at the start, or
+  // after another job of hers has used the machine for an hour. The patience is ten minutes.
   for (const double head_start_s : {0.0, 3600.0}) {
     Scenario scenario = quiet_machine(8, 0);
     scenario.options.patience_s = 600;
@@ -159,7 +161,8 @@ TEST(Turns, ALargeJobGetsItsRoom) {
     const double wait_s = longest_wait_s(service, 0, end_s);
     fmt::print("eight ranks wait {:.0f} s, where their user had {:.0f} s of the machine\n", wait_s,
                head_start_s);
-    // The wait is at most the patience, plus a slice and a stop of the running jobs.
+    // The wait is at most the patience, plus a slice of the running jobs, plus the time to stop
+    // them.
     EXPECT_LT(wait_s, scenario.options.patience_s + 40);
     ASSERT_NE(service.job(0), nullptr);
     EXPECT_GT(service.job(0)->attempt.value, 0U);
@@ -168,8 +171,8 @@ TEST(Turns, ALargeJobGetsItsRoom) {
 
 TEST(Turns, NobodyStarves) {
   // Goal: no user waits longer than the bound in jobs.h. Method: give twenty users endless jobs on
-  // one core. One user has used the core for hours, one has long scans, and one has a low priority.
-  // The patience is ten minutes.
+  // one core. One user has used the core for hours, another has long scans, and a third has a low
+  // priority. The patience is ten minutes.
   Scenario scenario = quiet_machine(1, 0);
   scenario.options.patience_s = 600;
   constexpr double k_begin_s = 8000, k_end_s = 20'000;
@@ -208,7 +211,7 @@ TEST(Turns, RestartsCostLittle) {
 }
 
 TEST(Turns, CoresThatNobodyWantsAreUsedWhereItIsWorthIt) {
-  // Goal: a job with few cores is restarted on all cores once no other jobs are left, if the
+  // Goal: if a job has few cores and no other jobs are left, it is restarted on all cores if the
   // restart pays off. Method: let two users share four cores. When Bob's job ends, Ann's long job
   // must restart. In a second scenario, Ann's short job must not restart.
   Scenario scenario = quiet_machine(4, 0);
@@ -221,7 +224,8 @@ TEST(Turns, CoresThatNobodyWantsAreUsedWhereItIsWorthIt) {
   EXPECT_EQ(service.run(2000).violation, "");
   EXPECT_EQ(cores, 2U);
   EXPECT_EQ(cores_later, 4U);
-  // Ann's job runs on all cores, on half of them while Bob's job runs, and on all again.
+  // Ann's job has three attempts: on all cores, on half of them while Bob's job runs, and on all
+  // cores again.
   EXPECT_EQ(service.job(0)->attempt.value, 3U);
 
   Scenario brief = quiet_machine(4, 0);
@@ -242,9 +246,9 @@ double used_s() {
 }
 
 TEST(Turns, TenThousandJobsCostLittle) {
-  // Goal: with 10,000 waiting jobs, and two reports per second from each running job, the state
-  // machine of jobs uses under 0.5% of a core. Submitting a job, and finding its place in the
-  // queue, take under 1 ms each. Method: measure this process's processor time while the state
+  // Goal: if 10,000 jobs wait and each running job sends two reports per second, the state machine
+  // of jobs uses under 0.5% of a core. Submitting a job takes under 1 ms. Finding a job's place in
+  // the queue also takes under 1 ms. Method: measure this process's processor time while the state
   // machine runs alone for ten simulated minutes.
   Options options;
   options.slice_s_min = 1e6;  // no job makes room, so others only wait

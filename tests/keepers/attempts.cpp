@@ -1,4 +1,5 @@
-// Commands of the local backend, which print JSON. Each run of the program acts like a new daemon.
+// Runs commands of the local backend, and prints their results as JSON. Each run of the program
+// acts like a new daemon.
 //   `sleight-attempts launch FOLDER N [options]` prints the keeper's process id.
 //   `sleight-attempts look FOLDER N` prints the attempt's state, record and message.
 //   `sleight-attempts stop FOLDER N in_order|now` prints whether there was an attempt to stop.
@@ -56,7 +57,7 @@ Programs programs_of(const Arguments& arguments) {
   return programs;
 }
 
-/// Waits until a look shows that the attempt has begun or ended, or the keeper has exited.
+/// Waits until the attempt has begun or the keeper has exited.
 void await_begin(const LocalBackend& backend, const RunningKeeper& keeper,
                  const std::string& folder, std::uint32_t attempt) {
   while (!keeper.has_gone() && backend.look(folder, attempt).state == Look::State::never_began)

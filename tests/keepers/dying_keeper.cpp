@@ -1,4 +1,5 @@
-// A `sleight-keeper` that is killed at the moment named by SLEIGHT_KEEPER_DIES_AT (moments.h).
+// A `sleight-keeper` that is killed at a chosen moment. SLEIGHT_KEEPER_DIES_AT names the moment
+// (moments.h).
 #include <unistd.h>
 
 #include <csignal>

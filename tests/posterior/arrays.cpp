@@ -18,7 +18,7 @@ using sampling::OwnedChains;
 
 constexpr double k_pi = 3.14159265358979323846;
 
-/// Fills an array of a given shape, chain by chain, from one stream.
+/// Fills an array of given shape, chain by chain, from one stream.
 using Fill = void (*)(OwnedChains&, Stream&);
 
 std::size_t at_random(const OwnedChains& draws, Stream& stream) {
@@ -112,7 +112,8 @@ constexpr auto k_kinds = std::to_array<Kind>({
     {"all_infinite", [](OwnedChains& d, Stream&) { for (double& v : d.values) v = k_infinity; }},
 });
 
-/// All short lengths, then longer ones, such as powers of two, powers of two plus one, and primes.
+/// All short lengths, and some longer lengths: powers of two, powers of two plus one, primes, and
+/// others.
 constexpr auto k_lengths = std::to_array<std::size_t>(
     {1,  2,  3,  4,  5,  6,  7,  8,   9,   10,  11,  12,  13,  14,  16,   17,   19,   23,
      25, 32, 37, 50, 64, 65, 99, 100, 128, 200, 333, 500, 501, 800, 1000, 1024, 1999, 2000});
@@ -126,7 +127,7 @@ std::vector<Array> arrays(std::uint64_t seed) {
     for (std::size_t i = 0; i < k_shapes_of_a_kind; ++i) {
       const std::size_t number = all.size();
       Stream stream({.seed = seed, .purpose = random::Purpose::prior}, number);
-      // 13 is coprime to the number of lengths, so each kind gets all lengths.
+      // 13 is coprime to the number of lengths, so a kind's arrays have different lengths.
       OwnedChains draws{.values = {},
                         .chains = 1 + stream.bits() % 8,
                         .draws = k_lengths[number * 13 % k_lengths.size()]};

@@ -1,4 +1,5 @@
-// Arrays of draws of every kind that a diagnostic may get, for the comparison with R's posterior.
+// Arrays of draws of every kind that a diagnostic may get. Tests compare our diagnostics of them
+// with R's posterior.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,7 @@ struct Array {
   sampling::OwnedChains draws;
 };
 
-/// Returns arrays of every kind in many shapes, from 1 to 8 chains of 1 to 2000 draws, for a seed.
+/// Returns arrays of every kind in many shapes: 1 to 8 chains, each of 1 to 2000 draws.
 std::vector<Array> arrays(std::uint64_t seed);
 
 }  // namespace sleight::posterior

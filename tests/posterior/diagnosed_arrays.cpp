@@ -1,7 +1,7 @@
-// Writes test arrays and our diagnostics of them into a folder. Usage: sleight-diagnosed-arrays
-// FOLDER SEED. For each array, writes a line `name chains draws` to arrays.txt, the doubles to
-// arrays.bin (little-endian, chain after chain), and lines `name measure value` with hexadecimal
-// values to ours.txt. Prints the time taken.
+// Writes test arrays and their diagnostics by our code into a folder. Usage:
+// sleight-diagnosed-arrays FOLDER SEED. For each array, writes a line `name chains draws` to
+// arrays.txt. Writes the doubles to arrays.bin, little-endian and chain after chain. Writes lines
+// `name measure value` to ours.txt; values are hexadecimal. Prints the time taken.
 #include <fmt/format.h>
 #include <fmt/os.h>
 

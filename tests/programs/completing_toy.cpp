@@ -1,4 +1,4 @@
-// Program for test_completion.py with the unit tests' toy command line and its completion scripts.
+// Program for test_completion.py: the unit tests' toy command line, and its completion scripts.
 // Listing jobs fails if NO_SERVER is set.
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// For LD_PRELOAD: makes library functions fail, so that a CHECK fails or the program meets an
-// unexpected error. Tests then see a real program's report of a bug.
+// A library for LD_PRELOAD. Makes library functions fail, so that a CHECK fails or the program
+// meets an unexpected error. Tests then see a real program's report of a bug.
 #include <dlfcn.h>
 #include <pthread.h>
 
@@ -14,7 +14,7 @@ int EVP_DigestInit_ex(void*, const void*, void*) {
   return 0;
 }
 
-/// If FAILING_THREADS is set, fails to create threads, with an error that no user can fix.
+/// If FAILING_THREADS is set, thread creation fails. The error is one that no user can fix.
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*work)(void*),
                    void* argument) {
   if (std::getenv("FAILING_THREADS") != nullptr) return EPERM;

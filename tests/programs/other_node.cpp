@@ -1,5 +1,6 @@
-// For LD_PRELOAD: simulates another node of a cluster, named SLEIGHT_TEST_HOST. Every disk acts as
-// NFS without a lock server: flock, fcntl locks and SQLite's shared-memory files don't work.
+// A library for LD_PRELOAD. Simulates another node of a cluster; SLEIGHT_TEST_HOST is the node's
+// name. Every disk acts as NFS without a lock server: flock, fcntl locks and SQLite's shared-memory
+// files don't work.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/vfs.h>
@@ -52,7 +53,7 @@ int statfs(const char* path, struct statfs* found) noexcept {
   return outcome;
 }
 
-// The C++ name differs, because fcntl.h declares a struct with the function's name.
+// The function's C++ name differs from its C name, because fcntl.h declares a struct of that name.
 int refused_flock(int descriptor, int operation) noexcept __asm__("flock");
 int refused_flock(int, int) noexcept {
   return refuse(ENOSYS);

@@ -1,9 +1,9 @@
-// Goal: the request reader reports exactly the expected errors of each bad request, each at its
-// place. It reports no errors for shipped requests. Method: read each bad/<name>.toml as a ball_2d
-// request, and compare its errors with the lines of bad/<name>.expected.
+// Goal: for each bad request, the request reader reports exactly the expected errors at their
+// places. For shipped requests, the reader reports no errors. Method: read each bad/<name>.toml as
+// a ball_2d request, and compare its errors with the lines of bad/<name>.expected.
 //
-// After a change of wording, SLEIGHT_ACCEPT_ERRORS=1 rewrites the .expected files, and git diff
-// shows the changes to review.
+// If a wording changes, SLEIGHT_ACCEPT_ERRORS=1 rewrites the .expected files. Review such changes
+// with git diff.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ std::string errors_of(const fs::path& request_file) {
   return lines;
 }
 
-/// Returns what is wrong with one entry of the corpus, or nothing if it behaves as expected.
+/// Returns what is wrong with one request of the corpus, or nothing if its errors are as expected.
 std::optional<std::string> complaint_about(const fs::path& request_file) {
   const std::string errors = errors_of(request_file);
   if (errors.empty()) return "it was read without errors";
@@ -90,8 +90,8 @@ TEST(Corpus, HasEnoughRequestsAndNoStrayExpectations) {
   }
 }
 
-// The check must fail if the expected errors are missing or different, or if the request has no
-// error.
+// The check must fail if the expected errors are missing or differ from the actual errors. The
+// check must also fail if the request has no error.
 TEST(Corpus, CheckFailsWhereItShould) {
   const fs::path folder = fs::path(testing::TempDir()) / "sleight_bad_requests";
   fs::create_directories(folder);
@@ -144,7 +144,7 @@ TEST(ShippedRequests, HiSpellsOutTheDefaults) {
   EXPECT_EQ(plain.substr(plain.find("bin_mm")), full.substr(full.find("bin_mm")));
 }
 
-// requests/ball_2d.toml states the thesis's numbers, which equal the defaults bit for bit.
+// requests/ball_2d.toml states the thesis's numbers. The numbers equal the defaults bit for bit.
 TEST(ShippedRequests, Ball2dSpellsOutTheDefaults) {
   const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding()};
   const auto request = request::read_request(contents(fs::path(SLEIGHT_REQUESTS) / "ball_2d.toml"),

@@ -1,4 +1,4 @@
-// `sleight-scenes` writes a page with a strip of pictures of each scene in shared/.
+// `sleight-scenes` writes a page. For each scene in shared/, the page has a strip of pictures.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

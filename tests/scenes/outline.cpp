@@ -23,7 +23,8 @@ Vec3 in_world(const Pose& pose, const Vec3& local_m) {
   return pose.position_m + math::rotated(pose.orientation, local_m);
 }
 
-/// Returns a round piece's outline: its furthest point in each direction of the picture.
+/// Returns a round piece's outline. For each direction of the picture, the outline has the piece's
+/// furthest point.
 Patch outline_of(const physics::RoundPiece& piece, const Pose& pose, const Camera& camera) {
   Patch patch;
   for (int i = 0; i < k_outline_corners; ++i) {
@@ -46,7 +47,7 @@ Patch outline_of(const physics::RoundPiece& piece, const Pose& pose, const Camer
     patch.outline_m.push_back(camera.on_picture_m(in_world(pose, furthest)));
   }
   const Vec3 axis = math::rotated(pose.orientation, piece.axis());
-  // Use a middle tone that changes as the body turns.
+  // Use a middle tone. The tone changes as the body turns.
   patch.brightness = 0.65 + 0.25 * std::fabs(math::dot(axis, camera.towards()));
   return patch;
 }

@@ -18,7 +18,8 @@ class Camera {
 
   /// Returns a place's position in the picture: metres to the right, and metres up.
   plot::Point on_picture_m(const physics::Vec3& place_m) const;
-  /// Returns the place's coordinate towards the camera, which is greater for nearer places.
+  /// Returns the place's coordinate in the direction of the camera. Nearer places have greater
+  /// values.
   double nearness_m(const physics::Vec3& place_m) const;
   const physics::Vec3& towards() const { return towards_; }
   /// Returns the direction in the world that the picture shows as (right, up).

@@ -22,7 +22,7 @@ constexpr double k_picture_px = 210;
 constexpr double k_height_px = 190;
 constexpr double k_label_px = 22;
 constexpr double k_margin_px = 8;
-/// Share of places that may be outside the frame on each side, because some bodies fly away.
+/// On each side, this share of places may be outside the frame, because some bodies fly away.
 constexpr double k_left_out = 0.25;
 constexpr double k_azimuth_rad = -1.2;
 constexpr double k_elevation_rad = 0.35;
@@ -51,7 +51,7 @@ struct Frame {
   }
 };
 
-/// Returns a frame that shows all bodies of the first moment and most bodies of later moments.
+/// Returns a frame that shows all bodies at the first moment, and most bodies at later moments.
 Frame frame_of(const std::vector<Moment>& moments) {
   Frame frame;
   std::vector<double> across;

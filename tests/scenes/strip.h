@@ -1,4 +1,4 @@
-// A strip of pictures, side by side, of some moments of a scene's simulation.
+// A strip of pictures side by side. Each picture shows one moment of a scene's simulation.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -18,7 +18,7 @@ struct Strip {
   bool refused = false;  ///< the error is the scene's fault
 };
 
-/// The first picture shows the start, and the last one the end of the setting's duration.
+/// The first picture shows the start. The last picture shows the end of the setting's duration.
 Strip strip_of(const physics::scenes::Setting& setting, const std::string& title);
 
 }  // namespace sleight::scene_pictures

@@ -1,6 +1,5 @@
-// Tests that methods after a burn-in (simulated tempering, tempered transitions, annealed
-// importance sampling) and annealed starts sample their targets. The targets are known by
-// enumeration.
+// Tests that simulated tempering, tempered transitions and annealed importance sampling sample
+// their targets after a burn-in. Also tests annealed starts. The targets are known by enumeration.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +60,7 @@ std::size_t place_of(const plan::ScanRecord& record) {
   return static_cast<std::size_t>(record.outcome.front());
 }
 
-/// A part of a chain that starts from an exact draw and continues a given burn-in.
+/// A part of a chain. The part starts from an exact draw and continues a given burn-in.
 template <class Part>
 class StartedPart {
  public:
@@ -107,9 +106,9 @@ sampling::BurnIn ring_burn_in(std::uint32_t chain) {
 TEST(SimulatedTempering, HasItsJointDistribution) {
   // Goal: for any weights w_i, simulated tempering samples (level, place) with density w_i p_w
   // p_c^beta_i. Method: start chains from exact draws at the coolest level, and run each for 120
-  // scans. Compare the last states with enumeration: levels alone, levels with places, and places
-  // at the coolest level. The fast tier has as few chains as mutants/method_checks.cpp, whose
-  // checks reject every mutant.
+  // scans. Compare the last states with enumeration, in three tests: levels alone, levels together
+  // with places, and places at the coolest level. The fast tier uses as many chains as
+  // mutants/method_checks.cpp, which rejects every mutant.
   const std::uint64_t chains = property::of_tier(12'000, 20'000);
   constexpr std::size_t k_levels = 4;
   const sampling::BurnIn first = ring_burn_in(0);
@@ -150,11 +149,11 @@ TEST(SimulatedTempering, HasItsJointDistribution) {
   EXPECT_GT(p_levels, k_p_least) << "seed " << k_seed;
   EXPECT_GT(p_joint, k_p_least) << "seed " << k_seed;
   EXPECT_GT(p_coolest, k_p_least) << "seed " << k_seed;
-  // Wrong weights are detected: equal occupancy of all levels is rejected.
+  // The test must detect the wrong weights: it must reject equal occupancy of all levels.
   EXPECT_LT(chi_square_p(levels, std::vector<double>(k_levels, 0.25)), 1e-12);
 }
 
-/// Counts the draws at each place in a run, from `first_draw` on.
+/// Makes a run and counts its draws at each place, from `first_draw` on.
 std::vector<double> place_counts(plan::Plan& plan, std::uint64_t first_draw) {
   const run::ChainWorker<RuggedRing> worker({}, {});
   std::vector<double> counts(k_places, 0);
@@ -167,8 +166,8 @@ std::vector<double> place_counts(plan::Plan& plan, std::uint64_t first_draw) {
   return counts;
 }
 
-/// Expects that each place's share of draws, over independent runs, is within 5 standard errors of
-/// its probability.
+/// Expects that each place's share of the draws is within 5 standard errors of the place's
+/// probability. The errors come from independent runs.
 void expect_shares(const char* name, const std::vector<std::vector<double>>& runs) {
   const std::vector<double> exact = RuggedRing::exact(1);
   const auto n = static_cast<double>(runs.size());
@@ -209,7 +208,7 @@ std::unique_ptr<plan::Plan> burnt_in(std::uint64_t seed, std::uint64_t scans, Ma
 constexpr std::uint64_t k_burn_in = 140;
 
 TEST(SimulatedTempering, IsRightAfterALearntBurnIn) {
-  // Goal: with weights from a burn-in, simulated tempering draws from the target at inverse
+  // Goal: if the weights come from a burn-in, simulated tempering draws from the target at inverse
   // temperature 1, and visits each level often. Method: make 400 runs of 1,500 scans after three
   // burn-in rounds, and compare the shares of places with enumeration.
   std::vector<std::vector<double>> runs;
@@ -253,11 +252,11 @@ TEST(TemperedTransitions, AreRightAfterALearntBurnIn) {
 
 TEST(AnnealedImportance, WeightsAreUnbiased) {
   // Goal: annealed importance sampling estimates Z and P(satisfied) without bias, and its errors
-  // are calibrated. Its weighted draws have the target's distribution. Method: make 1,500 runs of
-  // 24 ascents with ladders from short burn-ins. The mean ratio of an estimate to the exact value
-  // must be 1. The z-scores of the log estimates must have a standard deviation between 0.8 and
-  // 1.4. This range is wide because 24 weights are skewed. Each place's share of the weights must
-  // equal its probability.
+  // are calibrated. Weighted draws have the target's distribution. Method: make 1,500 runs, each
+  // with a short burn-in and 24 ascents. The mean ratio of an estimate to the exact value must be
+  // 1. The z-scores of the log estimates must have a standard deviation between 0.8 and 1.4. The
+  //    range is wide because the weights of 24 ascents are skewed. Each place's share of the
+  //    weights must equal its probability.
   constexpr std::uint64_t k_repeats = 1500;
   std::vector<double> ratios[2];
   std::vector<double> z[2];
@@ -317,14 +316,16 @@ TEST(AnnealedImportance, WeightsAreUnbiased) {
     EXPECT_LT(sd, 1.4);
   }
   expect_shares("weighted ascents", places);
-  // Ascents without their weights have a wrong distribution, which the comparison rejects.
+  // Without their weights, ascents have a wrong distribution. The comparison must reject this
+  // distribution.
   EXPECT_LT(chi_square_p(unweighted, RuggedRing::exact(1)), 1e-12);
 }
 
 TEST(AnnealedImportance, ErrorsAreHonestWithManyAscents) {
-  // Goal: with many ascents, the reported standard errors of log Z and log P equal the spread of
-  // the estimates. Method: compute the z-scores of 200 runs of 800 ascents. Over 200 runs, 5
-  // standard errors are 0.35 for the mean of z and 25% for its standard deviation.
+  // Goal: if a run has many ascents, the reported standard errors of log Z and log P equal the
+  // spread of the estimates. Method: make 200 runs of 800 ascents, and compute a z-score for each
+  // run. For 200 runs, 5 standard errors are 0.35 for the mean of z, and 25% for the standard
+  // deviation of z.
   std::vector<double> z[2];
   for (std::uint64_t repeat = 0; repeat < 200; ++repeat) {
     const std::uint64_t seed = k_seed + 10'000 + repeat;
@@ -354,10 +355,11 @@ TEST(AnnealedImportance, ErrorsAreHonestWithManyAscents) {
 }
 
 TEST(AnnealedStarts, LeaveTheTargetRight) {
-  // Goal: ladders and plain chains that start by annealing sample the target. Method: anneal 400
-  // ladders over 30 scans, skip 100 more scans, then compare the shares of places with enumeration.
-  // Anneal 20,000 plain chains over 25 scans in a world that a walk covers, and run them for 60
-  // more scans. Compare their last states with exact draws (Kolmogorov-Smirnov).
+  // Goal: if ladders and plain chains start by annealing, they sample the target. Method: anneal
+  // 400 ladders over 30 scans, skip 100 more scans, then compare the shares of places with
+  // enumeration. In a world that a random walk can cover, anneal 20,000 plain chains over 25 scans.
+  // Run these chains for 60 more scans. Compare the last states of these chains with exact draws
+  // (Kolmogorov-Smirnov).
   std::vector<std::vector<double>> runs;
   for (std::uint64_t repeat = 0; repeat < 400; ++repeat) {
     sampling::ParallelTempering plan({.ladders = 1,

@@ -24,7 +24,6 @@ using worlds::dice::Parameters;
 constexpr std::uint64_t k_seed = 141421;
 constexpr double k_significance = 1e-4;
 
-/// Returns which of the cube's six sides is up.
 std::size_t side_up(const DieView& die) {
   const math::Mat3 axes = math::matrix_of(die.orientation);
   int axis = 0;
@@ -36,8 +35,8 @@ std::size_t side_up(const DieView& die) {
 
 TEST(DiceFaces, ComeUpOnceInSixThrows) {
   // Goal: the simulator prefers no side of a cube. Method: simulate 3,000 throws from the prior
-  // (60,000 with SLEIGHT_SOAK=1), and count which side of the resting die is up. Compare the counts
-  // with 1/6 for each side in a chi-square test. The test fails by chance for one of 10,000 seeds.
+  // (60,000 with SLEIGHT_SOAK=1), and count which side of the resting die is up. A chi-square test
+  // compares the counts with 1/6 for each side. By chance, the test fails for one of 10,000 seeds.
   const std::uint64_t throws = property::long_run() ? 60'000 : 3'000;
   const Dice world(Parameters{});
   std::vector<double> counts(6, 0.0);

@@ -1,5 +1,5 @@
-// Tests that proposals for dice leave p_w p_c^beta invariant, including proposals whose ratio
-// depends on the candidate's collisions.
+// Tests that proposals for dice leave p_w p_c^beta invariant. The ratio of some proposals depends
+// on the candidate's collisions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ bool is_soak() {
   return property::long_run();
 }
 
-/// A table with random fields, and one die. Steps are as large as the quantities they change.
+/// A table with random fields, and one die. Steps are as large as the quantities that they change.
 Parameters small_table() {
   Parameters parameters;
   auto& table = parameters.world.table;
@@ -48,8 +48,9 @@ Parameters small_table() {
   return parameters;
 }
 
-/// Dice whose simulation is a formula with three collisions. The places of the collisions depend on
-/// the throw and on the heights of the points, so each change shifts the shares of all points.
+/// Dice whose simulation is a formula. The formula gives three collisions. Places of collisions
+/// depend on the throw and on the heights of the table's points, so each change shifts the shares
+/// of all points.
 class Formula {
  public:
   using State = worlds::dice::State;
@@ -130,7 +131,7 @@ class Formula {
   Parameters parameters_;
 };
 
-/// A wrong kernel that treats change_contact as symmetric.
+/// A wrong kernel. It treats change_contact as symmetric.
 struct Hasty : Formula {
   using Formula::Formula;
   double log_q_ratio(const State& /*state*/, const Outcome& /*outcome*/,
@@ -195,7 +196,8 @@ struct Run {
   std::size_t chains = 2000;
 };
 
-/// Compares moved exact draws with fresh ones. Returns the least p-value times the number of tests.
+/// Compares moved exact draws with fresh exact draws. Returns the least p-value times the number of
+/// tests.
 template <class T>
 double least_p(const T& world, const Run& run) {
   std::array<std::vector<double>, 14> moved;
@@ -222,9 +224,9 @@ double least_p(const T& world, const Run& run) {
 class DiceInvariance : public testing::TestWithParam<std::tuple<double, std::uint64_t>> {};
 
 TEST_P(DiceInvariance, ProposalsKeepExactDrawsExact) {
-  // Goal: proposals for dice leave p_w p_c^beta invariant, including the table's points and the
-  // dice's start. Method: make exact draws by rejection, move them with the kernel, and compare
-  // them with fresh exact draws. A formula takes the place of the simulation. The test fails by
+  // Goal: proposals for dice, which also change the table's points and the dice's start, leave p_w
+  // p_c^beta invariant. Method: make exact draws by rejection, move them with the kernel, and
+  // compare them with fresh exact draws. A formula replaces the simulation. The test fails by
   // chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();
   const std::size_t chains = is_soak() ? 100'000 : 4000;
@@ -238,8 +240,9 @@ INSTANTIATE_TEST_SUITE_P(Betas, DiceInvariance,
                                           testing::Values(std::uint64_t{1}, std::uint64_t{20})));
 
 TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
-  // Goal: the invariance test rejects a kernel that omits the ratio of change_contact. Method:
-  // compare moved exact draws with fresh ones, for the wrong kernel and for the right one.
+  // Goal: the invariance test rejects a kernel that omits the ratio of change_contact. Method: move
+  // exact draws with the wrong kernel. Compare them with fresh exact draws. Repeat with the right
+  // kernel.
   Parameters parameters = small_table();
   parameters.proposal.change_all = 0;
   parameters.proposal.change_die = 0;
@@ -257,10 +260,10 @@ TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
 }
 
 TEST(DiceInvarianceOfThrows, Holds) {
-  // Goal: the kernel leaves its target invariant with real simulations, which reuse similar ones.
-  // The target stays invariant even with a goal for a face, whose numbering is chosen after the
-  // simulation. Method: use a table of a few points and wide goals, so that exact draws are cheap.
-  // Compare moved exact draws with fresh ones.
+  // Goal: the kernel leaves its target invariant with real simulations that reuse similar
+  // simulations. The target stays invariant even if a goal names a face, although the faces are
+  // numbered after the simulation. Method: use a table of a few points and wide goals, so that
+  // exact draws are cheap. Compare moved exact draws with fresh exact draws.
   Parameters parameters = small_table();
   parameters.world.dice[0].position_m.x() = -0.03;
   parameters.world.dice[0].velocity_mps.x() = 0.2;

@@ -1,4 +1,4 @@
-// Compares islands of dice with rejection, and particle steps with exact draws.
+// Compares islands of dice with draws from the prior, and particle steps with exact draws.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,8 @@ sampling::ChainStreams streams_of(std::uint32_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
 }
 
-/// Two dice 40 mm apart that sometimes collide. Each die has one goal, a place.
+/// Returns a world of two dice that start 40 mm apart and sometimes collide. Each die has a place
+/// as its goal.
 StagedDice two_dice(double sigma_m, double tolerance_m) {
   Parameters parameters;
   parameters.world.dice.assign(2, {});
@@ -41,8 +42,8 @@ StagedDice two_dice(double sigma_m, double tolerance_m) {
 
 TEST(DiceIslands, AgreeWithRejection) {
   // Goal: islands and draws from the prior give the same Z and P(satisfied) for two dice. Method:
-  // estimate both from islands whose pools have eight throws, and from prior draws. The estimates
-  // must agree within 4 combined standard errors.
+  // estimate Z and P(satisfied) from prior draws, and from islands whose pools have eight throws.
+  // The estimates must agree within 4 combined standard errors.
   const StagedDice world = two_dice(0.02, 0.025);
   const int throws = property::long_run() ? 200'000 : 8'000;
   const std::uint32_t islands = property::long_run() ? 20'000 : 700;
@@ -70,10 +71,11 @@ TEST(DiceIslands, AgreeWithRejection) {
 }
 
 TEST(DiceIslands, PoolsGiveThePrior) {
-  // Goal: the weight of a throw from a pool corrects for how the pool was drawn, and for how the
-  // throw was chosen from the pool. Method: estimate Z at inverse temperature 0 from islands with
-  // one particle and pools of two throws. The mean of Z must be 1. Count Z as 0 if a chosen die is
-  // slower than average; then its mean must be 1/2. Means must agree within 4 standard errors.
+  // Goal: a throw's weight corrects for how its pool was drawn, and for how the throw was chosen
+  // from the pool. Method: estimate Z at inverse temperature 0 from islands. An island has one
+  // particle and a pool of two throws. The mean of Z must be 1. If Z counts as 0 whenever a chosen
+  // die is slower than average, the mean of Z must be 1/2. Means must agree within 4 standard
+  // errors.
   const StagedDice world = two_dice(0.04, 0.05);
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 2;
@@ -101,8 +103,8 @@ TEST(DiceIslands, PoolsGiveThePrior) {
 TEST(DiceIslands, StepsKeepExactDrawsExact) {
   // Goal: both particle steps (conditional and independence) leave p_w p_c of two dice invariant.
   // Method: make exact draws by rejection, and move half of them by three steps. Compare the dice's
-  // speeds and the total duration between the moved half and the other half. All p-values must be
-  // above 1e-5.
+  // speeds and the total duration in the moved half with those in the other half. All p-values must
+  // be above 1e-5.
   const StagedDice world = two_dice(0.06, 0.05);
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 3;

@@ -1,5 +1,5 @@
-// Tests that chains with failing simulations sample p_w p_c^beta conditioned on success, at each
-// inverse temperature (docs/SAMPLING.md).
+// Tests chains in which some simulations fail. At each inverse temperature, chains must sample p_w
+// p_c^beta conditioned on success (docs/SAMPLING.md).
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -13,10 +13,10 @@ namespace sleight::statistical::failures_invariance_test {
 constexpr std::uint64_t k_seed = 271828;
 constexpr std::size_t k_draws = 50'000;
 constexpr std::size_t k_places = RuggedRing::k_places;
-/// At this threshold a right kernel fails once in 10^6 tests.
+/// If the kernel is right, a test fails once in 10^6 times.
 constexpr double k_p_min = 1e-6;
 
-/// The ring with two places whose simulation fails, and one whose start overlaps.
+/// The ring, in which the simulation fails at two places and the start overlaps at one place.
 struct FailingRing : RuggedRing {
   static bool fails(State place) { return place == 0 || place == 6; }
 
@@ -58,8 +58,8 @@ sampling::ChainStreams streams_of(std::uint64_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{static_cast<std::uint32_t>(chain)}, .replica = {}};
 }
 
-/// Returns the p-value of the counts after `move`. The null hypothesis is that `move` leaves p_beta
-/// invariant.
+/// Moves exact draws by `move`, and returns the p-value of the places' counts. The null hypothesis
+/// is that `move` leaves p_beta invariant.
 template <class Move>
 double p_value(double beta, std::uint64_t first_chain, const Move& move) {
   const FailingRing ring;
@@ -89,9 +89,9 @@ TEST(FailuresInvariance, StepsKeepTheRestrictedTarget) {
 }
 
 TEST(FailuresInvariance, DrawsAgainAreDrawsOfTheRestrictedPrior) {
-  // Goal: a prior draw that is repeated until its simulation succeeds has the distribution of the
-  // prior given success. A single draw doesn't. Method: compare the counts of places with
-  // enumeration, for repeated draws and, as a control, for single draws.
+  // Goal: if prior draws are repeated until a simulation succeeds, the last draw has the
+  // distribution of the prior given success. A single draw doesn't. Method: make repeated draws and
+  // compare the counts of places with enumeration. Single draws are the control.
   const auto draw = [](const auto& ring, const auto& streams, auto& sample) {
     sample = sampling::draw_afresh(ring, streams, 1);
   };
@@ -118,9 +118,9 @@ TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
 }
 
 TEST(FailuresInvariance, ACandidateThatFailsIsRefusedFromAnywhere) {
-  // Goal: a chain that starts at zero density accepts candidates by the prior alone, but never a
-  // candidate whose simulation fails. Method: start 2,000 chains at a place with p_c = 0 near
-  // places whose simulation fails, and make 20 steps of each chain.
+  // Goal: if a chain starts at zero density, it accepts candidates by the prior alone. But the
+  // chain never accepts a candidate whose simulation fails. Method: start 2,000 chains at a place
+  // where p_c = 0, near places whose simulation fails. Make 20 steps of each chain.
   const FailingRing ring;
   for (std::uint64_t chain = 0; chain < 2000; ++chain) {
     auto sample = sampling::evaluate(ring, RuggedRing::State{12});

@@ -1,5 +1,6 @@
-// Geweke's test ("Getting it right", 2004). The constraint is treated as a datum: the landing
-// place, observed with noise sigma_d. So prior, kernel and simulator are tested as one joint model.
+// Geweke's test ("Getting it right", 2004). The test treats the constraint as a datum: the landing
+// place, observed with noise sigma_d. So the test covers prior, kernel and simulator as one joint
+// model.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -40,7 +41,8 @@ std::array<double, k_functions> functions(const BallSample& sample, double datum
           datum, datum * datum, datum * x_diameters, residual * residual};
 }
 
-/// Returns the largest |z| between the two ways to draw (normals, datum).
+/// Draws (normals, datum) in two ways, and compares the means of all functions. Returns the largest
+/// |z|.
 double largest_z(Bug bug) {
   constexpr std::size_t k_independent = 100000;
   constexpr std::uint64_t k_steps = 100000;
@@ -87,14 +89,14 @@ double largest_z(Bug bug) {
 TEST(Geweke, BothWaysToDrawTheJointAgree) {
   // Goal: prior, proposal, acceptance, simulator and constraint belong to one joint density.
   // Method: draw (normals, datum) in two ways, and compare the means of 8 functions. Standard
-  // errors include autocorrelation. One of the 8 differences exceeds 4.5 standard errors by chance
+  // errors include autocorrelation. By chance, any of the 8 differences exceeds 4.5 standard errors
   // once in 18,000 runs.
   EXPECT_LT(largest_z(Bug::none), 4.5) << "seed " << k_seed;
 }
 
 TEST(Geweke, ABrokenKernelDisagrees) {
-  // Goal: Geweke's test rejects wrong kernels. Method: run the test with five bugs of different
-  // kinds.
+  // Goal: Geweke's test rejects wrong kernels. Method: run the test with each of five bugs of
+  // different kinds.
   for (const Bug bug : {Bug::prior_forgotten, Bug::ratio_inverted, Bug::constraint_forgotten,
                         Bug::wrong_temperature, Bug::independence_draw_as_symmetric}) {
     EXPECT_GT(largest_z(bug), 6) << name_of(bug);

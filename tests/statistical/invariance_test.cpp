@@ -16,7 +16,7 @@ namespace sleight::statistical::invariance_test {
 
 constexpr std::uint64_t k_seed = 415926;
 
-/// Number of draws, enough to detect each of the known bugs.
+/// With this number of draws, the test detects each of the known bugs.
 constexpr std::size_t k_draws_that_tell = 8000;
 
 using Columns = std::array<std::vector<double>, k_ball_functions>;
@@ -27,8 +27,8 @@ void append(Columns& columns, const BallSample& sample) {
     columns[i].push_back(values[i]);
 }
 
-/// Returns the p-value of each function for "exact draws moved by `steps` iterations" against
-/// "fresh exact draws", `size` of each. `repeat` selects the random numbers.
+/// Moves `size` exact draws by `steps` iterations, and compares them with `size` fresh exact draws.
+/// Returns the p-value of each function. `repeat` selects the random numbers.
 std::array<double, k_ball_functions> p_values(Bug bug, double beta, std::uint64_t steps,
                                               std::size_t size, std::uint32_t repeat) {
   const Ball ball{worlds::ball_2d::Parameters{}};
@@ -55,8 +55,9 @@ class Invariance : public testing::TestWithParam<std::tuple<double, std::uint64_
 
 TEST_P(Invariance, ExactDrawsStayExact) {
   // Goal: the Metropolis-Hastings kernel leaves its target invariant. Method: make exact draws by
-  // rejection, move them with the kernel, and compare 8 functions of them with fresh exact draws.
-  // The test fails for p-values below 1e-5 / 8, which happens by chance once in 10^5 runs.
+  // rejection and move them with the kernel. Compare 8 functions of the moved draws with those of
+  // fresh exact draws. The test fails if a p-value is below 1e-5 / 8. By chance, this happens once
+  // in 10^5 runs.
   const auto [beta, steps] = GetParam();
   const auto p = p_values(Bug::none, beta, steps, property::of_tier(k_draws_that_tell, 30000), 0);
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -70,9 +71,9 @@ INSTANTIATE_TEST_SUITE_P(Betas, Invariance,
                                                           std::uint64_t{100})));
 
 TEST(InvarianceRepeats, PValuesAreUniform) {
-  // Goal: the kernel has no bias that is too small for a single invariance test. Method: repeat the
-  // invariance test 400 times with 300 draws, and compare the p-values of each function with the
-  // uniform distribution. The test fails by chance with probability 8e-5.
+  // Goal: the kernel has no bias, even below what a single invariance test detects. Method: repeat
+  // the invariance test 400 times, with 300 draws each time. Compare each function's p-values with
+  // the uniform distribution. The test fails by chance with probability 8e-5.
   std::array<std::vector<double>, k_ball_functions> collected;
   for (std::uint32_t repeat = 1; repeat <= 400; ++repeat) {
     const auto p = p_values(Bug::none, 1.0, 10, 300, repeat);
@@ -87,9 +88,9 @@ TEST(InvarianceRepeats, PValuesAreUniform) {
 class BrokenKernel : public testing::TestWithParam<Bug> {};
 
 TEST_P(BrokenKernel, IsCaught) {
-  // Goal: the invariance test rejects each known wrong kernel with as few draws as in the fast
-  // tier. Method: move exact draws by 100 steps of a wrong kernel. At least one p-value must be
-  // below the test's threshold.
+  // Goal: the invariance test rejects each known wrong kernel. The fast tier's few draws suffice.
+  // Method: move exact draws by 100 steps of a wrong kernel. At least one p-value must be below the
+  // test's threshold.
   const auto p = p_values(GetParam(), 1.0, 100, k_draws_that_tell, 0);
   EXPECT_LT(*std::min_element(p.begin(), p.end()), 1e-5 / k_ball_functions) << name_of(GetParam());
 }

@@ -1,7 +1,7 @@
-// Goal: if the rule in [stop] sets the number of islands of a batch, the batch's odds are right on
-// average and their errors are calibrated. A run that stops when its own estimate looks good
-// underestimates P. Method: draw lognormal estimates of known mean, and deliver them as chains of
-// islands.
+// Goal: if the rule in [stop] sets a batch's number of islands, the batch's odds are right on
+// average and their errors are calibrated. If a run instead stops when its own estimate looks good,
+// it underestimates P. Method: draw lognormal estimates whose mean is known, and deliver them as
+// chains of islands.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,8 @@ constexpr double k_log_p = -207;  ///< e^-207 is about 1e-90.
 constexpr double k_log_sd = 1.3;  ///< One island in 650 exceeds 20 times the mean.
 constexpr double k_odds = 0.1;
 
-/// Draws the log of an unbiased estimate: the mean of a lognormal is e^(mean + sd^2 / 2).
+/// Draws the log of an estimate. The estimate is unbiased, because the mean of a lognormal is
+/// e^(mean + sd^2 / 2).
 double draw_island(random::Stream& stream) {
   return random::Normal{.mean = k_log_p - k_log_sd * k_log_sd / 2, .sd = k_log_sd}.draw(stream);
 }
@@ -34,7 +35,7 @@ random::Stream stream_of(int run) {
   return {{.seed = k_seed, .purpose = random::Purpose::prior}, static_cast<std::uint64_t>(run)};
 }
 
-/// Returns the islands that count towards the odds of a run that follows the rule, in order.
+/// Makes a run that follows the rule. Returns the islands that count towards its odds, in order.
 std::vector<double> told_by_the_rule(random::Stream& stream) {
   sampling::FreeIslands plan({.seed = k_seed, .log_error = k_odds});
   while (const auto unit = plan.next_unit(1)) {
@@ -52,7 +53,8 @@ std::vector<double> told_by_the_rule(random::Stream& stream) {
   return {islands.begin() + from, islands.end()};
 }
 
-/// Returns all islands of a run that stops as soon as its own estimate has the requested error.
+/// Makes a run that stops as soon as its own estimate has the requested error. Returns the odds
+/// from all its islands.
 math::IslandOdds stopped_by_itself(random::Stream& stream) {
   math::IslandSums sums;
   while (true) {
@@ -79,7 +81,7 @@ class Coverage {
   int runs() const { return runs_; }
   double within_one() const { return within_one_ / runs_; }
   double within_two() const { return within_two_ / runs_; }
-  /// Mean relative deviation of the estimates from P, and its standard error.
+  /// Mean relative deviation of the estimates from P. bias_error() is its standard error.
   double bias() const { return sum_ / runs_; }
   double bias_error() const { return std::sqrt((squares_ / runs_ - bias() * bias()) / runs_); }
   double mean_error() const { return errors_ / runs_; }
@@ -102,13 +104,14 @@ class Coverage {
 };
 
 TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
-  // Goal: with batches of a set size, the mean of P over all runs is right, and the error is about
-  // as requested. About 65% of the runs that report an error are within one error of the truth, and
-  // about 92% are within two. Normal estimates would have larger shares, but here the sum is skewed
-  // and its spread is estimated. Two rules bias P by less than a quarter of its error. One rule
-  // extends the batch if one island has a tenth of the sum. The other rule reports no error if the
-  // extension doesn't help. Method: make 1,000 runs of the plan itself. The shares may be lower by
-  // five binomial standard errors, and the mean may differ by four standard errors.
+  // Goal: if the rule sets the size of batches, the mean of P over all runs is right, and the error
+  // is about as requested. About 65% of the runs that report an error are within one error of the
+  // truth, and about 92% are within two errors. If the estimates were normal, these shares would be
+  // larger. But the sum of islands is skewed, and its spread is estimated. Two rules bias P by less
+  // than a quarter of its error. The first rule extends a batch if one island has a tenth of the
+  // sum. If the extension doesn't help, the second rule reports no error. Method: make 1,000 runs
+  // of the plan itself. The shares may be lower by five binomial standard errors, and the mean may
+  // differ by four standard errors.
   Coverage all;
   Coverage known;
   for (int run = 0; run < k_runs; ++run) {
@@ -129,9 +132,9 @@ TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
 }
 
 TEST(IslandOdds, ARunThatStopsByItsOwnEstimateSaysTooLittle) {
-  // Goal (negative control): runs that stop by their own estimate make P too low by more than
-  // chance. Method: count all islands, and stop each run at the first island after which the
-  // estimate looks good enough. The bias must exceed four standard errors of the mean.
+  // Goal (negative control): if runs stop by their own estimate, P is too low by more than chance.
+  // Method: stop each run at the first island after which the estimate looks good enough, and count
+  // all islands. The bias must exceed four standard errors of the mean.
   Coverage stopped;
   for (int run = 0; run < k_runs; ++run) {
     random::Stream stream = stream_of(k_runs + run);

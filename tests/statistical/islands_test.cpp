@@ -1,4 +1,4 @@
-// Tests that islands' estimates are unbiased and their steps leave the target invariant.
+// Tests that islands' estimates are unbiased, and that particle steps leave the target invariant.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,8 @@ double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// Returns the distance of independent draws' mean from a value, in standard errors.
+/// Returns the distance between the mean of independent draws and the expected value, in standard
+/// errors.
 double errors_off(const std::vector<double>& draws, double expected) {
   const MeanWithError mean = mean_of_independent(draws);
   return (mean.mean - expected) / mean.standard_error;
@@ -52,7 +53,8 @@ std::vector<Setting> settings() {
 
 template <class Make>
 void expect_unbiased(const Make& make, std::uint32_t chain) {
-  // In the fast tier, 4,000 islands suffice: mutants/islands uses as many and rejects every mutant.
+  // In the fast tier, 4,000 islands suffice. With this number, mutants/islands rejects every
+  // mutant.
   const std::uint64_t islands = property::of_tier(4'000, 10'000);
   const Toy toy;
   for (const Setting& setting : settings()) {
@@ -86,11 +88,11 @@ void expect_unbiased(const Make& make, std::uint32_t chain) {
 }
 
 TEST(Islands, EstimatesAreUnbiased) {
-  // Goal: free islands estimate Z and P(satisfied) without bias, for any number of particles, any
-  // guide and any resampling. The product of Z and an indicator of the drawn state is unbiased too.
-  // Method: make many islands in each of 7 settings, and compare the means of the three estimates
-  // with enumeration. The means must agree within 4 standard errors. Correct code fails once in 750
-  // runs with new seeds.
+  // Goal: free islands estimate Z and P(satisfied) without bias, whatever the number of particles,
+  // the guide and the resampling are. The product of Z and an indicator of the drawn state is
+  // unbiased too. Method: make many islands in each of 7 settings. Compare the means of the three
+  // estimates with enumeration. The means must agree within 4 standard errors. Correct code fails
+  // once in 750 runs with new seeds.
   expect_unbiased([](const auto& islands) { return islands.free(0); }, 0);
 }
 
@@ -100,8 +102,8 @@ TEST(Islands, EstimatesOfParticlesThatChooseTogetherAreUnbiased) {
 }
 
 TEST(Islands, AFifthOfTheToyIsRescued) {
-  // Goal: about a fifth of the toy's mass is in states that islands never reach if psi is 0 for a
-  // fallen walker.
+  // Goal: let psi be 0 for a fallen walker. Then states that islands never reach have about a fifth
+  // of the toy's mass.
   const Toy toy;
   const std::vector<double> masses = toy.masses(1);
   double rescued = 0;
@@ -113,8 +115,8 @@ TEST(Islands, AFifthOfTheToyIsRescued) {
 
 TEST(Islands, AHardPotentialLeavesOutWhatIsRescued) {
   // Goal: if psi is 0 for a fallen walker, islands estimate the mass of the states that they reach,
-  // and draw no other state. Method: compare the mean Z of 10,000 islands with the enumerated mass
-  // of all states whose walker never falls.
+  // and draw no other state. Method: enumerate the mass of all states in which the walker never
+  // falls. Compare this mass with the mean Z of 10,000 islands.
   const Toy toy;
   const Guide guide{.log_fallen = sampling::k_log_zero};
   const std::vector<double> masses = toy.masses(1);
@@ -135,7 +137,6 @@ TEST(Islands, AHardPotentialLeavesOutWhatIsRescued) {
 using Step = std::function<void(const Toy&, const sampling::ChainStreams&, std::uint64_t number,
                                 ToyParticle&)>;
 
-/// P-values of exact draws after one step and after ten.
 struct Kept {
   double after_one = 0;
   double after_ten = 0;
@@ -169,14 +170,14 @@ Kept kept_by(const Step& step, double beta, std::uint32_t first_chain, std::uint
           .moved = moved / static_cast<double>(draws)};
 }
 
-/// Number of chains per setting: as few as in mutants/islands, whose checks reject every mutant,
-/// and many more in the long run (SLEIGHT_SOAK=1).
+/// Number of chains per setting. With as few chains, mutants/islands rejects every mutant. The long
+/// run (SLEIGHT_SOAK=1) uses many more chains.
 std::uint32_t draws() {
   return property::long_run() ? 200'000
                               : static_cast<std::uint32_t>(property::of_tier(1'500, 4'000));
 }
 
-/// Expects that, in each setting, a step by islands moves exact draws but keeps their distribution.
+/// Expects that steps in each setting move exact draws but keep their distribution.
 void expect_kept(std::uint32_t first_chain,
                  const std::function<void(const sampling::Islands<Toy>&, std::uint64_t number,
                                           ToyParticle&)>& step) {
@@ -198,9 +199,9 @@ void expect_kept(std::uint32_t first_chain,
 }
 
 TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
-  // Goal: conditional steps (particle Gibbs) leave the target invariant at any temperature, with
-  // any resampling threshold and at least two particles. Method: move exact draws by one step and
-  // by ten, and compare both sets of states with enumeration.
+  // Goal: conditional steps (particle Gibbs) of two or more particles leave the target invariant at
+  // any temperature and resampling threshold. Method: move exact draws by one step and by ten
+  // steps. Compare the states with enumeration after both.
   expect_kept(20'000'000, [](const auto& islands, std::uint64_t number, ToyParticle& current) {
     const std::uint32_t ground = Toy::ground_of(current.sample.state);
     sampling::conditional_step(islands, number, current);
@@ -210,7 +211,7 @@ TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
 
 TEST(ParticleSteps, IndependenceStepsKeepTheTarget) {
   // Goal: independence steps leave the target invariant. Method: move exact draws by one step and
-  // by ten, and compare both sets of states with enumeration. Each chain's first step draws an
+  // by ten steps. Compare the states with enumeration after both. Each chain's first step draws an
   // island given the exact draw.
   expect_kept(60'000'000, [](const auto& islands, std::uint64_t number, ToyParticle& current) {
     sampling::independence_step(islands, 2 * number, current);
@@ -220,12 +221,12 @@ TEST(ParticleSteps, IndependenceStepsKeepTheTarget) {
 /// What a chain does with its island after an accepted local move.
 enum class AfterLocalMove { forgets_z, keeps_z, takes_the_draw };
 
-/// Alternates an independence step with three local moves.
+/// Makes an independence step, then three local moves.
 Step mixed(const Setting& setting, AfterLocalMove after) {
   return [setting, after](const Toy& toy, const sampling::ChainStreams& streams,
                           std::uint64_t number, ToyParticle& current) {
     const sampling::Islands islands(toy, setting.guide, setting.options, streams);
-    // The mistake: if the island is stale, the state becomes the new island's draw.
+    // Make the mistake: if the island is stale, replace the state by the new island's draw.
     if (!current.log_z && after == AfterLocalMove::takes_the_draw)
       sampling::conditional_step(islands, 1000 + number, current);
     sampling::independence_step(islands, 2 * number, current);
@@ -239,9 +240,10 @@ Step mixed(const Setting& setting, AfterLocalMove after) {
 }
 
 TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
-  // Goal: chains that mix independence steps with local moves leave the target invariant. This
-  // holds even if a potential of 0 makes some states reachable only by local moves. Method: move
-  // exact draws by one step and by ten, and compare both sets of states with enumeration.
+  // Goal: chains that mix independence steps with local moves leave the target invariant. The
+  // target stays invariant even if a potential of 0 makes some states reachable only by local
+  // moves. Method: move exact draws by one step and by ten steps. Compare the states with
+  // enumeration after both.
   const std::vector<Setting> settings{
       {.guide = {}, .options = {.particles = 2}},
       {.guide = {}, .options = {.particles = 8}},
@@ -259,8 +261,8 @@ TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
 
 TEST(ParticleSteps, MistakesWithStaleIslandsAreCaught) {
   // Goal: the invariance test of mixed chains rejects two mistakes with stale islands. Method: run
-  // a chain that keeps Z after a local move. Run a chain that replaces its state by the new
-  // island's draw if the old island is stale.
+  // a chain that keeps Z after a local move. Run another chain: if the old island is stale, the new
+  // island's draw replaces the state.
   const Setting two{.guide = {}, .options = {.particles = 2}};
   const Setting eight{.guide = {}, .options = {.particles = 8}};
   const Kept keeps_z = kept_by(mixed(two, AfterLocalMove::keeps_z), 1, 800'000'000, 60'000);

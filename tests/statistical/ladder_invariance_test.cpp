@@ -1,5 +1,5 @@
-// Tests parallel tempering on a world that can be enumerated: swaps and scans together leave the
-// product of all tempered distributions invariant.
+// Tests parallel tempering on a world that can be enumerated. Swaps and scans together must leave
+// the product of all tempered distributions invariant.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -51,11 +51,12 @@ struct Census {
 TEST(LadderInvariance, ExactDrawsStayExact) {
   // Goal: in a fixed ladder, swaps, scans and ends of rounds leave the distribution of each level
   // unchanged, and levels stay independent. Method: start many ladders of five levels from exact
-  // draws. After one scan and after ten, compare each level and each pair of neighbouring levels
-  // with enumeration in chi-square tests. Each of the 18 p-values is below 1e-6 by chance once in a
-  // million runs. Compare the four mean rejection rates with enumeration. The rates must agree
-  // within 5 standard errors. This fails by chance with probability 2.3e-6. The fast tier has as
-  // few repeats as mutants/ladder_checks.cpp, whose checks reject every mutant.
+  // draws. After one scan and after ten scans, make chi-square tests: compare each level, and each
+  // pair of neighbouring levels, with enumeration. Each of the 18 p-values is below 1e-6 by chance
+  // once in a million runs. Compare the four mean rejection rates with enumeration. The rates must
+  // agree within 5 standard errors. The comparison of rates fails by chance with probability
+  // 2.3e-6. The fast tier uses as many repeats as mutants/ladder_checks.cpp, which rejects every
+  // mutant.
   const std::uint64_t repeats = property::of_tier(6'000, 100'000);
   const RuggedRing ring;
   const std::vector<std::uint64_t> looked_at{1, 10};
@@ -125,8 +126,8 @@ TEST(LadderInvariance, LearningLaddersFindTheDistribution) {
   // Goal: an ordinary run reaches p_w p_c even if no proposal connects the parts of the ring. The
   // run starts from prior draws, and adapts the ladder and its size. Method: run 300 independent
   // ladders. In the last of five rounds, each place's mean share must be within 5 standard errors
-  // of the exact share. With 11 places, this fails by chance with probability 6e-6. Lineages must
-  // begin only at prior draws.
+  // of the exact share. There are 11 places, so the test fails by chance with probability 6e-6.
+  // Lineages must begin only at prior draws.
   constexpr std::uint64_t k_repeats = 300;
   const RuggedRing ring;
   std::vector<std::vector<double>> shares(k_places);

@@ -1,7 +1,7 @@
-// Long chains of the 2D ball agree with rejection sampling from the prior. The chains start from
-// exact draws. If chains started from the prior, 2 to 3% of them would stay in a negligible local
-// mode for longer than any test (docs/THESIS). That would be a failure of mixing, not of
-// correctness.
+// Tests that long chains of the 2D ball agree with rejection sampling from the prior. The chains
+// start from exact draws. If chains started from the prior, 2 to 3% of them would stay in a
+// negligible local mode for longer than any test (docs/THESIS). Staying there would be a failure of
+// mixing, not of correctness.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,8 +20,9 @@ constexpr std::uint32_t k_chains = 400;
 constexpr std::uint64_t k_iterations = 1000;
 constexpr std::size_t k_exact_draws = 100000;
 
-/// Statistics of one sample: each function, its square, and indicators of being below five
-/// thresholds. The mean of an indicator is the marginal's distribution function.
+/// Number of statistics per function: the function, its square, and five indicators. An indicator
+/// tells whether the function is below a threshold, so its mean is the marginal's distribution
+/// function.
 constexpr std::size_t k_per_function = 7;
 constexpr std::size_t k_statistics = k_ball_functions * k_per_function;
 
@@ -52,7 +53,8 @@ std::vector<BallSample> exact_draws(const Ball& ball) {
   return draws;
 }
 
-/// Thresholds near the 5, 25, 50, 75 and 95% points, from a part of the exact draws.
+/// Returns thresholds near the 5, 25, 50, 75 and 95% points. A part of the exact draws gives the
+/// thresholds.
 Thresholds thresholds_of(const std::vector<BallSample>& draws) {
   Thresholds thresholds;
   for (std::size_t f = 0; f < k_ball_functions; ++f) {
@@ -65,7 +67,8 @@ Thresholds thresholds_of(const std::vector<BallSample>& draws) {
   return thresholds;
 }
 
-/// Returns the largest |z| over all statistics of chains with this bug against the exact draws.
+/// Runs chains with this bug, and compares all statistics with the exact draws. Returns the largest
+/// |z|.
 double largest_z(const Ball& ball, Bug bug, const std::vector<BallSample>& exact) {
   const Thresholds thresholds = thresholds_of(exact);
 
@@ -99,11 +102,11 @@ double largest_z(const Ball& ball, Bug bug, const std::vector<BallSample>& exact
 }
 
 TEST(Marginals, AgreeWithRejectionSamplingAndABrokenChainDoesNot) {
-  // Goal: long chains have the right marginals, and the comparison rejects two wrong kernels whose
-  // chains are stationary too. Method: compare 56 statistics of 400 chains of 1,000 iterations with
-  // 100,000 exact draws. Standard errors come from the spread of the chains' means, and are valid
-  // for any mixing. One of the 56 differences exceeds 4.5 standard errors by chance once in 2,600
-  // runs.
+  // Goal: long chains have the right marginals. The comparison rejects two wrong kernels, although
+  // their chains are stationary too. Method: run 400 chains of 1,000 iterations. Compare 56
+  // statistics with those of 100,000 exact draws. Standard errors come from the spread of the
+  // chains' means, and are valid for any mixing. By chance, any of the 56 differences exceeds 4.5
+  // standard errors once in 2,600 runs.
   const Ball ball{worlds::ball_2d::Parameters{}};
   const std::vector<BallSample> exact = exact_draws(ball);
   EXPECT_LT(largest_z(ball, Bug::none, exact), 4.5) << "seed " << k_seed;

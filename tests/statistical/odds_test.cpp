@@ -1,7 +1,7 @@
 // Goal: the interval in `sleight archive info` includes the truth as often as an interval of one
-// standard error should. Ladders that have not mixed get no interval. Method: run worlds of known
-// log Z and P as users do, and evaluate each run after each round. Compare trusted estimates with
-// the truth, and show that doubted estimates are wrong more often.
+// standard error should. Ladders that have not mixed get no interval. Method: use worlds whose log
+// Z and P are known. Run them as users do, and evaluate each run after each round. Compare trusted
+// estimates with the truth, and show that doubted estimates are wrong more often.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,9 +23,9 @@ namespace sleight::statistical::odds_test {
 
 constexpr std::uint64_t k_seed = 602214;
 
-/// A world of letters in pairs. Each letter is right or wrong. A pair with one right letter has a
-/// factor in p_c that acts as a barrier. A state satisfies the constraint if all letters are right.
-/// A proposal changes at most one letter.
+/// A world of letters in pairs. Each letter is right or wrong. If one letter of a pair is right,
+/// p_c has a factor that acts as a barrier. A state satisfies the constraint if all letters are
+/// right. A proposal changes at most one letter.
 struct Letters {
   using State = std::uint32_t;
   using Outcome = std::uint32_t;
@@ -81,7 +81,7 @@ struct Letters {
 };
 static_assert(run::World<Letters>);
 
-/// Estimates of one quantity by each ladder in each round.
+/// Estimates of one quantity. Each ladder has an estimate in each round.
 struct Series {
   std::vector<std::vector<analysis::LogEstimate>> rounds;  ///< By round, by ladder.
   double exact = 0;
@@ -198,13 +198,14 @@ void add_world(Verdicts& all, const char* name, const World& world, const Ladder
 TEST(Odds, TrustedErrorsHoldTheTruth) {
   // Goal: the errors of trusted estimates are calibrated, and doubted estimates are worse. Method:
   // use three worlds: letters that change seldom, pairs of letters behind a barrier, and a bullseye
-  // with steps that are too short. Run 1, 4 or 16 ladders for seven rounds that double from 32
-  // scans. Ideally, 68% of trusted estimates are within one error of the truth, and 99.7% within
-  // three. The log Z and log P of a round share most of their error, so only half of the estimates
-  // count as independent. The share within one error may be below 68% by up to five standard
-  // errors. The share within three errors must exceed only 95%, because estimated errors have
-  // heavier tails. With one miss in 100, seven misses or more of 125 occur once in 3,000 runs.
-  // Doubted estimates must miss more often, and be too low on average.
+  // whose steps are too short. Run 1, 4 or 16 ladders for seven rounds. The first round has 32
+  // scans, and each later round has twice as many as the round before. Ideally, 68% of trusted
+  // estimates are within one error of the truth, and 99.7% within three. A round's log Z and log P
+  // share most of their error, so only half of the estimates count as independent. The share within
+  // one error may be below 68% by up to five standard errors. The share within three errors must
+  // exceed only 95%, because estimated errors have heavier tails. If 1% of estimates miss, seven or
+  // more misses among 125 estimates occur once in 3,000 runs. Doubted estimates must miss more
+  // often, and be too low on average.
   Letters seldom;
   seldom.busy = 0.1;
   Letters pairs;
@@ -234,8 +235,9 @@ TEST(Odds, TrustedErrorsHoldTheTruth) {
 }
 
 TEST(Odds, LaddersThatNeverComeDownHaveNone) {
-  // Goal: estimates by 16 short ladders for a hard word are never trusted, even if the ladders
-  // agree. Method: use letters that change so seldom that almost no ladder makes a round trip.
+  // Goal: if 16 short ladders run for a hard word, their estimates are never trusted, even if the
+  // ladders agree. Method: use letters that change so seldom that almost no ladder makes a round
+  // trip.
   Letters stuck;
   stuck.letters = 20;
   stuck.busy = 0.01;

@@ -23,7 +23,7 @@ std::vector<double> normals(std::uint32_t chain, std::size_t count, double mean)
 
 TEST(KolmogorovSmirnov, ItsPValuesAreUniformWhenTheSamplesAreAlike) {
   // Goal: the Kolmogorov-Smirnov test is calibrated. Method: test 500 pairs of samples from one
-  // distribution, and compare the p-values with the uniform distribution.
+  // distribution. Compare the p-values with the uniform distribution.
   std::vector<double> p_values;
   for (std::uint32_t i = 0; i < 500; ++i) {
     p_values.push_back(kolmogorov_smirnov_p(normals(2 * i, 400, 0), normals(2 * i + 1, 300, 0)));
@@ -33,7 +33,7 @@ TEST(KolmogorovSmirnov, ItsPValuesAreUniformWhenTheSamplesAreAlike) {
 
 TEST(KolmogorovSmirnov, RejectsASmallShift) {
   // Goal: the Kolmogorov-Smirnov test rejects a small shift. Method: shift 10,000 draws by a tenth
-  // of a standard deviation, which is about seven standard errors.
+  // of a standard deviation, or about seven standard errors.
   EXPECT_LT(kolmogorov_smirnov_p(normals(0, 10000, 0), normals(1, 10000, 0.1)), 1e-6);
 }
 
@@ -52,8 +52,8 @@ TEST(KolmogorovSmirnov, HasTheKnownTail) {
 
 TEST(EffectiveSampleSize, IsThatOfAnAutoregression) {
   // Goal: the effective sample size accounts for autocorrelation. Method: estimate the
-  // autocorrelation time of the process x' = 0.9 x + noise. Its exact value is (1 + 0.9) / (1 -
-  // 0.9) = 19, and 200,000 steps estimate it to a few percent.
+  // autocorrelation time of the process x' = 0.9 x + noise. The exact time is (1 + 0.9) / (1 - 0.9)
+  // = 19. From 200,000 steps, the estimate is right to a few percent.
   const std::vector<double> noise = normals(7, 200000, 0);
   std::vector<double> series(noise.size());
   double x = 0;

@@ -1,5 +1,5 @@
-// Tests that all proposals for balls that spell leave p_w p_c^beta invariant over states with
-// varying numbers of balls. The test rejects the ratios printed in A.2.2 of the thesis.
+// Tests that all proposals for balls that spell leave p_w p_c^beta invariant, although the number
+// of balls varies. The test rejects the ratios that A.2.2 of the thesis prints.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,8 +27,8 @@ std::size_t chain_count() {
   return property::long_run() ? 40'000 : property::of_tier(1200, 2000);
 }
 
-/// The tested quantities: the set of active balls and the number of filled bins (as a cell number),
-/// the places of drops, an offset, and the sum of all squared offsets.
+/// The tested quantities are the places of drops, an offset, the sum of all squared offsets, and a
+/// cell number. The cell number combines the set of active balls with the number of filled bins.
 struct Functions {
   static constexpr std::size_t k_cells = 4 * 3;
   std::array<double, k_cells> cells{};
@@ -49,7 +49,8 @@ struct Functions {
   }
 };
 
-/// Compares moved exact draws with fresh ones. Returns the least p-value times the number of tests.
+/// Compares moved exact draws with fresh exact draws. Returns the least p-value times the number of
+/// tests.
 template <class World>
 double least_p(const World& world, double beta, std::uint64_t steps) {
   const Spelling exact = world_with(Kernel::correct);
@@ -81,9 +82,9 @@ double least_p(const World& world, double beta, std::uint64_t steps) {
 class SpellingInvariance : public testing::TestWithParam<std::tuple<double, std::uint64_t>> {};
 
 TEST_P(SpellingInvariance, ExactDrawsStayExact) {
-  // Goal: the kernel leaves p_w p_c^beta invariant, including the number of active balls. Method:
-  // make exact draws by rejection, move them with the kernel, and compare them with fresh exact
-  // draws. The test fails by chance once in 10^4 runs.
+  // Goal: the kernel, which also changes the number of active balls, leaves p_w p_c^beta invariant.
+  // Method: make exact draws by rejection, move them with the kernel, and compare them with fresh
+  // exact draws. The test fails by chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();
   const double p = least_p(world_with(Kernel::correct), beta, steps);
   std::printf("beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -91,9 +92,9 @@ TEST_P(SpellingInvariance, ExactDrawsStayExact) {
 }
 
 TEST_P(SpellingInvariance, AimedDropsKeepExactDrawsExact) {
-  // Goal: proposals whose ratio depends on the outcome, and is known only after the simulation,
-  // leave p_w p_c^beta invariant. Method: compare moved exact draws with fresh ones. Most proposals
-  // are of this kind.
+  // Goal: proposals by outcome leave p_w p_c^beta invariant. The ratio of such a proposal depends
+  // on the outcome, and is known only after the simulation. Method: compare moved exact draws with
+  // fresh exact draws. Most proposals are of this kind.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_aims()), beta, steps);
   std::printf("aimed, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -114,14 +115,14 @@ Spelling with_redraws() {
 
 TEST_P(SpellingInvariance, RedrawsKeepExactDrawsExact) {
   // Goal: redrawing vertices leaves p_w p_c^beta invariant. Method: compare moved exact draws with
-  // fresh ones. Many proposals redraw vertices.
+  // fresh exact draws. Many proposals redraw vertices.
   const auto [beta, steps] = GetParam();
   const double p = least_p(with_redraws(), beta, steps);
   std::printf("redrawn, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
   EXPECT_GT(p, 1e-4) << "seed " << k_seed;
 }
 
-/// A wrong kernel that treats redraws as symmetric.
+/// A wrong kernel. It treats redraws as symmetric.
 struct CarelessRedraws : Spelling {
   using Spelling::propose;
   using Spelling::Spelling;
@@ -140,7 +141,7 @@ TEST(SpellingInvarianceOfCarelessRedraws, IsRefuted) {
   EXPECT_LT(least_p(careless, 1, 60), 1e-6);
 }
 
-/// A wrong kernel that uses the upper bound of scatter_ball's ratio as the ratio.
+/// A wrong kernel. The kernel uses an upper bound of scatter_ball's ratio as if it were the ratio.
 struct Hasty : Spelling {
   using Spelling::Spelling;
   double log_q_ratio(const State& /*state*/, const Outcome& /*outcome*/,
@@ -158,15 +159,16 @@ TEST(SpellingInvarianceOfAHastyRatio, IsRefuted) {
 }
 
 TEST_P(SpellingInvariance, SoloStepsKeepExactDrawsExact) {
-  // Goal: walks and anchored steps, which are first judged by simulating balls alone, leave p_w
-  // p_c^beta invariant. Method: compare moved exact draws with fresh ones.
+  // Goal: walks and anchored steps leave p_w p_c^beta invariant. Simulations of balls alone judge
+  // each proposal first. Method: compare moved exact draws with fresh exact draws.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_solo_steps()), beta, steps);
   std::printf("solo, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
   EXPECT_GT(p, 1e-4) << "seed " << k_seed;
 }
 
-/// A wrong kernel: it anchors all balls that fill a bin, and omits the reverse move's probability.
+/// A wrong kernel. The kernel anchors all balls that fill a bin, and omits the probability of the
+/// reverse move.
 struct Stubborn : Spelling {
   using Spelling::Spelling;
   Anchor draw_anchor(const State& state, const Outcome& outcome,

@@ -1,4 +1,5 @@
-// Compares islands of balls that spell with rejection, and particle steps with exact draws.
+// Compares islands of balls that spell with draws from the prior, and particle steps with exact
+// draws.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -48,8 +49,8 @@ void expect_mean(const char* name, const std::vector<double>& draws, double expe
 
 TEST(SpellingIslands, AgreeWithRejection) {
   // Goal: islands and draws from the prior give the same Z and P(satisfied) for three balls.
-  // Method: estimate both from islands with two guides, from joint islands, and from prior draws.
-  // The estimates must agree within 4 combined standard errors.
+  // Method: estimate Z and P(satisfied) from prior draws, from joint islands, and from islands with
+  // each of two guides. The estimates must agree within 4 combined standard errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#\n.#.").value();
   parameters.constraint.log_lambda = 1.5;
@@ -57,7 +58,7 @@ TEST(SpellingIslands, AgreeWithRejection) {
   const int throws = property::long_run() ? 400'000 : 30'000;
   const std::uint32_t islands = property::long_run() ? 10'000 : 600;
 
-  // P(satisfied) is eight times as high if all three balls are active, so activate all balls.
+  // If all three balls are active, P(satisfied) is eight times as high. So activate all balls.
   Estimates blind;
   for (int i = 0; i < throws; ++i) {
     random::Stream stream = streams_of(0).at(random::Purpose::prior, static_cast<std::uint64_t>(i));
@@ -93,10 +94,11 @@ TEST(SpellingIslands, AgreeWithRejection) {
 }
 
 TEST(SpellingIslands, BallsThatOthersRescueCount) {
-  // Goal: joint islands lose no prefix that later balls would rescue. Method: use two balls. Among
-  // 54,000 blind throws that satisfy the constraint, 10.2% have a first ball that fills no bin if
-  // it is simulated alone. Draw states by 1,500 islands. States with such a first ball must have
-  // the same share of the weight of all satisfying states, within 4 standard errors of 0.008 each.
+  // Goal: joint islands lose no prefix that later balls would rescue. Method: use two balls. Let A
+  // be the states whose first ball fills no bin if it is simulated alone. Among 54,000 blind throws
+  // that satisfy the constraint, 10.2% are in A. Draw states by 1,500 islands. The states in A must
+  // have the same share of the weight of all satisfying states, within 4 standard errors of 0.008
+  // each.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#").value();
   const StagedSpelling world(parameters);
@@ -118,11 +120,11 @@ TEST(SpellingIslands, BallsThatOthersRescueCount) {
 }
 
 TEST(SpellingIslands, PoolsGiveThePrior) {
-  // Goal: the weight of a drop from a pool corrects for how the pool was drawn, shared and used,
-  // even for the smallest pool. Method: estimate Z at inverse temperature 0, where its mean must be
-  // 1 for any guide. Count Z as 0 if a ball takes no part; then its mean must be 1/4. Count Z as 0
-  // also if the first ball is on the right; then its mean must be 1/8. Use free and joint islands
-  // of one particle, bins far apart, and two drops per bin. Means must agree within 4 standard
+  // Goal: a drop's weight corrects for how its pool was drawn, shared and used, even if the pool is
+  // the smallest. Method: estimate Z at inverse temperature 0. The mean of Z must be 1 for any
+  // guide. If a ball takes no part, count Z as 0; then the mean must be 1/4. If the first ball is
+  // on the right, also count Z as 0; then the mean must be 1/8. Use free and joint islands of one
+  // particle, bins that are far apart, and two drops per bin. Means must agree within 4 standard
   // errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
@@ -157,10 +159,10 @@ TEST(SpellingIslands, PoolsGiveThePrior) {
 }
 
 TEST(SpellingIslands, GivenDropsLieInTheStrataThatGaveThem) {
-  // Goal: a pool that is drawn given a state puts each of the state's drops into stratum b with
+  // Goal: if a pool is drawn given a state, each of the state's drops is in stratum b with a
   // probability proportional to q_b at the drop. All places of a stratum are equally likely.
-  // Method: draw 4,000 pools for two drops, and expect shares within 5 standard errors. Each drop
-  // must be at its own place and at no other.
+  // Method: draw 4,000 pools for two drops. Shares must be right within 5 standard errors. Each
+  // drop must be at its own place and at no other.
   auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   const StagedSpelling world(parameters);
@@ -218,10 +220,10 @@ struct Seen {
 
 TEST(SpellingIslands, StepsKeepExactDrawsExact) {
   // Goal: both particle steps (conditional and independence) leave p_w p_c of two balls invariant.
-  // Method: move exact draws by five steps, and compare them with as many other exact draws.
+  // Method: move exact draws by five steps. Compare them with the same number of other exact draws.
   // Compare the number of active balls, the number of filled bins, and the places of drops. All
-  // eight p-values must be above 1e-5. Bins far apart and few drops make the pool's strata and
-  // places matter as much as possible.
+  // eight p-values must be above 1e-5. Bins are far apart and drops are few, so that the pool's
+  // strata and places matter as much as possible.
   auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   const StagedSpelling world(parameters);

@@ -1,4 +1,5 @@
-// Tests tempered transitions for invariance, and for reversibility, which is stronger.
+// Tests that tempered transitions leave their target invariant and are reversible, which is
+// stronger.
 #include "worker/sampling/tempered_transition.h"
 
 #include <fmt/format.h>
@@ -23,10 +24,11 @@ sampling::ChainStreams streams_of(std::uint64_t chain) {
 TEST(TemperedTransition, KeepsADiscreteDistribution) {
   // Goal: tempered transitions leave the target invariant, and a transition is as likely as its
   // reverse. Method: make exact draws at two inverse temperatures. Move the draws by excursions
-  // that end at the prior or at an inverse temperature above 0. After one transition and after ten,
-  // compare the counts of places with enumeration in chi-square tests. For the first transition,
-  // compare the counts from i to j with the counts from j to i. All 18 p-values must be above 1e-6.
-  // Excursions to the prior must connect parts of the ring that no plain step connects.
+  // that end at the prior or at an inverse temperature above 0. After one transition and after ten
+  // transitions, compare the counts of places with enumeration in chi-square tests. For the first
+  // transition, compare the number of moves from i to j with the number of moves from j to i. All
+  // 18 p-values must be above 1e-6. Excursions to the prior must connect parts of the ring that no
+  // plain step connects.
   struct Way {
     double beta;
     std::vector<double> below;
@@ -34,7 +36,7 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
   };
   const std::vector<Way> ways{{1, {0.5}, 1}, {1, {0.6, 0.3, 0.1}, 2}, {1, {0.5, 0.2, 0}, 1},
                               {1, {0}, 1},   {0.6, {0.3, 0.05}, 3},   {0.6, {0.4, 0.2, 0.1, 0}, 2}};
-  // The fast tier has as few draws as mutants/kernel_checks.cpp, whose checks reject every mutant.
+  // The fast tier uses as many draws as mutants/kernel_checks.cpp, which rejects every mutant.
   const std::uint64_t draws = property::of_tier(12'000, 100'000);
   const RuggedRing ring;
   std::uint64_t chain = 0;
@@ -70,8 +72,8 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
       }
       ++after_ten[sample.state];
     }
-    // If n transitions connect two places, the number of forward ones is binomial with probability
-    // 1/2.
+    // If n transitions connect two places, the number of forward transitions is binomial with
+    // probability 1/2.
     double statistic = 0;
     int freedom = 0;
     for (std::size_t i = 0; i < k_places; ++i) {
@@ -99,10 +101,10 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
 }
 
 TEST(TemperedTransition, CrossesBetweenModes) {
-  // Goal: with other proposal scales, tempered transitions leave a target of two modes invariant,
-  // and cross between the modes. Method: move 10,000 exact draws by one transition and by ten.
-  // Compare both sets with fresh exact draws in Kolmogorov-Smirnov tests. Both p-values must be
-  // above 1e-6.
+  // Goal: if proposal scales differ, tempered transitions leave a target of two modes invariant,
+  // and cross between the modes. Method: move 10,000 exact draws by one transition and by ten
+  // transitions. After both, compare the draws with fresh exact draws in a Kolmogorov-Smirnov test.
+  // Both p-values must be above 1e-6.
   TwoModes world;
   world.prior_sd = 4;
   world.step_sd = 2;

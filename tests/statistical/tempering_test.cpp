@@ -1,5 +1,5 @@
-// Tests parallel tempering as users run it. Compares modes, evidence and round trips with closed
-// forms.
+// Tests parallel tempering as users run it. Compares the weights of modes, the evidence and the
+// rate of round trips with closed forms.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -49,9 +49,9 @@ TwoModes two_modes() {
 }
 
 TEST(TwoModesWorld, IsCrossedByTempering) {
-  // Goal: parallel tempering finds the weights of both modes. Method: run four ladders on two modes
-  // with weights 1 : 4. After six rounds of adaptation, the left mode's share must be right within
-  // 5 standard errors, which include autocorrelation and are small.
+  // Goal: parallel tempering finds the weights of both modes. Method: run four ladders on two
+  // modes, whose weights are 1 : 4. After six rounds of adaptation, the left mode's share must be
+  // right within 5 standard errors. The standard errors include autocorrelation and must be small.
   const TwoModes world = two_modes();
   const run::ChainWorker<TwoModes> worker(world, {.iterations_per_scan = 3});
   sampling::ParallelTempering plan(options_of(k_seed, 4, 8));
@@ -66,7 +66,7 @@ TEST(TwoModesWorld, IsCrossedByTempering) {
 TEST(TwoModesWorld, IsNotCrossedByPlainChains) {
   // Goal: plain Metropolis-Hastings chains don't find the weights of both modes. Method: run 32
   // plain chains on the same two modes. After a tenth of the run, no chain may change its mode.
-  // Chains stay in the mode next to their start, so the left mode's share is near a half.
+  // Each chain stays in the mode next to its start, so the left mode's share is near a half.
   const TwoModes world = two_modes();
   const run::ChainWorker<TwoModes> worker(world, {.iterations_per_scan = 3});
   sampling::IndependentChains plan(
@@ -87,13 +87,13 @@ TEST(TwoModesWorld, IsNotCrossedByPlainChains) {
 
 TEST(Evidence, HasHonestErrorBars) {
   // Goal: adapting ladders give the right log Z and log P(satisfied), and the reported errors equal
-  // the estimates' spread. Method: compute the z-scores of the last round for 300 seeds, on an
-  // off-centre bullseye with known values. The jackknife has 20 parts, so z has about Student's
+  // the estimates' spread. Method: use an off-centre bullseye, whose values are known. Compute the
+  // z-scores of the last round for 300 seeds. The jackknife has 20 parts, so z has about Student's
   // distribution with 19 degrees of freedom (standard deviation 1.06, kurtosis 3.4). The test
-  // allows 5 standard errors for 300 seeds. Five standard errors are 0.31 for the mean of z. They
-  // are 22% for its standard deviation, whose standard error is sqrt(2.4 / 1200) = 4.5%.
-  // Neighbouring parts of a round are slightly correlated, which makes errors too small. The test
-  // accepts errors that are up to 10% too small.
+  // allows 5 standard errors for 300 seeds. For the mean of z, 5 standard errors are 0.31. The
+  // standard error of the standard deviation of z is sqrt(2.4 / 1200) = 4.5%, and 5 standard errors
+  // are 22%. Neighbouring parts of a round are slightly correlated, which makes errors too small.
+  // The test accepts errors that are up to 10% too small.
   constexpr int k_repeats = 300;
   Bullseye world;
   world.target = 1.5;
@@ -130,11 +130,11 @@ TEST(Evidence, HasHonestErrorBars) {
 }
 
 TEST(RoundTrips, AreAsManyAsPredicted) {
-  // Goal: with perfect exploration, the rate of round trips is 1 / (2 + 2 sum r / (1 - r)) for
-  // rejection rates r. Method: run adapting ladders with workers that draw exactly from each
+  // Goal: if exploration is perfect and rejection rates are r, the rate of round trips is 1 / (2 +
+  // 2 sum r / (1 - r)). Method: run adapting ladders with workers that draw exactly from each
   // tempered distribution. Targets are narrow and wide, near and far. In the last round, observed
-  // and predicted rates must differ by at most 10%. There are at least 2,500 trips, and their
-  // number varies at most like a Poisson process, so 10% is at least 5 standard errors.
+  // and predicted rates must differ by at most 10%. This tolerance is at least 5 standard errors,
+  // because the number of trips is at least 2,500 and varies at most like a Poisson process.
   for (const auto& [target, sigma] : {std::pair{0.0, 0.3}, {1.0, 0.02}, {3.0, 0.1}, {0.0, 0.005}}) {
     Bullseye world;
     world.target = target;
@@ -167,10 +167,10 @@ TEST(RoundTrips, AreAsManyAsPredicted) {
 
 TEST(BallByTempering, EqualsRejection) {
   // Goal: for the 2D ball, tempering agrees with rejection, and its log Z and log P(satisfied)
-  // agree with blind throws. Method: compare the ball's functions at inverse temperature 1, in the
-  // last two rounds of two ladders, with 20,000 exact draws. Compare log Z and log P(satisfied) of
-  // each ladder with 200,000 blind throws. All 12 numbers must agree within 5 standard errors. The
-  // test fails by chance with probability 7e-6.
+  // agree with blind throws. Method: run two ladders. In the last two rounds, compare the ball's
+  // functions at inverse temperature 1 with those of 20,000 exact draws. Compare each ladder's log
+  // Z and log P(satisfied) with values from 200,000 blind throws. All 12 numbers must agree within
+  // 5 standard errors. The test fails by chance with probability 7e-6.
   const Ball ball{worlds::ball_2d::Parameters{}};
   const run::ChainWorker<Ball> worker(ball, {.iterations_per_scan = 4});
   sampling::ParallelTempering plan(options_of(k_seed, 2, 8));
@@ -227,9 +227,10 @@ TEST(BallByTempering, EqualsRejection) {
 
 TEST(SpellingByTempering, EqualsRejection) {
   // Goal: tempering and rejection agree if the number of variables varies. Method: use two bins.
-  // Compare the set of active balls and the number of filled bins, in the last round of 32 ladders,
-  // with 20,000 exact draws. Each of the 12 shares must be within 5 standard errors, which come
-  // from the spread over ladders. The test fails by chance with probability 7e-6.
+  // Run 32 ladders. In the last round, compare the set of active balls and the number of filled
+  // bins with those of 20,000 exact draws. Each of the 12 shares must be right within 5 standard
+  // errors. Standard errors come from the spread over ladders. The test fails by chance with
+  // probability 7e-6.
   const Spelling world = world_with(worlds::spelling::Kernel::correct);
   const run::ChainWorker<Spelling> worker(world_with(worlds::spelling::Kernel::correct),
                                           {.iterations_per_scan = 2});

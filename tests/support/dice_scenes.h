@@ -1,4 +1,4 @@
-// Requests for dice, shared by tests and benchmarks.
+// Requests for dice. Tests and benchmarks share them.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace sleight::tests {
 
-/// One die that must rest at a place within a tolerance, with the six on top. `turned`: the face
-/// two must also point along x.
+/// One die, which must rest within a tolerance of a place. Its six must be on top. `turned`: the
+/// face two must also point along x.
 inline worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool turned) {
   constexpr double k_degree = std::numbers::pi / 180;
   worlds::dice::Parameters parameters;
@@ -28,7 +28,7 @@ inline worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool tur
   return parameters;
 }
 
-/// The scene of requests/six_dice.toml: six dice, thrown together, that show 1 to 6 in a row.
+/// The scene of requests/six_dice.toml: six dice are thrown together and must show 1 to 6 in a row.
 inline worlds::dice::Parameters six_dice() {
   constexpr double k_degree = std::numbers::pi / 180;
   worlds::dice::Parameters parameters;

@@ -1,6 +1,5 @@
 // Matchers that compare messages by their facts, so that rewording a sentence breaks no test. Facts
-// are names, places, numbers or short stable words, separated by bars,
-// such as "f:2:5: |'x'|0 to 2".
+// are names, places, numbers or short stable words. Bars separate them, as in "f:2:5: |'x'|0 to 2".
 #pragma once
 
 #include <gmock/gmock.h>
@@ -34,8 +33,8 @@ inline bool is_inside_word(const std::string& text, std::size_t at) {
          is_separator(at - 1);
 }
 
-/// Returns the end of `fact` in `text` at or after `from`, or npos. The fact must not be part of a
-/// longer word or number: "2" is neither in "12" nor in "2.1".
+/// Finds `fact` in `text` at or after `from`. Returns the fact's end, or npos. The fact must not be
+/// part of a longer word or number: "2" is neither in "12" nor in "2.1".
 inline std::size_t end_of_fact(const std::string& text, const std::string& fact, std::size_t from) {
   for (std::size_t at = text.find(fact, from); at != std::string::npos;
        at = text.find(fact, at + 1)) {
@@ -61,7 +60,8 @@ MATCHER_P(HasFacts, facts, "has the facts " + ::testing::PrintToString(facts)) {
   return missing.empty();
 }
 
-/// Matches a text with as many lines as `facts`. Each line starts with its first fact.
+/// Matches a text if it has as many lines as `facts` and each line has its facts. A line must start
+/// with its first fact.
 MATCHER_P(LinesHaveFacts, facts, "has lines with the facts " + ::testing::PrintToString(facts)) {
   const std::vector<std::string> lines = parts_of(arg, '\n');
   const std::vector<std::string> expected = parts_of(facts, '\n');

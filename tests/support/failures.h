@@ -26,11 +26,12 @@ bool only_case_was_met();
 /// Returns whether the case that SLEIGHT_FAIL_CASE selects has run.
 bool failing_case_was_met();
 
-/// Returns `SLEIGHT_CASE=17 PROGRAM --gtest_filter=TEST`, with all other necessary settings.
+/// Returns a command such as `SLEIGHT_CASE=17 PROGRAM --gtest_filter=TEST`. The command includes
+/// all other necessary settings.
 std::string command_of(std::string_view program, std::string_view test,
                        std::optional<std::uint64_t> number, bool long_run);
 
-/// Returns the part of a program's path that starts at its last `build` folder, or the whole path.
+/// Returns a program's path from its last `build` folder on, or the whole path.
 std::string path_in_project(std::string_view path);
 
 }  // namespace sleight::property

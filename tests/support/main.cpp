@@ -21,8 +21,8 @@ std::string this_program() {
   return path_in_project(std::filesystem::read_symlink("/proc/self/exe").string());
 }
 
-/// The current test as `Suite.Name`. The name is copied here, because GoogleTest's accessor may
-/// block during reports.
+/// The current test as `Suite.Name`. GoogleTest's accessor may block during reports, so the name is
+/// copied.
 std::string& current_test() {
   static std::string name;
   return name;
@@ -51,8 +51,8 @@ class Printer : public testing::EmptyTestEventListener {
   std::string told_;
 };
 
-/// Handles a fatal signal. The handler may use fmt::format, which isn't async-signal-safe, because
-/// the process ends anyway.
+/// Handles a fatal signal. fmt::format isn't async-signal-safe. The handler may use it because the
+/// process ends anyway.
 void say_and_die(int signal) {
   if (!current_test().empty()) {
     const std::string line = fmt::format("to see it again: {}\n", command());

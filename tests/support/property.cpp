@@ -88,7 +88,7 @@ bool failing_case_was_met() {
 
 std::string command_of(std::string_view program, std::string_view test,
                        std::optional<std::uint64_t> number, bool long_run) {
-  // The shell needs quotes if the test's name has characters other than letters and '/'.
+  // If a test's name had characters other than letters and '/', the shell would need quotes.
   return fmt::format("{}{}{} --gtest_filter={}",
                      long_run      ? "SLEIGHT_SOAK=1 "
                      : asked().all ? "SLEIGHT_ALL=1 "
@@ -118,7 +118,8 @@ Cases::Cases(std::uint64_t first, std::uint64_t last, Order order)
 }
 
 Cases::~Cases() {
-  // GoogleTest reports an exception after it has left the loop. So the case stays set until then.
+  // If an exception leaves the loop, keep the case set, because GoogleTest reports the exception
+  // later.
   if (std::uncaught_exceptions() == exceptions_) set_current_case(std::nullopt);
 }
 

@@ -26,7 +26,7 @@ struct EndVisit {
   bool coolest = false;
 };
 
-/// Counts a replica's round trips and restarts in each round, from its whole path.
+/// Counts the round trips and restarts of a replica in each round. Uses the replica's whole path.
 void count_trips(const std::vector<EndVisit>& visits, std::vector<RoundReport>& rounds) {
   const auto round_at = [&](std::uint64_t scan) -> RoundReport& {
     std::size_t round = rounds.size() - 1;
@@ -34,7 +34,7 @@ void count_trips(const std::vector<EndVisit>& visits, std::vector<RoundReport>& 
       --round;
     return rounds[round];
   };
-  // Consecutive visits to one end count once.
+  // Consecutive visits to the same end count as one visit.
   std::vector<EndVisit> ends;
   for (const EndVisit& visit : visits) {
     if (ends.empty() || ends.back().coolest != visit.coolest) ends.push_back(visit);

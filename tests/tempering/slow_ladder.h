@@ -1,7 +1,7 @@
-// Parallel tempering by its plain loop (tests/tempering/tempering_loop.h), as a reference for
-// LadderRun and block runners. Round trips and solutions are counted here from whole paths. Only
-// the adaptation between rounds is shared with the real code; ladder_round_test.cpp verifies this
-// adaptation.
+// Parallel tempering by its plain loop (tests/tempering/tempering_loop.h). SlowLadder is the
+// reference for LadderRun and block runners. SlowLadder counts round trips and solutions from whole
+// paths. The real code shares only the adaptation between rounds; ladder_round_test.cpp verifies
+// this adaptation.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace sleight::sampling {
 
-/// A worker whose results depend on the state before the unit and on every field of the unit except
+/// A worker whose results depend on the state before the unit, and on all fields of the unit except
 /// its seed. So a single wrong unit changes all later results.
 class HashedWorker final : public plan::UnitWorker {
  public:

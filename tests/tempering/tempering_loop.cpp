@@ -23,8 +23,8 @@ std::vector<plan::ScanRecord> explore(RoundReport& round, std::span<const std::u
 }
 
 /// If i + scan is even, the pair (i, i + 1) swaps temperatures with probability min(1, ratio). The
-/// hotter level's number selects the pair's random numbers, as a replica's number does for other
-/// purposes.
+/// number of the hotter level selects the pair's random numbers. For other purposes, a replica's
+/// number selects random numbers.
 void communicate(const LadderOptions& options, std::span<const double> ladder, std::uint64_t scan,
                  std::span<const plan::ScanRecord> made, std::span<std::uint32_t> at) {
   for (std::uint32_t i = scan % 2; i + 1 < at.size(); i += 2) {
@@ -52,7 +52,7 @@ std::vector<RoundReport> tempering_loop(const LadderOptions& options, std::uint6
     at.push_back(born++);
 
   for (std::uint64_t scan = 0; scan < scans; ++scan) {
-    // Simulated annealing, if any, brings each replica to its first temperature.
+    // If the options request simulated annealing, it brings each replica to its first temperature.
     if (scan < options.anneal_scans) {
       const double share = static_cast<double>(scan) / static_cast<double>(options.anneal_scans);
       for (const std::uint32_t replica : at)
@@ -60,7 +60,7 @@ std::vector<RoundReport> tempering_loop(const LadderOptions& options, std::uint6
       continue;
     }
 
-    // All levels make the scan; then neighbours swap.
+    // All levels make the scan. Then neighbouring levels may swap.
     const std::vector<plan::ScanRecord> made = explore(rounds.back(), at, scan, make_scan);
     communicate(options, rounds.back().ladder(), scan, made, at);
 

@@ -1,4 +1,4 @@
-// Parallel tempering as one loop, which defines the method on one screen (tempering_loop.cpp).
+// Parallel tempering as one loop. The loop defines the method on one screen (tempering_loop.cpp).
 //
 // Runs use LadderRun (worker/sampling/ladder_run.h) and blocks (block_runner.h there) instead.
 // Tests compare both with this loop's results, bit for bit. The loop implements its own swap.
@@ -14,7 +14,7 @@
 
 namespace sleight::sampling {
 
-/// A scan of one replica, which continues from the replica's previous scan. A scan at inverse
+/// A scan of one replica. The scan continues from the replica's previous scan. A scan at inverse
 /// temperature 0 is a new prior draw. A replica's first scan, in any round, is a prior draw too.
 struct LoopScan {
   std::uint32_t replica = 0;
@@ -24,8 +24,8 @@ struct LoopScan {
 };
 using MakeScan = std::function<plan::ScanRecord(const LoopScan&)>;
 
-/// Runs `scans` scans of one ladder, annealing included, and returns its rounds. The current round
-/// is last, possibly without scans. Round trips and restarts are not counted.
+/// Runs `scans` scans of one ladder, including annealing. Returns the ladder's rounds. The current
+/// round is last, and may have no scans yet. Round trips and restarts are not counted.
 std::vector<RoundReport> tempering_loop(const LadderOptions& options, std::uint64_t scans,
                                         const MakeScan& make_scan);
 

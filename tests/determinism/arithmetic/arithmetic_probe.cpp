@@ -1,5 +1,5 @@
-// Prints hashes of the bits of Sleight's arithmetic and of libm for many arguments, in two lines:
-// "sleight <sha-256>" and "libm <sha-256>". same_bits.sh compares processors and builds.
+// Evaluates Sleight's arithmetic and libm for many arguments. Prints hashes of the results' bits in
+// two lines: "sleight <sha-256>" and "libm <sha-256>". same_bits.sh compares processors and builds.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ random::Stream stream_for(std::uint64_t part) {
   return random::Stream({.seed = k_seed, .purpose = random::Purpose::prior}, part);
 }
 
-/// Returns an argument of either sign. Half of the arguments are below 10, and half have any
+/// Returns an argument of either sign. Half of the arguments are below 10; the others have any
 /// magnitude.
 double argument(random::Stream& stream) {
   const double sign = stream.uniform() < 0.5 ? -1 : 1;
@@ -102,7 +102,7 @@ void add_vectors(BitHash& hash) {
     hash.add(math::cross(p, math::Vec2(b.x(), b.z())));
     hash.add(math::normalized(p));
     hash.add(math::rotated(p, b.z()));
-    // A long chain, in which a single different bit would grow.
+    // Multiply a long chain of rotations, in which the effect of one wrong bit would grow.
     pose = math::normalized(math::composed(math::quaternion_of_rotation_vector(0.1 * a), pose));
     hash.add(pose);
     hash.add(math::rotated(math::inverse(pose), b));

@@ -18,7 +18,8 @@ BodyDescription unit_sphere(const Vec3& position_m, const Vec3& velocity_mps) {
           .start = {.pose = {.position_m = position_m}, .twist = {.velocity_mps = velocity_mps}}};
 }
 
-/// Returns `count` different sites of a face-centred cubic lattice in a cube, in random order.
+/// Returns `count` different sites in random order. Sites form a face-centred cubic lattice in a
+/// cube.
 std::vector<Vec3> lattice_sites(std::uint32_t count, double length_m, random::Stream& stream) {
   std::uint32_t cells = 1;
   while (4 * cells * cells * cells < count)

@@ -22,7 +22,8 @@ std::shared_ptr<const ConvexPolyhedron> pedestal(const Vec3& centre_m, double ha
   return std::make_shared<const ConvexPolyhedron>(convex_hull(corners_m).value());
 }
 
-/// Returns a sheet that rises to a ridge, falls into a furrow and rises again, along y.
+/// Returns a sheet. With growing x, the sheet rises to a ridge, falls into a furrow and rises
+/// again. Ridge and furrow run along y.
 std::shared_ptr<const TriangleMesh> ridge_and_furrow(double high_m) {
   constexpr std::array<double, 4> k_xs_m{-0.02, 0.02, 0.06, 0.12};
   const std::array<double, 4> zs_m{-0.01, high_m, 0.2 * high_m, 2 * high_m};
@@ -67,7 +68,8 @@ Setting marbles(std::uint32_t bodies, std::uint64_t seed) {
   scene.planes.push_back({.name = "floor", .outside = {.normal = up, .offset_m = 0}});
   for (int axis = 0; axis < 2; ++axis) {
     for (const double side : {-1.0, 1.0}) {
-      // Walls that lean outwards by up to 45 degrees form valleys with the floor, and corners.
+      // Walls lean outwards by up to 45 degrees. So walls form valleys with the floor, and corners
+      // with each other.
       Vec3 normal(0, 0, between(stream, 0, 1));
       normal[axis] = -side;
       normal = math::normalized(normal);

@@ -21,14 +21,14 @@ std::shared_ptr<const TriangleMesh> mesh_of(std::span<const Vec3> vertices_m,
       TriangleMesh::make(vertices_m, triangles, closure).value());
 }
 
-/// Adds two triangles that form a square. The four corners are in anticlockwise order.
+/// The four corners are in anticlockwise order.
 void add_square(std::vector<TriangleCorners>& triangles, std::uint32_t a, std::uint32_t b,
                 std::uint32_t c, std::uint32_t d) {
   triangles.push_back({a, b, c});
   triangles.push_back({a, c, d});
 }
 
-/// Returns a sheet of cells^2 squares with random heights, centred on the z axis.
+/// Returns a sheet of cells^2 squares. The sheet's centre is on the z axis. Heights are random.
 std::shared_ptr<const TriangleMesh> height_field(std::uint32_t cells, double edge_m, double high_m,
                                                  random::Stream& stream) {
   std::vector<Vec3> vertices_m;
@@ -48,7 +48,6 @@ std::shared_ptr<const TriangleMesh> height_field(std::uint32_t cells, double edg
   return mesh_of(vertices_m, triangles, MeshClosure::may_be_open);
 }
 
-/// Returns a square tray with walls and a bottom.
 std::shared_ptr<const TriangleMesh> tray_mesh(double half_m, double wall_m, double bottom_m,
                                               double height_m) {
   // The corners of four squares, in this order: outer low, outer high, inner high, inner low.
@@ -71,7 +70,7 @@ std::shared_ptr<const TriangleMesh> tray_mesh(double half_m, double wall_m, doub
   return mesh_of(vertices_m, triangles, MeshClosure::closed);
 }
 
-/// Adds spheres and cubes alternately, on a loose lattice with layers of six by six.
+/// Adds spheres and cubes in turn, on a loose lattice. A layer has six by six bodies.
 void add_bodies(Scene& scene, std::uint32_t bodies, double lowest_m, double speed_mps,
                 random::Stream& stream) {
   BodyShape body =

@@ -11,7 +11,7 @@
 namespace sleight::physics::scenes {
 namespace {
 
-/// A shape that bodies can share, with its inertia.
+/// A shape that bodies can share, and its inertia.
 struct Solid {
   std::shared_ptr<const Compound> shape;
   Inertia inertia;
@@ -28,7 +28,7 @@ Solid cube_of(double side_m) {
   return solid_of(cube(side_m).value(), 2500, InertiaSymmetry::spherical);
 }
 
-/// Returns a cube whose corners are moved by up to a tenth of its side per axis.
+/// Returns a cube with moved corners. Each corner is moved by up to a tenth of the side per axis.
 Solid grain_of(double side_m, random::Stream& stream) {
   std::vector<Vec3> corners_m;
   for (int corner = 0; corner < 8; ++corner) {
@@ -95,7 +95,8 @@ void add_walls(Scene& scene, double half_m, int axes) {
   }
 }
 
-/// Returns a scene with gravity, a floor at height 0, and `slow` as its rule for slow contacts.
+/// Returns a scene with gravity and a floor at height 0. `slow` is the scene's rule for slow
+/// contacts.
 Scene floor_scene(const SlowContacts& slow, const SurfaceLaw& law) {
   Scene scene;
   scene.gravity_mps2 = {0, 0, -k_gravity_mps2};
@@ -220,7 +221,7 @@ Setting grain_heap(std::uint32_t bodies, std::uint64_t seed) {
       .duration_s = 5};
   const double half_m = 0.06;
   add_walls(setting.scene, half_m, 2);
-  // Place bodies on a loose lattice with layers of five by five.
+  // Place bodies on a loose lattice. A layer has five by five bodies.
   for (std::uint32_t i = 0; i < bodies; ++i) {
     const Vec3 place_m(0.022 * (i % 5) - 0.044, 0.022 * (i / 5 % 5) - 0.044,
                        0.015 + 0.022 * (i / 25));

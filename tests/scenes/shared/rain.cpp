@@ -28,7 +28,7 @@ Setting rain(std::uint32_t bodies, std::uint64_t seed) {
   scene.gravity_mps2 = {0, 0, -9.81};
   scene.slow = {.separation_speed_mps = 0.01};
 
-  // Each pair of the three materials has its own law.
+  // There are three materials. Each pair of materials has its own law.
   scene.contacts = ContactTable(3);
   for (std::uint8_t a = 0; a < 3; ++a) {
     for (std::uint8_t b = a; b < 3; ++b) {

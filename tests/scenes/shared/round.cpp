@@ -1,4 +1,4 @@
-// Scenes of round bodies: solids of all kinds that fall and roll, and ten pins with a ball.
+// Scenes of round bodies: solids of all kinds, and a bowling ball that hits ten pins.
 #include <memory>
 #include <numbers>
 #include <string>
@@ -100,8 +100,8 @@ Setting bowling(std::uint32_t bodies, std::uint64_t seed) {
   const RoundSolid pin = bowling_pin(1.55).value();
   const auto shape =
       std::make_shared<const Compound>(Compound{.parts = {}, .round_parts = pin.parts});
-  // The pins form a triangle of four rows, one foot from pin to pin. The head pin is at the origin,
-  // and x points down the lane.
+  // The pins form a triangle of four rows. Neighbouring pins are one foot apart. The head pin is at
+  // the origin, and x points down the lane.
   std::uint32_t number = 0;
   for (int row = 0; row < 4; ++row) {
     for (int place = 0; place <= row && number + 1 < bodies; ++place) {

@@ -1,5 +1,5 @@
-// Checks of samplers. Right code passes all checks, and each mutant fails at least one. A check
-// takes a mutant and a seed and returns p-values, which are uniform for right code. A `certain`
+// Checks of samplers. Right code passes all checks; each mutant fails a check. A check takes a
+// mutant and a seed, and returns p-values. If the code is right, p-values are uniform. A `certain`
 // check returns 1 for right code and 0 for wrong code.
 #pragma once
 
@@ -27,19 +27,19 @@ struct Check {
   }
 };
 
-/// A p-value below this limit rejects.
+/// A check rejects the code if a p-value is below this limit.
 inline constexpr double k_threshold = 1e-5;
 
 const std::vector<Check>& checks();
 const Check& check_of(CheckId id);
 
-/// Seed of the n-th of a check's independent ladders.
+/// Returns the seed of a check's n-th independent ladder.
 inline std::uint64_t seed_of(std::uint64_t seed, std::uint64_t n) {
   return seed * 1'000'003 + n;
 }
 
-/// Returns the two-sided p-value of independent draws against a mean, by Student's t. 0 if a draw
-/// is NaN.
+/// Returns the two-sided p-value for the hypothesis that independent draws have this mean, by
+/// Student's t. Returns 0 if a draw is NaN.
 double mean_p(std::span<const double> draws, double mean);
 
 // Defined in kernel_checks.cpp.

@@ -1,4 +1,4 @@
-// Checks of one chain: its step, scans, random numbers and excursions.
+// Checks of a single chain: its steps, scans, random numbers and excursions.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -35,7 +35,7 @@ void step(const Mutant& mutant, const Ring& ring, double beta,
   }
 }
 
-/// Returns the probability of one step from i to j, by enumeration.
+/// Enumerates the probabilities of a step from each place i to each place j.
 std::vector<double> transitions(double beta) {
   const auto& prior = RuggedRing::k_prior;
   const std::vector<double> exact = RuggedRing::exact(beta);
@@ -61,7 +61,7 @@ std::vector<double> transitions(double beta) {
   return p;
 }
 
-/// Returns the joint probability of a place and the next place.
+/// Returns the joint probabilities of a place and the next place.
 std::vector<double> joint_of(const std::vector<double>& places, std::vector<double> moves) {
   for (std::size_t i = 0; i < moves.size(); ++i)
     moves[i] *= places[i / k_places];
@@ -91,7 +91,7 @@ std::size_t place_of(const plan::UnitResult& result) {
 
 }  // namespace
 
-/// Moves exact draws by ten steps, then compares them with enumeration.
+/// Moves exact draws by ten steps, and compares the states with enumeration.
 std::vector<double> kernel_keeps(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   std::vector<double> p;
@@ -110,7 +110,7 @@ std::vector<double> kernel_keeps(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// Makes two steps from exact draws. Compares the pairs of states before and after the second step
+/// Makes two steps from exact draws. Compares pairs of states, before and after the second step,
 /// with enumeration.
 std::vector<double> kernel_moves(const Mutant& mutant, std::uint64_t seed) {
   constexpr double k_beta = 0.7;
@@ -128,7 +128,7 @@ std::vector<double> kernel_moves(const Mutant& mutant, std::uint64_t seed) {
   return {chi_square_p(counts, expected)};
 }
 
-/// Starts workers at exact draws, and compares their last two scans with enumeration.
+/// Runs six scans from exact draws. Compares the states after the last two scans with enumeration.
 std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});
@@ -150,7 +150,7 @@ std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
   return {chi_square_p(counts, expected)};
 }
 
-/// Tests the independence of prior draws: two scans, two replicas, two chains.
+/// Tests that prior draws are independent: those of two scans, of two replicas, and of two chains.
 std::vector<double> draws_are_fresh(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});
@@ -200,7 +200,7 @@ std::vector<double> results_are_pure(const Mutant& mutant, std::uint64_t seed) {
   return {1};
 }
 
-/// Compares exact draws moved by three tempered transitions with enumeration.
+/// Moves exact draws by three tempered transitions, and compares the states with enumeration.
 std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   struct Way {
@@ -229,8 +229,8 @@ std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// Verifies that an excursion that returns from the prior begins a lineage. A state has come from
-/// the prior if it differs from the result of plain steps.
+/// Verifies that an excursion begins a lineage if it returns from the prior. If the state differs
+/// from the result of plain steps, it has come from the prior.
 std::vector<double> excursions_descend(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});
@@ -249,7 +249,7 @@ std::vector<double> excursions_descend(const Mutant& mutant, std::uint64_t seed)
     if (lineage != fresh && (lineage != 17 || moved.state_after != plain.state_after)) return {0};
     came_back += lineage == fresh ? 1 : 0;
   }
-  // Require some excursions, because a worker without excursions would pass trivially.
+  // Require some excursions, because otherwise a worker that makes none would pass.
   return {came_back > 100 && came_back < 900 ? 1.0 : 0.0};
 }
 

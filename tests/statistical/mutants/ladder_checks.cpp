@@ -45,7 +45,7 @@ std::size_t level_of(double beta) {
   return static_cast<std::size_t>(std::ranges::find(ladder, beta) - ladder.begin());
 }
 
-/// Returns the equilibrium probability that levels i and i+1 swap, by enumeration.
+/// Enumerates the probability that levels i and i+1 swap in equilibrium.
 double swap_rate(std::size_t i) {
   const std::vector<double> here = RuggedRing::exact(ladder_of_checks()[i]);
   const std::vector<double> cooler = RuggedRing::exact(ladder_of_checks()[i + 1]);
@@ -59,8 +59,9 @@ double swap_rate(std::size_t i) {
 
 }  // namespace
 
-/// Compares ladders from exact draws, after ten scans and a round's end, with enumeration:
-/// neighbouring levels are independent and have their distributions, and rejection rates are right.
+/// Starts ladders from exact draws, and makes ten scans, which include a round's end. Compares the
+/// levels with enumeration. Neighbouring levels must be independent and have their distributions,
+/// and rejection rates must be right.
 std::vector<double> ladder_keeps(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_last = 9;
   const std::size_t levels = ladder_of_checks().size();
@@ -115,7 +116,7 @@ std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
   std::vector<double> rates;
   for (std::size_t i = 0; i + 1 < levels; ++i)
     rates.push_back(swap_rate(i));
-  // Returns the probability of each level at scan `until`, for a replica at level `from` at `scan`.
+  // A replica is at level `from` at `scan`. Returns the probability of each level at scan `until`.
   const auto walk = [&](std::size_t from, std::uint64_t scan, std::uint64_t until) {
     std::vector<double> at(levels, 0.0);
     at[from] = 1;
@@ -157,9 +158,9 @@ std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
           chi_square_p(counts.back(), expected(levels - 1))};
 }
 
-/// No step connects the parts of the ring. Verifies that adapting ladders, started from prior
-/// draws, find the weights of these parts. Compares the shares of two of the three parts in the
-/// last round.
+/// Verifies that adapting ladders find the weights of the ring's three parts, although no step
+/// connects the parts. Ladders start from prior draws. Compares the shares of two parts in the last
+/// round.
 std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_round_scans = 16;
   constexpr std::uint64_t k_rounds = 4;
@@ -193,7 +194,7 @@ std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed) {
   return {mean_p(shares[0], exact[0]), mean_p(shares[2], exact[2])};
 }
 
-/// Like parts_are_found(), but with two narrow modes on a line and adaptive proposal scales.
+/// Like parts_are_found(), but the world has two narrow modes on a line, and proposal scales adapt.
 std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_round_scans = 32;
   constexpr std::uint64_t k_rounds = 5;
@@ -218,8 +219,8 @@ std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
   return {mean_p(shares, world.left_weight())};
 }
 
-/// Counts lineages and solutions from records. Each prior draw, and nothing else, begins a lineage.
-/// A lineage travels with its replica and has at most one solution.
+/// Counts lineages and solutions from records. A lineage must begin at each prior draw and nowhere
+/// else. A lineage must travel with its replica and have at most one solution.
 std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring;
   const run::ChainWorker<Ring> chain_worker(ring, {});
@@ -242,7 +243,7 @@ std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed)
   return {all_right && names.size() == begun && solved.size() == right.solutions_found() ? 1.0 : 0};
 }
 
-/// Verifies that each level's inverse temperature and proposal scales are fixed within a round.
+/// Verifies that inverse temperatures and proposal scales of levels stay the same within a round.
 std::vector<double> rounds_are_frozen(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring;
   const run::ChainWorker<Ring> chain_worker(ring, {});

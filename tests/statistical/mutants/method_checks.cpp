@@ -66,7 +66,7 @@ std::vector<double> exp_of_row(const sampling::ChainPart& part, std::string_view
 
 }  // namespace
 
-/// Computes stepping stones, and the mean of 1{satisfied} / p_c, from exact draws. Compares them
+/// Computes stepping stones from exact draws, and the mean of 1{satisfied} / p_c. Compares both
 /// with values from enumeration.
 std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_scans = 20;
@@ -105,8 +105,8 @@ std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// Compares the mean weight of ascents with Z, and the mean of weight times 1{satisfied} / p_c with
-/// the probability that a prior draw satisfies.
+/// Compares the mean weight of ascents with Z. The mean of weight times 1{satisfied} / p_c must
+/// equal the probability that a prior draw satisfies the constraint.
 std::vector<double> ascents_weigh(const Mutant& mutant, std::uint64_t seed) {
   Ring ring;
   ring.lies = mutant.lies;
@@ -128,8 +128,8 @@ std::vector<double> ascents_weigh(const Mutant& mutant, std::uint64_t seed) {
   return {mean_p(weights, z_of(1)), mean_p(satisfied, p_satisfied())};
 }
 
-/// If scans are independent exact draws, simulated tempering is a random walk over levels. Compares
-/// the frequencies of levels and places after some scans with enumeration. The weights are only
+/// If scans are independent exact draws, simulated tempering is a random walk over levels. After
+/// some scans, compares the frequencies of levels and places with enumeration. The weights are only
 /// roughly right.
 std::vector<double> levels_walk(const Mutant& mutant, std::uint64_t seed) {
   constexpr int k_moves = 6;

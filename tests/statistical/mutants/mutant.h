@@ -1,4 +1,4 @@
-// A sampler with one known mistake: the real code with one replaced part. The part may be the world
+// A sampler with one known mistake. A mutant is the real code, but one part is replaced: the world
 // (with wrong densities or proposals), the kernel's step, a formula of tempering
 // (replaced_formulas.h), the worker, or the plan.
 #pragma once
@@ -27,7 +27,7 @@ struct Lies {
   std::function<bool(std::uint32_t)> satisfied{};
 };
 
-/// The rugged ring with a second kind of proposal, a prior draw, which reaches every place.
+/// The rugged ring with a second kind of proposal: a prior draw, which may be at any place.
 struct Ring : RuggedRing {
   static constexpr double k_independent_share = 0.3;
   double independent_share = k_independent_share;
@@ -72,7 +72,7 @@ using Step = std::function<void(const Ring&, double beta, const sampling::ChainS
 using Run = std::function<plan::UnitResult(const plan::UnitWorker& right, const plan::Unit&,
                                            base::BytesView state)>;
 
-/// Changes to messages between a plan and its executor.
+/// Changes messages between a plan and its executor.
 struct OnTheWay {
   std::function<void(plan::Unit&)> handed_out{};
   std::function<void(const plan::ReplicaKey&, std::vector<plan::ScanRecord>&)> taken_in{};
@@ -159,13 +159,12 @@ class MutantPlan final : public plan::Plan {
   OnTheWay way_;
 };
 
-/// The ladder for checks that compare with enumeration.
+/// The ladder of checks that compare results with enumeration.
 inline const std::vector<double>& ladder_of_checks() {
   static const std::vector<double> ladder{0, 0.15, 0.5, 1};
   return ladder;
 }
 
-/// A mistake that several mutants make.
 inline double zero_for_log_zero(double l) {
   return std::isinf(l) ? 0 : l;
 }

@@ -1,4 +1,5 @@
-// The statistical checks catch samplers with one known mistake each, and pass the right code.
+// Tests that the right code passes the statistical checks. A sampler with a known mistake must fail
+// a check.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +20,7 @@ constexpr std::uint64_t k_seed = 20270101;
 /// Maximum probability that the whole suite fails by chance.
 constexpr double k_budget = 1e-3;
 
-/// Number of seeds over which p-values are tested for uniformity.
+/// Number of seeds. The test compares their p-values with the uniform distribution.
 std::uint64_t uniformity_seeds() {
   return property::long_run() ? 1000 : 100;
 }
@@ -50,9 +51,9 @@ TEST_P(RightCode, PassesTheCheck) {
 class CheapCheck : public testing::TestWithParam<Check> {};
 
 TEST_P(CheapCheck, HasUniformPValues) {
-  // Goal: the cheaper half of the checks have calibrated p-values. Method: compare p-values of the
-  // right code over many seeds with the uniform distribution. Checks marked `certain` must pass
-  // with each of ten seeds.
+  // Goal: the p-values of the cheaper half of the checks are calibrated. Method: run the right code
+  // with many seeds. Compare the p-values with the uniform distribution. Checks marked `certain`
+  // must pass with each of ten seeds.
   const Check& check = GetParam();
   const std::uint64_t seeds = check.certain ? 10 : uniformity_seeds();
   std::vector<std::vector<double>> p(check.count);
@@ -89,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(Checks, CheapCheck, testing::ValuesIn(cheap_checks()), 
 
 TEST(Checks, FailByChanceOnceInAThousandRuns) {
   // Goal: the whole suite fails by chance at most once in 1,000 runs. Method: add up the thresholds
-  // for all p-values of the right code, and for the tests that these p-values are uniform.
+  // of all p-values, and the thresholds of all tests that p-values are uniform.
   double sum = 0;
   std::size_t uncertain = 0;
   std::size_t shown_uniform = 0;
@@ -105,9 +106,8 @@ TEST(Checks, FailByChanceOnceInAThousandRuns) {
 }
 
 TEST(Mutants, AreCaught) {
-  // Goal: the checks reject all mutants except at most one, and each check rejects at least one
-  // mutant. Method: run the checks of each mutant with the threshold that right code must stay
-  // above.
+  // Goal: at most one mutant passes all checks, and each check rejects at least one mutant. Method:
+  // run each mutant's checks with the threshold for right code.
   const std::vector<Mutant> mutants = all_mutants();
   std::set<std::string> names;
   std::set<CheckId> used;

@@ -12,7 +12,7 @@ using Proposal = sampling::Proposal<std::uint32_t>;
 using Sample = sampling::Sample<Ring>;
 using Streams = sampling::ChainStreams;
 
-/// Draws the random number that decides acceptance from the beginning of the proposal's stream.
+/// Makes a step in which the first number of the proposal's stream also decides about acceptance.
 void reuse_the_number(const Ring& ring, double beta, const Streams& streams,
                       std::uint64_t iteration, Sample& current) {
   random::Stream stream = streams.at(random::Purpose::proposal, iteration);

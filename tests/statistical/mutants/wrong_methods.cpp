@@ -1,4 +1,4 @@
-// Mistakes in the formulas of tempering, each with one formula replaced.
+// Mistakes in the formulas of tempering. Each mistake replaces one formula.
 #include <algorithm>
 
 #include "common/math/elementary.h"

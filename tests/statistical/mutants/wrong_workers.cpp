@@ -13,7 +13,7 @@ using plan::Unit;
 using plan::UnitResult;
 using plan::UnitWorker;
 
-/// Runs another unit with the real worker, and reports the result as this unit's.
+/// Runs the unit `other` with the real worker, and reports its result as the result of `unit`.
 UnitResult run_other(const UnitWorker& right, const Unit& unit, const Unit& other,
                      base::BytesView state) {
   UnitResult result = right.run(other, state);
@@ -77,7 +77,7 @@ Run states_stay_with_levels() {
   };
   auto levels = std::make_shared<std::map<double, Level>>();
   return [levels](const UnitWorker& right, const Unit& unit, base::BytesView state) {
-    // Use one replica id per level, so that the worker's cache can't supply the right state.
+    // Use one replica id per level. Otherwise the worker's cache could supply the right state.
     const double beta = unit.inverse_temperature(0);
     const auto found = levels->find(beta);
     Unit other = unit;
@@ -130,7 +130,7 @@ OnTheWay ladder_follows_density() {
               [last, asked](const plan::ReplicaKey& key, std::vector<plan::ScanRecord>& records) {
                 *last = records.back().log_constraint;
                 // Write the expected temperatures into the records, because a plan refuses wrong
-                // ones.
+                // temperatures.
                 for (std::uint32_t nth = 0; nth < records.size(); ++nth)
                   records[nth].inverse_temperature = asked->at(key).inverse_temperature(nth);
               }};

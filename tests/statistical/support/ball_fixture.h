@@ -1,4 +1,4 @@
-// The 2D ball with exact draws of p_w p_c^beta, for tests of kernels.
+// The 2D ball and exact draws of p_w p_c^beta, for tests of kernels.
 #pragma once
 
 #include <array>
@@ -15,12 +15,13 @@ namespace sleight::statistical {
 using Ball = worlds::ball_2d::Ball2d;
 using BallSample = sampling::Sample<Ball>;
 
-/// Returns a test's streams. Each use of random numbers in a test needs its own chain number.
+/// Returns a test's streams. If a test uses random numbers for several purposes, each purpose needs
+/// its own chain number.
 inline sampling::ChainStreams streams_of(std::uint64_t seed, std::uint32_t chain) {
   return {.seed = seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
 }
 
-/// An exact draw of p_w p_c^beta by rejection, because p_c is at most 1.
+/// Draws exactly from p_w p_c^beta. Rejection is possible because p_c is at most 1.
 template <sampling::Target T>
 sampling::Sample<T> exact_draw(const T& target, double beta, random::Stream& stream) {
   while (true) {
@@ -29,7 +30,7 @@ sampling::Sample<T> exact_draw(const T& target, double beta, random::Stream& str
   }
 }
 
-/// The tested quantities: each normal, the landing place, and both densities.
+/// The tested quantities are each normal, the landing place, and both densities.
 inline constexpr std::size_t k_ball_functions = 8;
 inline std::array<double, k_ball_functions> ball_functions(const BallSample& sample) {
   const auto& normals = sample.state;

@@ -65,7 +65,7 @@ class BrokenProposal {
   double beta_;
 };
 
-/// Uses the first number of the proposal's stream again to decide about acceptance.
+/// Makes a step in which the first number of the proposal's stream also decides about acceptance.
 void step_reusing_a_number(const Ball& ball, double beta, const sampling::ChainStreams& streams,
                            std::uint64_t iteration, BallSample& current) {
   random::Stream proposal_stream = streams.at(random::Purpose::proposal, iteration);

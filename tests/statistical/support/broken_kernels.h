@@ -1,4 +1,4 @@
-// Metropolis-Hastings kernels with one known bug each. A test of samplers must reject at least one
+// Metropolis-Hastings kernels, each with one known bug. A test of samplers must reject at least one
 // of these kernels.
 #pragma once
 
@@ -31,8 +31,8 @@ inline constexpr std::array k_bugs = {Bug::always_accepts,    Bug::ratio_inverte
 
 const char* name_of(Bug bug);
 
-/// Makes one iteration of the real kernel with the bug in its inputs. If the bug is in the kernel
-/// itself, runs a copy of the kernel that differs in one line.
+/// Makes one iteration. If the bug is in the kernel's inputs, runs the real kernel on wrong inputs.
+/// Otherwise runs a copy of the kernel that differs in one line.
 void step(const Ball& ball, Bug bug, double beta, const sampling::ChainStreams& streams,
           std::uint64_t iteration, BallSample& current);
 

@@ -1,4 +1,4 @@
-// Pearson's chi-square test of counts against exact probabilities of any size.
+// Pearson's chi-square test, which compares counts with exact probabilities.
 #pragma once
 
 #include <boost/math/special_functions/gamma.hpp>
@@ -9,8 +9,8 @@
 
 namespace sleight::statistical {
 
-/// Returns the probability that a right sampler deviates as much or more. Cells with an expected
-/// count below 10 are merged. Returns 0 if a cell of probability 0 has a count.
+/// Returns the probability that a right sampler's counts deviate as much or more. Merges all cells
+/// whose expected count is below 10. Returns 0 if a cell of probability 0 has a count.
 inline double chi_square_p(const std::vector<double>& counts,
                            const std::vector<double>& probabilities) {
   double total = 0;
@@ -38,7 +38,7 @@ inline double chi_square_p(const std::vector<double>& counts,
   return boost::math::gamma_q(0.5 * (cells - 1), 0.5 * statistic);
 }
 
-/// Returns the p-value of two samples of counts, under the hypothesis that they have the same
+/// Returns the p-value of two samples of counts. The hypothesis is that both have the same
 /// distribution (Numerical Recipes, 14.3, for unequal numbers).
 inline double two_sample_p(std::span<const double> a, std::span<const double> b) {
   double sum_a = 0;

@@ -1,4 +1,4 @@
-// Compares islands' estimates with those of blind throws, for worlds that act in stages.
+// Compares estimates by islands with estimates by blind throws.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace sleight::statistical {
 
-/// Expects means of independent estimates to differ by less than 4 combined standard errors.
+/// Expects that the means of independent estimates differ by less than 4 combined standard errors.
 inline void expect_equal_means(const char* name, const std::vector<double>& islands,
                                const std::vector<double>& throws) {
   const MeanWithError first = mean_of_independent(islands);

@@ -7,7 +7,7 @@
 namespace sleight::statistical {
 namespace {
 
-/// The tail of Kolmogorov's distribution at sqrt(n) d, corrected for small n.
+/// Returns the tail of Kolmogorov's distribution at sqrt(n) d. Corrects for small n.
 double kolmogorov_tail(double d, double n) {
   const double root = std::sqrt(n);
   const double x = d * (root + 0.12 + 0.11 / root);
@@ -72,7 +72,7 @@ double effective_sample_size(std::span<const double> series) {
   const double mean = mean_of(series);
   const double variance = autocovariance(series, mean, 0);
   if (variance == 0) return 1;
-  // In a reversible chain, sums of neighbouring pairs of autocovariances are positive and decrease.
+  // If a chain is reversible, sums of neighbouring autocovariances are positive and decrease.
   double sum = 0;
   double pair_before = 2 * variance;
   for (std::size_t lag = 0; lag + 1 < series.size() / 2; lag += 2) {

@@ -1,4 +1,4 @@
-// A small case of balls that spell, with exact draws of p_w p_c^beta, for tests of kernels.
+// A small case of balls that spell, and exact draws of p_w p_c^beta, for tests of kernels.
 #pragma once
 
 #include "common/math/elementary.h"
@@ -10,7 +10,8 @@ namespace sleight::statistical {
 using Spelling = worlds::spelling::Spelling;
 using SpellingSample = sampling::Sample<Spelling>;
 
-/// Two bins to be filled by two balls, with lambda small enough for cheap exact draws.
+/// Returns a world in which two balls must fill two bins. Lambda is small, so that exact draws are
+/// cheap.
 inline Spelling world_with(worlds::spelling::Kernel kernel) {
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("##").value();
@@ -26,7 +27,7 @@ inline Spelling world_with(worlds::spelling::Kernel kernel) {
   return Spelling(parameters);
 }
 
-/// Adds aimed drops to A.2.2's kinds (aimed_drops.h).
+/// Adds aimed drops to the proposals of A.2.2 (aimed_drops.h).
 inline worlds::spelling::Parameters parameters_with_aims() {
   worlds::spelling::Parameters parameters =
       world_with(worlds::spelling::Kernel::correct).parameters();
@@ -40,14 +41,14 @@ inline worlds::spelling::Parameters parameters_with_aims() {
   return parameters;
 }
 
-/// Adds steps that are first tested by simulating balls alone (solo_balls.h).
+/// Also adds solo steps, which are first tested by simulating balls alone (solo_balls.h).
 inline worlds::spelling::Parameters parameters_with_solo_steps() {
   worlds::spelling::Parameters parameters = parameters_with_aims();
   parameters.proposal.solo_steps = 3;
   return parameters;
 }
 
-/// Draws by rejection, because p_c is at most lambda^2.
+/// Draws exactly. Rejection is possible because p_c is at most lambda^2.
 inline SpellingSample exact_draw(const Spelling& world, double beta, random::Stream& stream) {
   const double most = world.balls() * world.parameters().constraint.log_lambda;
   while (true) {

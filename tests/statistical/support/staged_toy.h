@@ -1,4 +1,4 @@
-// A world that acts in stages with few enough states to enumerate, for tests of islands.
+// A world for tests of islands. The world acts in stages, and has few enough states to enumerate.
 #pragma once
 
 #include <array>
@@ -14,17 +14,18 @@
 
 namespace sleight::statistical {
 
-/// A walker on seven places takes four steps, each by one of three choices. The walker begins at
-/// one of two places, with probabilities 0.4 and 0.6. The walker falls at place 5, and only choice
-/// 2 puts it on its feet again. Most states end where p_c is small. A fallen walker has p_c =
-/// 0. About a fifth of the mass belongs to states that fell on the way and were rescued.
+/// There are seven places. A walker takes four steps, and has three choices for each step. The
+/// walker begins at one of two places, with probabilities 0.4 and 0.6. The walker falls at place 5,
+/// and only choice 2 puts it on its feet again. Most states end where p_c is small. A fallen walker
+/// has a p_c of 0. About a fifth of the mass belongs to states in which the walker fell on the way
+/// and was rescued.
 struct StagedToy {
   static constexpr std::uint32_t k_stages = 4;
   static constexpr std::uint32_t k_choices = 3;
   static constexpr std::uint32_t k_states = 2 * 81;
   static constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
-  /// The ground, then the choices, as digits: ground * 81 + x_0 * 27 + x_1 * 9 + x_2 * 3 + x_3.
+  /// The digits are the ground and the choices: ground * 81 + x_0 * 27 + x_1 * 9 + x_2 * 3 + x_3.
   using State = std::uint32_t;
   struct Outcome {
     std::uint32_t place = 0;
@@ -52,7 +53,7 @@ struct StagedToy {
     return state / k_weights[stage] % k_choices;
   }
   static Outcome begin_of(Ground ground) { return {.place = 3 * ground}; }
-  /// Returns p of each choice, which depends on the walker's place.
+  /// Returns the probability p of each choice at the walker's place.
   static std::array<double, k_choices> choices(const Outcome& from) {
     if (from.place % 2 == 0) return {0.5, 0.3, 0.2};
     return {0.25, 0.6, 0.15};
@@ -145,8 +146,8 @@ struct StagedToy {
                                 std::uint32_t stage, Prefix& prefix) const {
     return extend_by(guide, choice_of(state, stage), prefix);
   }
-  /// Choice 1 has sort 0, and the other two choices have sort 2. No choice has sort 1. The sorts'
-  /// masses need not add up to 1.
+  /// Choice 1 has sort 0; choices 0 and 2 have sort 2. No choice has sort 1. The sorts' masses need
+  /// not add up to 1.
   static std::size_t sort_of(std::uint32_t choice) { return choice == 1 ? 0 : 2; }
   std::size_t sorts() const { return 3; }
   std::vector<sampling::Alternative> alternatives(const Guide& guide, const Ground&, std::uint32_t,

@@ -1,4 +1,4 @@
-// Worlds with exactly known tempered distributions, for tests of tempering.
+// Worlds for tests of tempering. Tempered distributions of these worlds are known exactly.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 
 namespace sleight::statistical {
 
-/// Fourteen places in a ring, with hills and valleys of p_c. Three places have p_c = 0 and cut the
-/// ring into parts that no step at inverse temperature above 0 connects. A step moves one place,
-/// more often clockwise.
+/// Fourteen places in a ring, with hills and valleys of p_c. Three places with p_c = 0 cut the ring
+/// into parts. If the inverse temperature is above 0, no step connects the parts. A step moves one
+/// place, more often clockwise.
 struct RuggedRing {
   using State = std::uint32_t;
   using Outcome = std::uint32_t;
@@ -79,7 +79,7 @@ struct RuggedRing {
 };
 static_assert(run::World<RuggedRing>);
 
-/// Base of worlds on the line: the prior N(0, prior_sd), and steps N(0, step_sd).
+/// Base class of worlds on the line. The prior is N(0, prior_sd), and steps are N(0, step_sd).
 struct Line {
   using State = double;
   using Outcome = double;
@@ -145,7 +145,8 @@ struct Bullseye : Line {
 };
 static_assert(run::World<Bullseye> && sampling::ScalesProposals<Bullseye>);
 
-/// Two narrow Gaussians in p_c, left and right of 0, so far apart that a walk never crosses.
+/// p_c is the sum of two narrow Gaussians, left and right of 0. The Gaussians are so far apart that
+/// a random walk never crosses from one to the other.
 struct TwoModes : Line {
   double place = 6;
   double sigma = 0.2;
@@ -159,8 +160,8 @@ struct TwoModes : Line {
     return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
   }
   bool satisfied(const Outcome& x) const { return std::abs(std::abs(x) - place) < sigma; }
-  /// Both modes have the same width and the prior is symmetric, so the modes' odds are the ratio of
-  /// their heights.
+  /// Both modes have the same width, and the prior is symmetric. So the odds of the modes are the
+  /// ratio of their heights.
   double left_weight() const { return left_height / (1 + left_height); }
   State draw_exact(random::Stream& stream) const {
     const double precision = 1 / (prior_sd * prior_sd) + 1 / (sigma * sigma);
@@ -171,7 +172,7 @@ struct TwoModes : Line {
 };
 static_assert(run::World<TwoModes>);
 
-/// A worker that starts replicas at exact draws, and delegates the rest to another worker.
+/// A worker that starts replicas at exact draws. Another worker runs all other units.
 template <class World>
 class ExactStarts final : public plan::UnitWorker {
  public:
@@ -204,7 +205,7 @@ class ExactStarts final : public plan::UnitWorker {
   const plan::UnitWorker& rest_;
 };
 
-/// A worker with perfect exploration: every scan is an independent exact draw.
+/// A worker that explores perfectly: every scan is an independent exact draw.
 template <class World>
 class ExactScans final : public plan::UnitWorker {
  public:

@@ -1,4 +1,4 @@
-// A chain of Algorithm 2.1 for balls that spell, with a record of each iteration.
+// A chain of Algorithm 2.1 for balls that spell, and records of its iterations.
 //
 // log p(A) is the formula of A.2.1 without constants:
 //   k log lambda - sum over partition vertices of |x|^2 / (2 sd^2) - (active balls) log a,
@@ -16,7 +16,7 @@
 
 namespace sleight::thesis {
 
-/// The result of an iteration: its state's numbers, and its proposal.
+/// The result of an iteration: numbers of its state, and its proposal.
 struct Iteration {
   std::uint32_t filled = 0;  ///< k
   double log_p = 0;          ///< log p(A); -infinity if there is no animation
@@ -30,8 +30,8 @@ struct Chain {
   std::uint32_t vertices = 0;  ///< partition vertices
   std::vector<Iteration> iterations =
       {};  ///< the start, which no proposal made, then all iterations
-  /// States with the largest k reached: the first state of each stay at this k (for the first
-  /// k_states_max stays), and then the last state.
+  /// States of the largest k that the chain reached: the first states of at most k_states_max stays
+  /// at this k, then the last state.
   std::vector<worlds::spelling::State> best = {};
 };
 
@@ -46,17 +46,18 @@ struct ChainOptions {
 Chain run_chain(const worlds::spelling::Parameters& parameters, const ChainOptions& options,
                 std::atomic<std::uint64_t>& done);
 
-/// The number of the ball in each designated bin, or -1, row by row from the lowest y.
+/// For each designated bin, the number of its ball, or -1. Bins are in order row by row from the
+/// lowest y.
 using Order = std::vector<int>;
 
 /// REQUIRES: each state has an animation.
 std::vector<Order> orders_of(const worlds::spelling::Parameters& parameters,
                              const std::vector<worlds::spelling::State>& states);
 
-/// Returns the number of bins whose contents differ between the orders.
 std::uint32_t different_bins(const Order& a, const Order& b);
 
-/// Counts orders that differ from all earlier counted orders in at least half of the balls' bins.
+/// Counts distinct orders. An order counts if it differs from each counted order in at least half
+/// of the balls' bins.
 std::uint32_t distinct_count(const std::vector<Order>& orders, std::uint32_t balls);
 
 /// Returns the two orders that differ most. REQUIRES: at least one order.

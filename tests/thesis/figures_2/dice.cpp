@@ -24,7 +24,8 @@ namespace dice = worlds::dice;
 
 constexpr double k_m_per_mm = 0.001;
 
-/// Returns the motion of a state's only die, numbered `nth`. The die's hits are all on the table.
+/// Returns the motion of a state's only die. The die gets the number `nth`. All hits of the die are
+/// on the table.
 std::vector<motion::Segment> motion_of(const dice::Dice& world, base::BytesView state,
                                        std::uint32_t nth, std::uint32_t table) {
   const auto decoded = world.decode(state);
@@ -69,7 +70,8 @@ scene::Scene composite_scene(const std::vector<ThrownDie>& dice, const DiceOptio
   return scene;
 }
 
-/// Returns the first satisfying state at inverse temperature 1, and stores its cost in `die`.
+/// Runs the plan until a state at inverse temperature 1 satisfies the constraint. Returns this
+/// state, and stores its cost in `die`.
 std::optional<base::Bytes> first_satisfying(plan::Plan& plan, const plan::UnitWorker& worker,
                                             ThrownDie& die) {
   std::map<plan::ReplicaKey, base::Bytes> states;

@@ -27,7 +27,8 @@ struct DiceOptions {
 struct ThrownDie {
   DieWish wish;
   std::uint64_t seed = 0;
-  /// Motion of the first satisfying animation, numbered as in the figure. Empty if none.
+  /// Motion of the first satisfying animation. The die is numbered as in the figure. Empty: no such
+  /// animation.
   std::vector<motion::Segment> motion{};
   std::uint64_t simulations = 0;  ///< at all temperatures, until the first satisfying animation
   std::uint64_t scans = 0;        ///< of the ladder, until the same animation
@@ -37,10 +38,11 @@ struct ThrownDie {
 /// Six places in two rows. The dice show 1 to 6.
 std::vector<DieWish> dice_wishes();
 
-/// Returns a request for one die: defaults of the world "dice", one ladder of parallel tempering.
+/// Returns a request for one die. The request uses defaults of the world "dice" and one ladder of
+/// parallel tempering.
 std::string die_request(const DieWish& wish, std::uint64_t seed, const DiceOptions& options);
 
-/// Runs the request of die n (from 0) until the first satisfying draw at inverse temperature 1.
+/// Runs the request of die `nth` (from 0) until the first satisfying draw at inverse temperature 1.
 ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& options);
 
 /// Returns a picture of all dice that have an animation. REQUIRES: at least one.

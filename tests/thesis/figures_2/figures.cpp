@@ -49,7 +49,7 @@ std::string order_text(const worlds::spelling::Pattern& pattern,
                        const std::pair<Order, Order>& orders) {
   std::string text;
   for (std::uint32_t row = 0; row < pattern.rows; ++row) {
-    // Bins are numbered from the lowest y, but a pattern's rows from the top.
+    // Bins are numbered from the lowest y, but rows of a pattern are numbered from the top.
     const std::size_t first_bin = std::size_t{pattern.rows - 1 - row} * pattern.columns;
     for (const Order* balls : {&orders.first, &orders.second}) {
       for (std::uint32_t column = 0; column < pattern.columns; ++column) {

@@ -1,5 +1,5 @@
 // `sleight-figures-2`: reproduces figures 2.8 to 2.13 of the thesis. The program makes figures 2.8
-// to 2.12 with the kernel printed in A.2.2 and with the correct kernel.
+// to 2.12 twice: with the kernel that A.2.2 prints, and with the correct kernel.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -42,7 +42,6 @@ struct Arguments {
   std::vector<std::string> notes = {};  ///< of each picture (clients/plot/notes.h)
 };
 
-/// A chain to run, and the figures that show it.
 struct Plan {
   std::string figures;  ///< "2.8 2.9"
   std::string what;
@@ -106,7 +105,8 @@ std::vector<Plan> plans_of(const Arguments& arguments) {
   return plans;
 }
 
-/// Prints rate and remaining time to stderr: one updated line on a terminal, else a rare new line.
+/// Prints rate and remaining time to stderr. On a terminal, updates one line; otherwise, prints a
+/// new line now and then.
 class ProgressLine {
  public:
   explicit ProgressLine(const std::vector<Plan>& plans) : plans_(plans) {}
@@ -116,7 +116,7 @@ class ProgressLine {
     const double now_s = clock_.now_s() - begin_s_;
     if (now_s < next_s_) return;
     next_s_ = now_s + (terminal_ ? 0.5 : 15);
-    // Weight iterations by the number of balls, which determines their cost.
+    // Weight iterations by the number of balls, which determines the cost.
     std::uint64_t iterations = 0;
     std::uint64_t all_iterations = 0;
     double work = 0;
@@ -146,7 +146,7 @@ class ProgressLine {
   double next_s_ = 1;
 };
 
-/// Runs all chains, each in its own thread, at most `threads` at a time.
+/// Runs each chain in its own thread. At most `threads` chains run at a time.
 std::vector<Result> run_all(const std::vector<Plan>& plans, unsigned threads) {
   std::vector<Result> results(plans.size());
   std::vector<std::exception_ptr> failures(plans.size());
@@ -272,7 +272,7 @@ void print_orders(const Plan& plan, const Result& result) {
       different_bins(orders.first, orders.second), order_text(plan.parameters.pattern, orders));
 }
 
-/// Runs the requests of all dice, at most `threads` at a time.
+/// Runs the requests of all dice. At most `threads` requests run at a time.
 std::vector<ThrownDie> direct_all(const DiceOptions& options, unsigned threads) {
   const std::vector<DieWish> wishes = dice_wishes();
   std::vector<ThrownDie> dice(wishes.size());
@@ -288,7 +288,8 @@ std::vector<ThrownDie> direct_all(const DiceOptions& options, unsigned threads) 
   return dice;
 }
 
-/// Makes figure 2.13, and prints each die's cost with faces numbered after the throw and before it.
+/// Makes figure 2.13. Prints each die's cost in two cases: faces are numbered after the throw, or
+/// before it.
 void throw_dice(const Arguments& arguments) {
   DiceOptions options{.seed = arguments.seed};
   if (arguments.quick) options = {.seed = arguments.seed, .tolerance_mm = 200, .rounds = 2};

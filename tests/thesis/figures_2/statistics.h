@@ -1,8 +1,8 @@
-// Numbers for the thesis's statements in section 2.4.3 about its chains.
+// Numbers that support the thesis's statements about its chains (section 2.4.3).
 //
-// A stay is a sequence of iterations with all designated bins filled. A visit consists of one or
-// more stays, and ends when k has fallen by k_sharp_drop. If one ball leaves its bin and returns,
-// this adds a stay but no visit.
+// A stay is a sequence of iterations in which all designated bins are filled. A visit consists of
+// one or more stays, and ends when k has fallen by k_sharp_drop. If one ball leaves its bin and
+// returns, this adds a stay but no visit.
 //
 // The change-all effect (figure 2.9): a change_all is accepted, k falls by k_sharp_drop or more,
 // and log p(A) rises.

@@ -38,8 +38,8 @@ TEST(Statistics, VisitsEndWhenTheSpellingIsLeft) {
   EXPECT_FALSE(none.first_correct);
   EXPECT_EQ(none.visits, 0U);
   EXPECT_EQ(none.longest_stay, 0U);
-  // There are two visits: during the first, a ball is elsewhere for two iterations; the second
-  // lasts one iteration.
+  // There are two visits. During the first visit, a ball is elsewhere for two iterations. The
+  // second visit lasts one iteration.
   const Statistics two = statistics_of(chain_of({8, 10, 9, 8, 10, 10, 7, 10}));
   EXPECT_EQ(two.first_correct, 1U);
   EXPECT_EQ(two.visits, 2U);
@@ -62,7 +62,7 @@ TEST(Statistics, TheChangeAllEffectFallsInKAndRisesInLogP) {
   EXPECT_EQ(statistics.effect_log_p_offsets, 30);
   EXPECT_EQ(statistics.proposed[0], 5U);
   EXPECT_EQ(statistics.accepted[0], 5U);
-  // Neither other kinds of proposals nor rejected proposals count as change-all effects.
+  // Rejected proposals and proposals of other kinds don't count as change-all effects.
   chain.iterations[1].kind = Kind::change_vertices;
   EXPECT_TRUE(statistics_of(chain).change_all_effects.empty());
   chain.iterations[1].kind = Kind::change_all;

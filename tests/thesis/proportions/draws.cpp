@@ -134,7 +134,8 @@ namespace {
 using Where = std::pair<std::uint64_t, std::uint32_t>;  ///< (scan, chain)
 using Satisfying = std::map<Where, plan::ScanRecord>;
 
-/// Finds the scans that a plan of tours counts as solutions, and the satisfying draws.
+/// For a plan of tours: finds the scans that count as solutions, and keeps only satisfying scans
+/// that are draws.
 void count_parts(const plan::Draws& draws, std::vector<Where>& counted, Satisfying& satisfying) {
   for (const plan::DrawPart& part : draws.parts)
     for (std::uint32_t chain = 0; chain < part.counted.size(); ++chain)
@@ -146,7 +147,8 @@ void count_parts(const plan::Draws& draws, std::vector<Where>& counted, Satisfyi
   });
 }
 
-/// Finds the first satisfying scan of each lineage that began after a burn-in.
+/// For a plan without tours: counts the first satisfying scan of each lineage that began after the
+/// burn-in.
 void count_lineages(std::uint64_t before, std::vector<Where>& counted, Satisfying& satisfying) {
   std::erase_if(satisfying, [&](const auto& entry) { return entry.first.first < before; });
   std::set<std::pair<std::uint32_t, std::uint64_t>> lineages;

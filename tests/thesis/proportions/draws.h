@@ -1,4 +1,4 @@
-// Draws that spell a word, made by any method, and the quantities that are compared.
+// Makes draws that spell a word, by any method. Defines the compared quantities.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ inline constexpr bool is_count(std::size_t quantity) {
 
 using Values = std::array<double, k_quantities.size()>;
 
-/// Series of draws, one for each chain.
+/// Draws by chain.
 using Series = std::vector<std::vector<Values>>;
 
 /// Returns a word request's satisfying scans from `first_scan` on. Throws base::Error if invalid.
@@ -37,13 +37,12 @@ Series satisfying_draws(const std::string& request_text, std::uint64_t first_sca
 /// Returns all takes of a request that requires at least one take.
 std::vector<Values> takes_of(const std::string& request_text);
 
-/// Returns, for each scan, the number of helped balls in each chain whose state satisfies the
-/// constraint.
+/// Returns numbers of helped balls by scan. Leaves out chains whose state violates the constraint.
 std::vector<std::vector<double>> helped_by_scan(const std::string& request_text);
 
-/// Results of a run that ends by its own stop rule: all counted solutions, and one satisfying draw,
-/// chosen at random by the seed. The plan's draws name the counted solutions. Without the plan's
-/// draws, each lineage's first satisfying scan counts.
+/// Results of a run that ends by its own stop rule: all counted solutions, and one satisfying draw.
+/// The seed chooses the satisfying draw at random. The plan's draws name the counted solutions. If
+/// the plan has no draws, each lineage's first satisfying scan counts.
 struct Counted {
   bool has_run = false;
   std::vector<Values> solutions;
@@ -51,7 +50,7 @@ struct Counted {
 };
 Counted counted_solutions(const std::string& request_text);
 
-/// Throws all balls `throws` times, and returns how many throws satisfy a word's request.
+/// Returns how many of `throws` throws of all balls satisfy a word's request.
 std::uint64_t satisfying_throws(const std::string& request_text, std::uint64_t throws);
 
 std::uint32_t balls_of(const std::string& request_text);

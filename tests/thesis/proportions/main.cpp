@@ -1,8 +1,8 @@
-// Tests whether sampling methods agree on a word. Compares the draws of islands, of tempering from
-// searches, and of long plain chains with each other. Also compares them with the solutions that
-// requests without a sampler find with many seeds. Prints a table, and exits with 1 if a p-value is
-// below --p-min. The option --tours shows, scan by scan, how far chains of islands have moved from
-// their starts, and --throws counts satisfying throws.
+// Tests whether sampling methods agree on a word. Compares draws by islands, by tempering from
+// searches, and by long plain chains. Also compares these draws with solutions of requests without
+// a sampler, which differ in their seeds. Prints a table, and exits with 1 if a p-value is below
+// --p-min. The option --tours shows how far chains of islands have moved from their starts by each
+// scan. The option --throws counts satisfying throws.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -47,7 +47,7 @@ struct Arguments {
   std::vector<std::string> keys{};
 };
 
-/// Effectively independent draws of one quantity, and the draws from which they were thinned.
+/// Effectively independent draws of one quantity. The mean is over all draws, before thinning.
 struct Sample {
   std::string way;
   std::vector<double> thinned;
@@ -55,7 +55,6 @@ struct Sample {
   double error = 0;
 };
 
-/// Returns a sample of draws that are already independent.
 Sample independent(const std::string& way, const std::vector<Values>& draws, std::size_t quantity) {
   Sample sample{.way = way, .thinned = {}};
   for (const Values& values : draws)
@@ -66,8 +65,8 @@ Sample independent(const std::string& way, const std::vector<Values>& draws, std
   return sample;
 }
 
-/// Returns the mean of each seed's counted solutions. Means are less noisy than one solution per
-/// seed, but aren't draws from the distribution.
+/// Averages each seed's counted solutions, and then over seeds. Averages are less noisy than one
+/// solution per seed, but aren't draws from the distribution.
 Sample mean_of_seeds(const std::vector<Counted>& counted, std::size_t quantity) {
   std::vector<double> means;
   for (const Counted& each : counted) {
@@ -84,7 +83,8 @@ Sample mean_of_seeds(const std::vector<Counted>& counted, std::size_t quantity) 
           .error = mean.standard_error};
 }
 
-/// Returns as many evenly spaced draws of each chain as the quantity's effective sample size.
+/// Returns evenly spaced draws of each chain. The number of draws is the quantity's effective
+/// sample size.
 Sample thinned(const std::string& way, const Series& series, std::size_t quantity) {
   Sample sample{.way = way, .thinned = {}};
   std::vector<std::vector<double>> chains;
@@ -116,7 +116,7 @@ double p_value(const Sample& a, const Sample& b, std::size_t quantity) {
     ++counts_a.at(static_cast<std::size_t>(value));
   for (const double value : b.thinned)
     ++counts_b.at(static_cast<std::size_t>(value));
-  // Merge cells with fewer than ten draws into one.
+  // Merge all cells that have fewer than ten draws.
   double rare_a = 0;
   double rare_b = 0;
   std::vector<double> a_of;
@@ -128,7 +128,7 @@ double p_value(const Sample& a, const Sample& b, std::size_t quantity) {
   }
   a_of.push_back(rare_a);
   b_of.push_back(rare_b);
-  // With a single cell, there is nothing to compare.
+  // If only one cell has draws, there is nothing to compare.
   const auto is_used = [&](std::size_t cell) { return a_of[cell] + b_of[cell] > 0; };
   std::size_t used = 0;
   for (std::size_t cell = 0; cell < a_of.size(); ++cell)
@@ -143,8 +143,9 @@ std::string request_of(const Arguments& arguments, const std::string& sampler,
                      sampler, stop);
 }
 
-/// Returns a sampler with the proposal shares of a request without a sampler, and by default with
-/// its constraint. Lambda changes how many draws satisfy, but not their proportions.
+/// Returns a sampler that has the proposal shares of requests without a sampler. By default, the
+/// sampler also has the constraint of these requests. Lambda changes how many draws satisfy the
+/// constraint, but not the proportions among these draws.
 std::string sampler_of(const Arguments& arguments, const std::string& keys,
                        std::optional<double> log_lambda) {
   const auto balls =
@@ -175,8 +176,8 @@ std::vector<Way> all_ways(const Arguments& arguments) {
                }};
   };
   std::vector<Way> ways;
-  // Tempering starts first because it is slowest. Plain chains have a weaker constraint, so that
-  // balls enter and leave the bins.
+  // Tempering starts first, because it is the slowest. Plain chains have a weaker constraint than
+  // the others, so that balls enter and leave the bins.
   ways.push_back(way("tempering",
                      "method = \"parallel_tempering\"\nstart = \"search\"\nchains = 2\n"
                      "iterations_per_scan = 40\nround_scans = 50\n",
@@ -191,7 +192,7 @@ std::vector<Way> all_ways(const Arguments& arguments) {
   return ways;
 }
 
-/// Runs all tasks, several at a time. After the time limit, no further optional task starts.
+/// After the time limit, no further optional task starts.
 void run_all(const std::vector<std::function<void()>>& tasks, std::size_t can_be_left_out_from,
              const Arguments& arguments) {
   const auto begin = std::chrono::steady_clock::now();
@@ -215,8 +216,8 @@ void run_all(const std::vector<std::function<void()>>& tasks, std::size_t can_be
   }
 }
 
-/// Prints how far chains have moved from their starts: for each scan, the mean number of helped
-/// balls in states that satisfy the constraint.
+/// Shows how far chains have moved from their starts. For each scan, prints the mean number of
+/// helped balls over states that satisfy the constraint.
 void show_burn_in(const Arguments& arguments) {
   std::string keys = "method = \"sequential\"\nburn_in_rounds = 1\nround_scans = 1\n";
   for (const std::string& key : arguments.keys)
@@ -253,7 +254,7 @@ void show_burn_in(const Arguments& arguments) {
   }
 }
 
-/// Prints how takes differ from the draws of long chains, in standard deviations of a draw.
+/// Prints how takes differ from draws of long chains, in standard deviations of a draw.
 void show_relaxed(const Arguments& arguments) {
   const auto balls =
       static_cast<double>(sleight::thesis::balls_of(request_of(arguments, "", "scans = 100")));
@@ -366,7 +367,7 @@ int main(int argc, char** argv) {
   }
   run_all(tasks, ways.size(), arguments);
 
-  // Use one solution per seed, because a seed's solutions depend on each other.
+  // Use one solution per seed, because solutions of the same seed depend on each other.
   std::vector<Values> first_of_seed;
   std::vector<Values> any_of_seed;
   std::vector<Values> last_of_seed;

@@ -1,9 +1,9 @@
 // `sleight-sampling-table` counts each method's independent solutions, for docs/MEASUREMENTS.
 //
 // The rows "search, in no proportions", "islands" and "chains from a search, judged" exist only for
-// staged worlds: balls that spell, and dice (without judged chains). For balls, these rows use the
-// lambda and proposal shares of requests without a sampler, not the scene's lambda. Lambda changes
-// how many of a method's draws satisfy the constraint, but not the proportions among these draws.
+// staged worlds: balls that spell, and dice (which have no row of judged chains). For balls, these
+// rows use the lambda and proposal shares of requests without a sampler, not the scene's lambda.
+// Lambda changes how many draws satisfy the constraint, but not the proportions among these draws.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -94,7 +94,7 @@ worlds::spelling::Parameters spelling(const worlds::spelling::Pattern& pattern, 
   return parameters;
 }
 
-/// Draws random drops of all balls into an undirected box.
+/// Draws an undirected box, and random drops of all balls.
 worlds::spelling::State natural_throw(const Spelling& world, random::Stream& stream) {
   worlds::spelling::State state = world.draw_prior(stream);
   const auto& half_m = world.prior().drop_half_m;
@@ -133,7 +133,7 @@ void add_plans(const Arguments& arguments, const std::string& scene, const std::
   }
 }
 
-/// Measures islands. Each scan has `iterations_per_scan` proposals and three free islands.
+/// Measures islands. A scan has `iterations_per_scan` proposals and three free islands.
 template <run::StagedWorld World, class Parameters>
 Row islands_row(const Arguments& arguments, const std::string& scene, const Parameters& parameters,
                 std::uint32_t iterations_per_scan) {
@@ -154,8 +154,8 @@ Row search_row(const Arguments& arguments, const std::string& scene, const Param
           }};
 }
 
-/// Adds the rows of staged methods. Options are those of requests without a sampler (serve_best()),
-/// but islands and judged chains run for any number of balls.
+/// Adds the rows of staged methods. Options are those of requests without a sampler (serve_best()).
+/// Unlike in these requests, islands and judged chains run for any number of balls.
 void add_spelling_in_stages(const Arguments& arguments, const std::string& scene,
                             const worlds::spelling::Pattern& pattern, std::vector<Row>& rows) {
   const std::uint32_t balls = pattern.count();
@@ -187,7 +187,7 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
   for (const NamedKernel& each : k_kernels) {
     const auto parameters = spelling(pattern, log_lambda, each.kernel);
     const std::string kernel = each.name;
-    // With solo steps, one iteration already makes one or two simulations.
+    // If steps are solo steps, one iteration already makes one or two simulations.
     const std::uint32_t iterations_per_scan = each.kernel == Kernel::solo ? 1 : 2;
     rows.push_back({scene, "Algorithm 2.1, restarted" + kernel, [=] {
                       return thesis::restarted_chains<Spelling>(parameters, arguments.seed,
@@ -205,7 +205,7 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
   add_spelling_in_stages(arguments, scene, pattern, rows);
 }
 
-/// Adds the rows of dice. Undirected throws number the faces before the throw.
+/// Adds the rows of dice. For undirected throws, faces are numbered before the throw.
 void add_dice(const Arguments& arguments, const std::string& scene,
               const worlds::dice::Parameters& parameters, std::uint32_t iterations_per_scan,
               std::vector<Row>& rows) {

@@ -1,4 +1,4 @@
-// Measures a method's independent solutions per simulation, for docs/MEASUREMENTS.
+// Measures how many independent solutions a method finds per simulation, for docs/MEASUREMENTS.
 #pragma once
 
 #include <ctime>
@@ -55,9 +55,8 @@ struct Counted : World {
   std::uint64_t* count_;
 };
 
-/// Runs Algorithm 2.1, and restarts it from the prior after each first hit. The number of solutions
-/// divided by the number of all simulations estimates 1/m, where m is the mean number of
-/// simulations before a hit.
+/// Runs Algorithm 2.1, and restarts it from the prior after each first hit. Let m be the mean
+/// number of simulations before a hit. The ratio of solutions to simulations estimates 1/m.
 template <class World, class Parameters>
 Score restarted_chains(const Parameters& parameters, std::uint64_t seed,
                        std::uint64_t simulations) {
@@ -93,8 +92,8 @@ Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t sim
 }
 
 /// Whether simulations of single balls or dice are counted. The table counts simulations of single
-/// dice, including those for the pools of islands. Simulations of single balls are included only in
-/// the core-seconds.
+/// dice, including those for the pools of islands. Simulations of single balls add only to the
+/// core-seconds.
 enum class LoneSimulations { counted, left_out };
 
 /// Runs the starts of a search one after another. Finds are solutions, but not in the proportions
@@ -170,7 +169,7 @@ enum class Method {
 inline constexpr sampling::StopRule k_no_stop{
     .scans = std::uint64_t{1} << 40U, .rounds = {}, .independent_solutions = {}};
 
-/// Returns a plan of parallel tempering with many ladders. Each ladder ends soon after its first
+/// Returns a plan of parallel tempering with many ladders. A ladder ends soon after its first
 /// states have reached the coolest level. Temperatures are evenly spaced and don't adapt.
 inline std::unique_ptr<plan::Plan> short_ladders(sampling::LadderOptions ladder,
                                                  std::uint64_t simulations) {
@@ -203,9 +202,8 @@ inline std::unique_ptr<plan::Plan> plan_of(Method method, const sampling::Ladder
 /// Number of particles per island, as in requests without a sampler.
 inline constexpr std::uint32_t k_particles = 32;
 
-/// Returns a plan of the method `sequential`, with options for requests that spell short words. The
-/// plan has one chain of tours. Each tour has a draw only at its last scan. An unfinished tour has
-/// no solution.
+/// Returns a plan of the method `sequential`, as for requests that spell short words. The plan has
+/// one chain of tours. A tour has a draw only at its last scan. An unfinished tour has no solution.
 inline std::unique_ptr<plan::Plan> islands(std::uint64_t seed) {
   constexpr std::uint64_t k_tour_scans = 16;
   return std::make_unique<sampling::RestartedChains>(
@@ -216,7 +214,7 @@ inline std::unique_ptr<plan::Plan> islands(std::uint64_t seed) {
                                        .independent_solutions = {}});
 }
 
-/// Returns a plan of chains that start from a search, with a judged burn-in.
+/// Returns a plan of chains. Chains start from a search, and their burn-in is judged.
 inline std::unique_ptr<plan::Plan> judged_chains(std::uint64_t seed,
                                                  std::vector<sampling::BurnInValue> judged) {
   return std::make_unique<sampling::JudgedChains>(

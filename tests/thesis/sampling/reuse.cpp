@@ -1,4 +1,4 @@
-// `sleight-reuse-table` measures what reuse of similar states saves, for docs/MEASUREMENTS.
+// `sleight-reuse-table` measures savings by reuse of similar states, for docs/MEASUREMENTS.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -30,8 +30,8 @@ struct Events {
   std::uint64_t simulated = 0;
 };
 
-/// Balls that spell, with a second simulation of each candidate from scratch for comparison. Not
-/// thread-safe.
+/// Balls that spell. Simulates each candidate a second time from scratch, and compares both
+/// results. Not thread-safe.
 struct Observed : Spelling {
   Observed(const worlds::spelling::Parameters& parameters, Events& last)
       : Spelling(parameters), last_(&last) {}
@@ -69,7 +69,7 @@ struct Tally {
 };
 using Tallies = std::array<Tally, k_kinds>;
 
-/// Runs a chain of Algorithm 2.1 alternately with and without reuse, because the machine's speed
+/// Runs a chain of Algorithm 2.1 with and without reuse, in turns because the machine's speed
 /// varies.
 Tallies timed_chain(const worlds::spelling::Parameters& parameters, std::uint64_t seed,
                     std::uint64_t iterations) {
@@ -99,7 +99,7 @@ Tallies timed_chain(const worlds::spelling::Parameters& parameters, std::uint64_
   return tallies;
 }
 
-/// Runs the chain of timed_chain() and counts the events of its simulations.
+/// Runs the same chain as timed_chain(), and counts the events of its simulations.
 void count_events(const worlds::spelling::Parameters& parameters, std::uint64_t seed,
                   std::uint64_t iterations, Tallies& tallies) {
   const sampling::ChainStreams streams{.seed = seed, .chain = {}, .replica = {}};

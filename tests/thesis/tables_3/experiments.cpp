@@ -23,11 +23,11 @@ using physics::Tick;
 namespace scenes = physics::scenes;
 
 constexpr double k_thesis_box_half_m = 5.25;
-/// Minimum distance from the walls at which the scene list's boxed_polyhedra() starts bodies.
+/// Minimum distance of bodies from the walls at the start of the scene list's boxed_polyhedra().
 constexpr double k_from_wall_m = 0.52;
 
-/// Returns the scene list's boxed_polyhedra() in the thesis's box. The thesis used one box size,
-/// but the list's scene keeps the density of 64 bodies.
+/// Returns the scene list's boxed_polyhedra() in the thesis's box. The thesis used one box size for
+/// all numbers of bodies. The list's scene instead keeps the density that 64 bodies have.
 scenes::Setting in_the_thesis_box(std::uint32_t bodies, std::uint64_t seed) {
   scenes::Setting setting = scenes::boxed_polyhedra(bodies, seed);
   const double half_m = -setting.scene.planes.front().outside.offset_m;

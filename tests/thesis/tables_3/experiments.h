@@ -1,7 +1,8 @@
-// Measures events and time of both algorithms in the thesis's two experiments (3.3).
+// Measures how many events and how much time both algorithms need in the thesis's two experiments
+// (3.3).
 //
 // Each number of bodies runs with several seeds, and results are means, as in the thesis. CPU times
-// are the thread's, include the start, and exclude recording. Thread safety: pure functions, except
+// are of the thread, and include the start but no recording. Thread safety: pure functions, except
 // for the clock.
 #pragma once
 
@@ -20,7 +21,7 @@ struct Experiment {
   std::uint64_t seeds = 1;  ///< 1, 2, ... up to this
 };
 
-/// Any number of polyhedra in a box of 10.5 m, for `duration_s`.
+/// Polyhedra move in a box of 10.5 m for `duration_s`.
 Experiment boxed_polyhedra(double duration_s);
 /// Grains fall through the funnel until 5 s after the last start, for at most `duration_s_max`.
 Experiment hourglass(double duration_s_max);

@@ -17,7 +17,8 @@ namespace {
 constexpr std::size_t k_columns = 7;
 using Numbers = std::array<double, k_columns>;
 
-/// Parses a line of positive numbers, separated by commas. Returns nothing for any other line.
+/// Parses a line of positive numbers. Commas separate the numbers. Returns nothing if the line has
+/// another form.
 std::optional<Numbers> numbers_of(std::string_view line) {
   Numbers numbers{};
   const char* at = line.data();

@@ -1,8 +1,9 @@
-// The thesis's numbers (table_3_1.csv and table_3_2.csv), which are printed next to ours.
+// The thesis's numbers (table_3_1.csv and table_3_2.csv). The program prints these numbers next to
+// ours.
 //
-// A file has `#` lines that name its source, the heading k_heading, and a row of seven numbers for
-// each number of bodies, in ascending order. A missing or invalid table is an error, so no column
-// is left empty. Thread safety: pure, except for the file.
+// A file has `#` lines that name its source, then the heading k_heading, then rows of seven
+// numbers. There is a row for each number of bodies, in ascending order. A missing or invalid table
+// is an error, so no column is left empty. Thread safety: pure, except for the file.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@
 
 namespace sleight::thesis {
 
-/// Means over the runs of one algorithm for one number of bodies: three columns of a table.
+/// Means over the runs of one algorithm for one number of bodies.
 struct Cost {
   double events = 0;
   double total_s = 0;
@@ -31,12 +32,12 @@ struct Row {
 inline constexpr std::string_view k_heading =
     "n,sync_events,sync_ms_per_event,sync_s,async_events,async_ms_per_event,async_s";
 
-/// Throws base::Error with file and line if the file, its heading or a row is invalid, or if it has
-/// no rows. In a valid row, the product of the number of events and the time per event differs from
-/// the total time by at most k_rounding.
+/// Throws base::Error, which names file and line, if the file, its heading or a row is invalid, or
+/// if there are no rows. In a valid row, the product of the number of events and the time per event
+/// differs from the total time by at most k_rounding.
 std::vector<Row> read_thesis_table(const std::string& path);
 
-/// Returns the row of n bodies. Throws base::Error with `path` if it is missing.
+/// Throws base::Error, which names `path`, if the row is missing.
 const Row& row_of(const std::vector<Row>& table, std::uint32_t n, const std::string& path);
 
 /// Relative rounding error of the thesis's printed numbers.

@@ -26,15 +26,14 @@ double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// Returns the p-value of independent draws against a mean, by the normal distribution. 0 if a draw
-/// is NaN.
+/// Returns the p-value for the hypothesis that independent draws have this mean, by the normal
+/// distribution. Returns 0 if a draw is NaN.
 double mean_p(const std::vector<double>& draws, double mean) {
   const MeanWithError seen = mean_of_independent(draws);
   if (!std::isfinite(seen.mean) || !(seen.standard_error > 0)) return 0;
   return std::erfc(std::abs(seen.mean - mean) / seen.standard_error / std::sqrt(2.0));
 }
 
-/// Returns the sum of masses of the chosen states.
 template <class World>
 double mass_of(const World& world, double beta,
                const std::function<bool(typename World::State)>& is_chosen) {
@@ -49,7 +48,7 @@ bool satisfies(StagedToy::State state) {
   return k_toy.satisfied(k_toy.simulate(state));
 }
 
-/// Returns, for each setting, the p-value of the mean of `value` over free islands.
+/// Computes the mean of `value` over free islands in each setting. Returns the means' p-values.
 std::vector<double> mean_over_islands(Mistake mistake, std::uint64_t seed,
                                       const std::function<double(const ReferenceIsland&)>& value,
                                       const std::function<double(double beta)>& expected) {
@@ -72,7 +71,8 @@ std::uint32_t exact_draw(const std::vector<double>& masses, const sampling::Chai
   return static_cast<std::uint32_t>(random::draw_by_share(masses, start));
 }
 
-/// Returns the p-value of exact draws after some steps of independent chains.
+/// Moves exact draws by steps of independent chains, and compares the states with `masses`. Returns
+/// the p-value.
 double kept(std::vector<double> masses, std::uint64_t seed, std::uint32_t first_chain,
             std::uint32_t count, const AfterSteps& after_steps) {
   const double total = sum(masses);
@@ -86,7 +86,7 @@ double kept(std::vector<double> masses, std::uint64_t seed, std::uint32_t first_
   return chi_square_p(counts, masses);
 }
 
-/// Returns kept() for the reference's steps in each setting.
+/// Moves exact draws by the reference's steps in each setting. Returns kept() of each setting.
 std::vector<double> reference_keeps(
     Mistake mistake, std::uint64_t seed, const Chains& chains,
     const std::vector<IslandSetting>& settings,
@@ -194,7 +194,7 @@ std::vector<double> conditional_keeps_among_moves(Mistake mistake, std::uint64_t
 }
 
 std::vector<double> independence_keeps_among_moves(Mistake mistake, std::uint64_t seed) {
-  // With the second setting, islands never reach states in which the walker fell on the way. Only
+  // In the second setting, islands never reach states in which the walker fell on the way. Only
   // local moves reach these states.
   static const std::vector<IslandSetting> settings{
       {.guide = {}, .options = {.particles = 3}},
@@ -308,8 +308,8 @@ std::vector<double> pool_satisfied_is_right(PoolMistake mistake, std::uint64_t s
 }
 
 std::vector<double> pool_given_z_is_right(PoolMistake mistake, std::uint64_t seed) {
-  // An island given an exact draw is distributed like a free island reweighted by Z' / Z. So the
-  // mean of 1 / Z' is 1 / Z if no island dies.
+  // If an island is made given an exact draw, its distribution is that of free islands reweighted
+  // by Z' / Z. So the mean of 1 / Z' is 1 / Z if no island dies.
   constexpr std::uint32_t k_given = 20'000;
   const PooledToy world(mistake);
   const PooledToy::Guide guide;

@@ -1,4 +1,4 @@
-// Each mistake with the check that catches it, and the reason why.
+// A list of all mistakes. Each entry names the check that catches the mistake, and tells why.
 #pragma once
 
 #include <cstdint>

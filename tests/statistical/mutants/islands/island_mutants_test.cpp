@@ -1,4 +1,4 @@
-// Right islands pass the statistical checks, and each known mistake fails one.
+// Right islands pass the statistical checks, and each known mistake fails a check.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ using Islands = sampling::Islands<SearchedToy>;
 constexpr std::uint64_t k_seed = 20270201;
 constexpr std::uint64_t k_seeds = 3;
 
-/// The checks' settings, and extreme settings.
+/// Returns the checks' settings and some extreme settings.
 std::vector<IslandSetting> all_settings() {
   std::vector<IslandSetting> all = island_settings();
   for (const std::uint32_t particles : {1U, 2U, 3U, 7U, 40U}) {
@@ -35,7 +35,7 @@ std::vector<IslandSetting> all_settings() {
   return all;
 }
 
-/// Returns a state with p_c > 0. Conditional islands require such a state.
+/// Returns a state where p_c > 0. Conditional islands require such a state.
 StagedToy::State state_of(const sampling::ChainStreams& streams) {
   const StagedToy toy;
   random::Stream stream = streams.at(random::Purpose::start, 0);
@@ -58,9 +58,9 @@ void expect_equal(const sampling::Island<SearchedToy>& real, const ReferenceIsla
 }
 
 TEST(StagedReference, MakesTheSameIslands) {
-  // Goal: the reference implementation without a mistake makes the same islands as the real one. So
-  // each mutant is the real algorithm with one mistake. Method: compare the free and conditional
-  // islands of both bit by bit, for many settings, seeds and island numbers.
+  // Goal: without a mistake, the reference makes the same islands as the real code. So each mutant
+  // is the real algorithm with one mistake. Method: compare free and conditional islands of both
+  // bit by bit, for many settings, seeds and island numbers.
   const SearchedToy world;
   int dead = 0;
   int unreachable = 0;
@@ -98,8 +98,8 @@ void expect_equal(const BothChains& chains) {
 }
 
 TEST(StagedReference, MakesTheSameSteps) {
-  // Goal: chains of the reference implementation equal the real ones. Method: alternate conditional
-  // steps, independence steps and local moves in both chains. Compare states and Z after each.
+  // Goal: chains of the reference equal chains of the real code. Method: alternate conditional
+  // steps, independence steps and local moves in both chains. Compare states and Z after each step.
   const SearchedToy world;
   int stale = 0;
   for (const IslandSetting& setting : all_settings()) {
@@ -135,7 +135,7 @@ TEST(StagedReference, MakesTheSameSteps) {
 }
 
 TEST(StagedReference, MakesTheSameVisits) {
-  // Goal: visits in the reference implementation equal those of a run, even from a start of zero
+  // Goal: visits of the reference equal visits of a run, even if they start at a state of zero
   // density. Method: start both from the same prior draw, and compare the states after each visit.
   const SearchedToy world;
   int without_mass = 0;

@@ -13,14 +13,13 @@ namespace {
 
 using Spots = std::array<double, PooledToy::k_spots>;
 
-/// The prior of a drop's spot.
 constexpr Spots k_prior{0.3, 0.15, 0.05, 0.3, 0.2};
-/// Distributions of drops aimed at each bin, besides the prior.
+/// For each bin, the distribution of drops that are aimed at the bin.
 constexpr std::array<Spots, PooledToy::k_bins> k_aimed{Spots{0.5, 0.4, 0.1, 0, 0},
                                                        Spots{0, 0, 0.7, 0.2, 0.1}};
 constexpr double k_prior_share = 0.05;
 
-/// The bin that a ball falls into if all bins are empty. k_bins means elsewhere.
+/// The bin into which a ball falls if all bins are empty. k_bins: elsewhere.
 constexpr std::array<std::uint32_t, PooledToy::k_spots> k_alone{0, 0, 1, 2, 2};
 
 /// q of a stratum.
@@ -43,14 +42,15 @@ double prior_over_q(std::uint32_t spot) {
   return k_prior.at(spot) * PooledToy::k_bins / sum;
 }
 
-/// Returns a guess of how promising a drop is, given the outcome of the earlier balls. The method
-/// is exact for any guess.
+/// Guesses how promising a drop is, given the outcome of the earlier balls. The method is exact for
+/// any guess.
 double guess_of(std::uint32_t spot, const PooledToy::Outcome& outcome) {
   const std::uint32_t bin = k_alone.at(spot);
   return bin < PooledToy::k_bins && !outcome.is_full.at(bin) ? 0.9 : 0.2;
 }
 
-/// Adds one ball. A ball on a full bin falls elsewhere, but from spot 1 it rolls into bin 1.
+/// Adds one ball. If its bin is full, the ball falls elsewhere, or rolls into bin 1 if it comes
+/// from spot 1.
 PooledToy::Outcome with_ball(PooledToy::Outcome outcome, std::uint32_t spot) {
   std::uint32_t bin = k_alone.at(spot);
   if (spot == 1 && outcome.is_full[0]) bin = 1;
@@ -127,8 +127,8 @@ PooledToy::Ground PooledToy::draw_ground(const Guide& /*guide*/, random::Stream&
   return ground;
 }
 
-/// Puts each ball's drop in an unused place of a stratum, which is drawn in proportion to the
-/// strata's densities.
+/// Draws a stratum for each ball's drop, in proportion to the strata's densities. Puts the drop
+/// into an unused place of this stratum.
 PooledToy::Ground PooledToy::ground_given(const Guide& guide, const State& state,
                                           random::Stream& stream) const {
   const std::uint32_t n = drops_of_stratum();
@@ -171,7 +171,7 @@ PooledToy::Choices PooledToy::choices(const Ground& ground, const Prefix& prefix
   Choices choices;
   for (std::uint32_t place = 0; place < ground.spots.size(); ++place) {
     const std::uint32_t spot = ground.spots[place];
-    // The factor n / unused makes up for the stratum's drops that are already used.
+    // The factor n / unused corrects for drops of the stratum that are already used.
     double s = n / static_cast<double>(std::max(unused_of_stratum(prefix, place / n), 1U));
     if (makes(PoolMistake::walk_count_left_out)) s = 1;
     const double v = makes(PoolMistake::prior_weight_left_out) ? 1 : prior_over_q(spot);

@@ -1,18 +1,18 @@
-// A world that acts in stages by choosing drops from a pool, as balls that spell do
+// A world that acts in stages. Like balls that spell, it chooses drops from a pool
 // (worker/worlds/spelling/pouring_stages.h explains the weights). The world is small enough to
 // enumerate, and can make one mistake.
 //
-// Three balls fall into two bins, or elsewhere, depending on which of five spots they drop from. A
-// ball takes part with probability 1/2. A state stores each ball's spot, or that the ball takes no
-// part. A ball that drops above a full bin falls elsewhere, so states whose balls drop from
-// different spots are worth more.
+// There are three balls and two bins. A ball drops from one of five spots, and falls into a bin or
+// elsewhere. A ball takes part with probability 1/2. A state stores each ball's spot, or that the
+// ball takes no part. If a ball drops above a full bin, it falls elsewhere. So states whose balls
+// drop from different spots are worth more.
 //
 // A pool has two strata of three drops, the minimum for three balls. Stratum b is drawn from q_b =
 // 0.05 p + 0.95 d_b, where d_b is aimed at bin b.
 //
-// Dice have a simpler pool (worker/worlds/dice/throw_stages.h) with one stratum and one choice. The
-// dice's weight is the same S / (K g), without the terms for used drops.
-// Thread safety: const functions may be called from several threads at once.
+// Dice have a simpler pool: one stratum and one choice (worker/worlds/dice/throw_stages.h). The
+// weight of dice is S / (K g) without the terms for used drops. Thread safety: const functions may
+// be called from several threads at once.
 #pragma once
 
 #include <array>
@@ -49,8 +49,8 @@ class PooledToy {
   static constexpr std::uint32_t k_choices = 1 + k_spots;
   static constexpr std::uint32_t k_states = k_choices * k_choices * k_choices;
 
-  /// The balls' choices as digits, starting with the first ball. A digit is 0 if the ball takes no
-  /// part, otherwise 1 + spot.
+  /// The balls' choices as digits. The first digit is the first ball's. A digit is 0 if the ball
+  /// takes no part, otherwise 1 + spot.
   using State = std::uint32_t;
   struct Outcome {
     std::array<bool, k_bins> is_full{};
@@ -63,7 +63,7 @@ class PooledToy {
   };
   struct Ground {
     std::vector<std::uint32_t> spots{};  ///< Spots of the pool's drops, stratum by stratum.
-    /// Each ball's place in the pool, for a given state.
+    /// Each ball's place in the pool. Used only if a state is given.
     std::array<std::uint32_t, k_balls> retained{};
   };
   struct Prefix {
@@ -81,7 +81,6 @@ class PooledToy {
   Outcome simulate(const State& state) const;
   double log_constraint(const Outcome& outcome) const;
   bool satisfied(const Outcome& outcome) const { return outcome.is_full[0] && outcome.is_full[1]; }
-  /// Proposes another choice of one ball.
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const;
   std::uint32_t proposal_kinds() const { return 1; }
 

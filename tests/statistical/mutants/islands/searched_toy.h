@@ -1,4 +1,4 @@
-// The staged toy, extended by everything that a run's visits and searches require of a world.
+// The staged toy and everything else that a run's visits and searches require of a world.
 #pragma once
 
 #include <cstdint>

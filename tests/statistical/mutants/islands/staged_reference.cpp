@@ -34,9 +34,9 @@ double effective_size_of(const std::vector<double>& shares) {
   return 1 / squares;
 }
 
-/// Each particle is an arc whose length is N times its share of the weight, and arcs follow one
-/// another. For each of the points offset, offset + 1, ..., returns the first particle whose arc
-/// ends beyond the point.
+/// Arcs follow one another on a line, one per particle. An arc's length is N times the particle's
+/// share of the weight. There are N points: offset, offset + 1, ... For each point, returns the
+/// first particle whose arc ends beyond the point.
 std::vector<std::uint32_t> particles_at_points(const std::vector<double>& shares, double offset) {
   const std::size_t count = shares.size();
   std::vector<double> ends;
@@ -70,8 +70,8 @@ std::vector<std::uint32_t> ancestors_by(const std::vector<double>& shares, rando
   return turned(found, random::UniformInteger{.count = found.size()}.draw(stream));
 }
 
-/// Draws ancestors, given that the first new particle descends from the first old one. An offset's
-/// weight is the number of points that it puts into the first arc.
+/// Draws ancestors, given that the first new particle descends from the first old particle. An
+/// offset that puts n points into the first arc has weight n.
 std::vector<std::uint32_t> ancestors_with_first(const std::vector<double>& shares,
                                                 random::Stream& stream) {
   const double length = static_cast<double>(shares.size()) * shares[0];
@@ -161,8 +161,8 @@ void ReferenceIslands::extend(Making& making, std::uint32_t stage, std::uint32_t
           ? k_toy.extend_as(setting_.guide, making.ground, *making.retained, stage, particle.prefix)
           : k_toy.extend(setting_.guide, making.ground, stage, particle.prefix, stream);
 
-  // Multiply the weight by the choice's weight and by the new potential, and divide it by the old
-  // one.
+  // Multiply the weight by the choice's weight and by the ratio of the new potential to the old
+  // potential.
   const bool is_last = stage + 1 == Toy::k_stages;
   const double beta =
       makes(Mistake::temperature_forgotten) ? 1 : setting_.options.inverse_temperature;
@@ -197,7 +197,6 @@ std::vector<std::uint32_t> ReferenceIslands::ancestors(const Making& making,
   return ancestors;
 }
 
-/// Resamples if weights have become unequal.
 void ReferenceIslands::resample(Making& making, std::uint32_t stage) const {
   std::vector<double> log_weights;
   for (const Particle& particle : making.particles)
@@ -231,7 +230,7 @@ double ReferenceIslands::log_satisfied(const Making& making) const {
   for (const Particle& particle : making.particles) {
     const bool satisfies =
         !particle.is_dead() && k_toy.satisfied(k_toy.outcome_of(particle.prefix));
-    // Remove the last potential, p_c, which P(satisfied) excludes.
+    // Remove the last potential, p_c, because P(satisfied) doesn't include it.
     double log_weight = particle.log_weight - particle.log_potential;
     if (makes(Mistake::constraint_left_in_satisfied)) log_weight = particle.log_weight;
     if (makes(Mistake::satisfied_are_counted)) log_weight = 0;

@@ -1,11 +1,10 @@
-// Reimplements islands and their chains for the staged toy, slowly and plainly, with an optional
+// Reimplements islands and their chains for the staged toy, slowly and plainly. Can make one
 // mistake. Without a mistake, results equal those of the real code (worker/sampling/island.h,
 // particle_steps.h, worker/run/island_scan.h) bit by bit. So each mistake corresponds to a mistake
 // in the real algorithm.
 //
-// The reference shares random numbers, sums of logs and the toy with the real code, because these
-// have tests of their own. Everything that determines weights, resampling, draws and acceptance is
-// reimplemented.
+// The reference uses the real code's random numbers, sums of logs and toy, because they have their
+// own tests. Everything that determines weights, resampling, draws and acceptance is reimplemented.
 // Thread safety: values and pure functions.
 #pragma once
 
