@@ -77,7 +77,7 @@ std::string token_given(const LoginOptions& options) {
   }
   std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
   if (!access::token_of(text)) {
-    // Don't print the text: it may almost be a valid token.
+    // Don't print the text, because it may be a valid token with a small mistake.
     terminal::refuse_usage(
         "invalid token: a token begins with sleight_ and ends with a checksum; copy the whole "
         "token");

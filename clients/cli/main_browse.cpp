@@ -121,9 +121,9 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
       ->type_name("K");
   command->add_flag("--json", options.json, "Print JSON");
   command->footer(
-      "Compares the requests and the animations' numbers, such as log_prior. Counts the "
-      "animations\n"
-      "of each archive in each group. A test of nearest neighbours shows whether the two sets of\n"
+      "Shows where the two requests differ, and how numbers of animations such as log_prior\n"
+      "differ. Counts the animations of each archive in each group. A test of nearest neighbours "
+      "shows whether the two sets of\n"
       "animations look alike: a small p means that they look different.\n"
       "The animations in an archive are distinct, so they are not in the model's proportions; for\n"
       "means under the model, use the archive's group /posterior.\n\n"

@@ -201,8 +201,8 @@ InstantSizes instant_sizes(const SceneExtent& extent) {
   return best;
 }
 
-/// Returns equally spaced times from the first entry until the body that enters last has bounced,
-/// followed by the time at rest.
+/// Returns equally spaced times, and the time at which all bodies rest. The equally spaced times
+/// begin when the first body enters, and end when the last body to enter has bounced.
 std::array<double, k_instants> instants_of(const ShownAnimation& animation) {
   constexpr double k_bounces_s = 0.4;  // a fall of a few centimetres takes an eighth of a second
   const double begin_s = first_s(animation);

@@ -1,4 +1,4 @@
-// The main function of `sleight-keeper`. Tests pass Moments at which the keeper dies.
+// The main function of `sleight-keeper`. A test can choose the Moment at which the keeper dies.
 #pragma once
 
 #include "service/keeper/moments.h"

@@ -22,7 +22,7 @@ class Camera {
   /// values.
   double nearness_m(const physics::Vec3& place_m) const;
   const physics::Vec3& towards() const { return towards_; }
-  /// Returns the direction in the world that the picture shows as (right, up).
+  /// Returns the world's direction for a direction (right, up) in the picture.
   physics::Vec3 seen_as(double right, double up) const { return right * right_ + up * up_; }
 
  private:

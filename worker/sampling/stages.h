@@ -24,8 +24,8 @@
 //      choice is left or the simulation failed. The density q is positive wherever p and psi are
 //      positive.
 //   2. `draw_ground` draws a ground from p, and maybe auxiliary random numbers for `extend` (such
-//      as drops that an island's particles share). Invariant 1 then holds on average over these
-//      numbers: averaged over numbers and choices, the product of weights stays the same.
+//      as drops that an island's particles share). Invariant 1 then holds for the mean over these
+//      numbers.
 //   3. `ground_given` is `draw_ground` for a given state, and `extend_as` is `extend` for a given
 //      state. `ground_given` draws the auxiliary numbers on the condition that the state is a
 //      particle's path. `extend_as` returns the same weights as `extend`.

@@ -1,4 +1,4 @@
-// A small case of balls that spell, and exact draws of p_w p_c^beta, for tests of kernels.
+// A small spelling world, and exact draws of p_w p_c^beta, for tests of kernels.
 #pragma once
 
 #include "common/math/elementary.h"

@@ -79,8 +79,8 @@ TEST(ProgressLine, IsAsItsHeaderShows) {
 
 TEST(ProgressLine, TellsTheOddsSoFar) {
   // Goal: a run that estimates odds shows the estimate, its error and the remaining time. Method:
-  // print the progress of four moments: no island is done, 1 island is done, 41 of 132 are done,
-  // and the run has ended.
+  // print the progress line before any island is done, after 1 island, after 41 of 132 islands, and
+  // after the run.
   Progress progress{.odds = {.are_asked = true}, .workers = 2, .elapsed_s = 1};
   EXPECT_THAT(numbers_of(progress_line("x", progress)), ElementsAre("0", "0", "2"));
   progress.odds = {.are_asked = true, .islands = 1, .log_p = -39.14};
