@@ -70,8 +70,8 @@ void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const anal
       "Print the link without opening a browser");
   command
       ->add_option("--save", options.save,
-                   "Write the gallery as a folder of static files and exit. The folder can be "
-                   "published or opened by double-click. Replaces an earlier saved gallery")
+                   "Write the gallery as a folder of static files and exit. Publish the folder, or "
+                   "double-click its index.html. Replaces an earlier saved gallery")
       ->check(CLI::Validator(fault_of_folder, ""))
       ->type_name("FOLDER");
   command->add_flag("--json", options.json, "Print link, port and process id as one line of JSON");

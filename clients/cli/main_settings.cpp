@@ -46,7 +46,7 @@ constexpr SettingOption k_options[] = {
      "Memory for all running jobs together, for example 24GB. Default: 3/4 of the machine's "
      "memory; 4TB on a batch system"},
     {"disk_reserve", "--disk-reserve", "SIZE",
-     "Free disk space below which no job starts and running jobs are held. Default: 1GB"},
+     "Minimum free disk space; below it, no job starts and running jobs are held. Default: 1GB"},
     {"slice", "--slice", "TIME",
      "Minimum running time of a job before it yields to waiting jobs. Default: 10s"},
     {"keep_days", "--keep-days", "N",

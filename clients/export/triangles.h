@@ -46,8 +46,8 @@ class Triangles {
 
 void add_facet(Triangles& to, const Frame& frame, const shapes::Facet& facet);
 void add_surface(Triangles& to, std::span<const scene::ControlPoint> points, double spacing_m);
-/// Adds a closed ribbon to the left of a line that runs counter-clockwise seen from above. Places
-/// below the surface are raised to it.
+/// Adds a closed ribbon to the left of a line that runs counter-clockwise as seen from above.
+/// Places below the surface are raised to it.
 void add_ribbon(Triangles& to, std::span<const math::Vec3> line_m, double width_m,
                 const scene::Surface* surface);
 

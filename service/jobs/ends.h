@@ -59,7 +59,7 @@ Verdict judge(const Job& job, const LaunchFailed& failed, const Surroundings& ar
 Verdict judge_unbegun(const Job& job, const Options& options);
 
 /// Updates the job's deaths, back-offs and bugs from the verdict. Returns the delay before the next
-/// start. `lived_s`: time for which the attempt lived.
+/// start. `lived_s`: how long the attempt lived.
 double count_end(Job& job, const Verdict& verdict, const std::string& place, double lived_s,
                  const Options& options);
 

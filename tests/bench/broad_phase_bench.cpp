@@ -191,7 +191,8 @@ constexpr Case k_cases[] = {
     {"clustered", clustered, 10648, 0x0b5208b37faa2759U},
 };
 
-// Iterations are fixed, because each trial builds a scene (up to 2 s in sweep-and-prune).
+// The number of iterations is fixed, because each trial builds a scene (up to 2 s in
+// sweep-and-prune).
 template <physics::BroadPhase Structure>
 void add(const char* structure, double iterations_over_n, std::int64_t most) {
   for (const Case& one : k_cases) {

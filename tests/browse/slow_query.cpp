@@ -10,7 +10,7 @@
 namespace sleight::browse::testing {
 namespace {
 
-/// Rounding error of a position whose coordinates are at most some metres.
+/// Rounding error of a position whose coordinates are at most a few metres.
 constexpr double k_rounding_m = 1e-9;
 
 math::Vec3 place_of(const Piece& piece, double t_s) {

@@ -202,7 +202,7 @@ TEST(Odds, TrustedErrorsHoldTheTruth) {
   // scans, and each later round has twice as many as the round before. Ideally, 68% of trusted
   // estimates are within one error of the truth, and 99.7% within three. A round's log Z and log P
   // share most of their error, so only half of the estimates count as independent. The share within
-  // one error may be below 68% by up to five standard errors. The share within three errors must
+  // one error may be up to five standard errors below 68%. The share within three errors must
   // exceed only 95%, because estimated errors have heavier tails. If 1% of estimates miss, seven or
   // more misses among 125 estimates occur once in 3,000 runs. Doubted estimates must miss more
   // often, and be too low on average.

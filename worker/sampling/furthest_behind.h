@@ -34,8 +34,8 @@ class FurthestBehind {
   void moved(std::size_t chain, std::uint64_t scans);
 
   /// Calls `next` for chains in order of (scans, chain), and returns the first non-empty result.
-  /// REQUIRES: if `next` returns nothing for a chain, the chain has work in progress, or gets work
-  /// only if `asked` changes.
+  /// REQUIRES: if `next` returns nothing for a chain, either the chain has work in progress, or
+  /// only a change of `asked` gives it work.
   template <class Next>
   auto first(const Asked& asked, const Next& next) -> decltype(next(std::size_t{0})) {
     if (asked != asked_) {

@@ -40,7 +40,7 @@ test("the first page has an empty link", () => {
   assert.deepEqual(pageOf(""), firstPage);
 });
 
-test("a link keeps the sorting by likeness, and a camera without a target", () => {
+test("a sort by likeness and a camera without a target survive a round trip", () => {
   const page: Page = {
     ...firstPage,
     camera: { azimuth: 0.5, elevation: 0.25, zoom: 1, target: null },

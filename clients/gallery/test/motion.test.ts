@@ -53,7 +53,7 @@ test("a body that never enters has no pose; each other body moves by its own seg
   assert.equal(recording.startS, 0);
 });
 
-test("segments throw if they are out of order or have no body or no time", () => {
+test("a recording throws if the order, body or time of a segment is invalid", () => {
   // Goal: an invalid recording throws. Method: try each fault alone.
   assert.throws(() => recordingFrom([{ start: 1 }, { start: 0 }]));
   assert.throws(() => recordingFrom([{ body: 1 }, { body: 0 }], 2));

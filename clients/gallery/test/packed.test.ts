@@ -71,7 +71,7 @@ test("an answer with an invalid header throws", () => {
   assert.equal(unpack(withHead(good, 16)).columns.size, 1);
 });
 
-test("prefixes distinguish animations, and invalid prefixes throw", () => {
+test("prefixes distinguish animations, and an unknown body throws", () => {
   // Goal: recordings of one answer don't mix, and invalid recordings throw. Method: use two animations of one
   // segment each, then a body that the scene lacks.
   const columns = new Map<string, Column>();

@@ -1,6 +1,6 @@
 // Bounds how fast a box can move relative to the surface under it.
 //
-// Internal to surface_search.cpp. Thread safety: values, but the surface caches lookups.
+// Internal to surface_search.cpp. Thread safety: one thread per surface, because it caches lookups.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Points of a box over a surface. Edges and faces of the box are split into parts between such
 // points.
 //
-// Internal to surface_search.cpp. Thread safety: values, but the surface caches lookups.
+// Internal to surface_search.cpp. Thread safety: one thread per surface, because it caches lookups.
 #pragma once
 
 #include <algorithm>

@@ -344,7 +344,7 @@ class Look {
            is_above_edge_until(part, under.hollow_per_m, until_s);
   }
 
-  /// Returns bounds of the surface below the part, wherever it may move until `until_s`.
+  /// Returns bounds of the surface below every place that the part may reach until `until_s`.
   template <class Part>
   SurfaceBounds bounds_under(const Part& part, double until_s) {
     const std::span<const Above> points = part.outermost();

@@ -10,8 +10,8 @@
 // wake_speed_mps(). A weaker impact treats the resting body as static geometry. A resting body also
 // wakes when a supporter moves. A supporter moves if an impact wakes it. If a supporter's own
 // supporter moves, the supporter moves once it becomes fast or leaves its place. So an impact
-// doesn't wake a whole heap. A body that may have lost its support is tested. The bodies on it keep
-// resting unless it leaves its place.
+// doesn't wake a whole heap. A body that may have lost its support is tested. If it stays in its
+// place, the bodies on it keep resting.
 //
 // Invariants
 //   1. Bodies go to rest only by a decision. A decision is made at the rest event of one of these

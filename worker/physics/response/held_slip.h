@@ -19,9 +19,9 @@ struct HeldSlip {
 };
 
 /// A pull changes a slip while friction acts in one held direction. Returns this direction, which
-/// is the slip's direction at half of the time. (If the held direction depended on the initial one,
-/// it would oscillate from piece to piece, as friction doesn't turn a slip.) `error_mps`: permitted
-/// error of the slip.
+/// is the slip's direction halfway through `lasts_s`. (If the held direction depended on the
+/// initial one, it would oscillate from piece to piece, as friction doesn't turn a slip.)
+/// `error_mps`: permitted error of the slip.
 inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, double error_mps) {
   const double speed = math::norm(slip);
   const Vec3 direction = slip / speed;
@@ -31,7 +31,7 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, doub
   if (across == 0 || across * stop_s <= k_slip_straight * speed ||
       (forward > 0 && across <= k_slip_straight * forward))
     return {direction, stop_s};
-  // The held direction is the slip's direction at half of the time. So the error is friction's
+  // The held direction is the slip's direction halfway through the time. So the error is friction's
   // change of the slip, times the square of the turn. Within `stops` stopping times, this change is
   // at most `stops` times the slip. Within the time of the turn, it is at most brake / across times
   // the slip. Use the bound that allows the longer time.

@@ -36,7 +36,7 @@ std::optional<LyingBody::Rates> LyingBody::rates(const Directions& slip, double 
   const Vec3& n = body_.normal;
   const std::size_t count = body_.supports.size();
   if (!(radius_m_ > 0)) return std::nullopt;
-  // At each support, compute the push and the torques along the plane that a unit load causes.
+  // At each support, compute the push that a unit load causes, and its torques along the plane.
   // Subtract the torques that change the spin.
   std::array<Vec3, k_plane_supports_max> pushes;
   struct Row {

@@ -86,8 +86,8 @@ struct PouringGuide {
   std::uint32_t drops_per_bin = k_drops_per_bin_min;  ///< minimum; never below the number of balls
 };
 
-/// Number of batches of lone balls from which a run's map is learnt. They have 2,000 balls. More
-/// balls don't make searches faster.
+/// A run learns its map from this number of batches of lone balls, 2,000 balls in total. More balls
+/// don't make searches faster.
 inline constexpr std::uint64_t k_landing_batches = 20;
 
 struct PoolDrop {
