@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <string>
 #include <system_error>
 #include <utility>
 
+#include "common/base/memory.h"
 #include "common/logging/log.h"
 #include "service/coordinator/derive.h"
 
@@ -96,6 +98,8 @@ void Checkpoints::work() {
     try {
       result = derive_(reached, stop);
     } catch (const DeriveStopped&) {
+    } catch (const std::bad_alloc&) {
+      complaint = base::k_too_little_memory;
     } catch (const std::exception& failure) {
       complaint = failure.what();
     }

@@ -4,6 +4,8 @@
 
 #include <new>
 
+#include "common/base/memory.h"
+
 namespace sleight::archive::hdf5 {
 namespace {
 
@@ -33,7 +35,7 @@ std::string innermost_reason() {
 
 /// If memory is short, H5open() can crash. So this function first checks that some memory is left.
 bool start_library() {
-  ::operator delete(::operator new(k_start_bytes));
+  base::require_memory(k_start_bytes);
   return H5dont_atexit() >= 0 && H5open() >= 0 &&
          H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0 && H5PLset_loading_state(0) >= 0;
 }
