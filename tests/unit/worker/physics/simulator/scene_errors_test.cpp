@@ -151,7 +151,7 @@ TEST(SceneErrors, EachFaultIsNamed) {
        [](Scene& s) {
          s.period_m = {1, 1, 1};
        }},
-      {Kind::bad_number, "period|-1 m|above 0|0 for no period",
+      {Kind::bad_number, "period|above 0|-1 m",
        [](Scene& s) {
          s.period_m = {-1, 0, 0};
        }},
