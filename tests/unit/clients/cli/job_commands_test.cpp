@@ -11,6 +11,7 @@
 #include "clients/cli/fetch_command.h"
 #include "clients/cli/logs_command.h"
 #include "clients/cli/server_commands.h"
+#include "clients/cli/service_json.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/json/value.h"
@@ -19,8 +20,6 @@
 
 namespace sleight::cli {
 namespace {
-
-using Json = json::Value;
 
 /// A service with four jobs: 17 is done, 18 is running, 19 has failed, and 20 was cancelled. Jobs
 /// 17 and 18 are in group g5.
