@@ -122,9 +122,9 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
   command->add_flag("--json", options.json, "Print JSON");
   command->footer(
       "Shows where the two requests differ, and how numbers of animations such as log_prior\n"
-      "differ. Counts the animations of each archive in each group. A test of nearest neighbours "
-      "shows whether the two sets of\n"
-      "animations look alike: a small p means that they look different.\n"
+      "differ. Counts the animations of each archive in each group. A test of nearest\n"
+      "neighbours shows whether the two sets of animations look alike: a small p means that\n"
+      "they look different.\n"
       "The animations in an archive are distinct, so they are not in the model's proportions; for\n"
       "means under the model, use the archive's group /posterior.\n\n"
       "Examples:\n  sleight compare die.h5 die_more_sigma.h5\n"
