@@ -342,8 +342,7 @@ plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior&
 std::string plausibility_words(const DicePlausibility& found) {
   return fmt::format(
       "Bars: {} kept animations of {} lineages{}; the first and last bars include all values "
-      "outside "
-      "the plot. Curve: blind throws.\n"
+      "outside the plot. Curve: blind throws.\n"
       "starts: {}\n"
       "table:  {}\n"
       "{}\n",

@@ -66,7 +66,7 @@ class Service(ServiceTest):
         options = ["--backend", pathlib.Path(harness.arguments.source).resolve() / "deploy/backends/sleight-example"]
         self.serve(*options)
         job = self.submit(request, "--option", "delay=3")
-        self.until(lambda: self.job(job)["reason"].endswith(": delay"))
+        self.until(lambda: self.job(job)["reason"].endswith(" is waiting: delay"))
         self.kill_daemon()
         self.serve(*options)
         self.wait(job)

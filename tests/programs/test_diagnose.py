@@ -184,7 +184,7 @@ class BurntIn(DiagnoseTest):
         archive = self.archived(burnt_in("annealed_importance", 40))
         found = self.diagnosed(archive, 7)
         self.assertLess(found["weights"]["effective_size"], 100)
-        self.assertRegex(found["reasons"][0], r"effective size \D*[\d.]+\D+\b100\b")
+        self.assertRegex(found["reasons"][0], r"\bweighted draws .*effective size \D*[\d.]+\D+\b100\b")
         # One weight that outweighs all others.
         archive = self.archived(burnt_in("annealed_importance", 1200), "b.h5")
         self.diagnosed(archive, 0)

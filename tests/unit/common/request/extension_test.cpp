@@ -60,15 +60,15 @@ TEST(Extension, MoreTakesAreTakes) {
   const auto text = extended_text(with(""), {.solutions = 9});
   ASSERT_TRUE(text.ok());
   EXPECT_EQ(read_request(text.value(), "r.toml", worlds).value(), with("[stop]\ntakes = 9\n"));
-  EXPECT_THAT(why_not(with(""), {.solutions = 5}), HasSubstr("takes = 5"));
+  EXPECT_THAT(why_not(with(""), {.solutions = 5}), HasSubstr("already has takes = 5"));
 }
 
 TEST(Extension, IsLonger) {
   const DirectionRequest before = request_with("scans = 10\nindependent_solutions = 2");
   EXPECT_EQ(why_not(before, {}), "no stop rule is given");
-  EXPECT_THAT(why_not(before, {.scans = 10}), HasSubstr("scans = 10"));
+  EXPECT_THAT(why_not(before, {.scans = 10}), HasSubstr("already has scans = 10"));
   EXPECT_THAT(why_not(before, {.scans = 20, .solutions = 1}),
-              HasSubstr("independent_solutions = 2"));
+              HasSubstr("already has independent_solutions = 2"));
   EXPECT_EQ(why_not(before, {.rounds = 1}), "");
 }
 

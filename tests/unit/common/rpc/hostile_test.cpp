@@ -302,15 +302,12 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
   }
   expect_served();
   std::this_thread::sleep_for(std::chrono::duration<double>(2 * limits().message_s_max));
-  int filled = 0;
   for (const auto& raw : raws) {
     EXPECT_TRUE(raw->is_ended());
+    // Check that the attack worked: the first part of a piece filled the system's buffers.
+    EXPECT_GT(raw->received, 100'000U);
     EXPECT_LT(raw->received, k_megabyte);
-    if (raw->received > 100'000U) ++filled;
   }
-  // Check that the attack worked: at least half of the connections filled the system's buffers. On
-  // a busy machine, the server may end some connections before their first answer.
-  EXPECT_GE(filled, 10);
   expect_served();
   expect_bounded(40 * k_megabyte);
 }

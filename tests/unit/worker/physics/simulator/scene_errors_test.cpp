@@ -151,7 +151,7 @@ TEST(SceneErrors, EachFaultIsNamed) {
        [](Scene& s) {
          s.period_m = {1, 1, 1};
        }},
-      {Kind::bad_number, "period|above 0|-1 m",
+      {Kind::bad_number, "period|above 0|or 0|-1 m",
        [](Scene& s) {
          s.period_m = {-1, 0, 0};
        }},

@@ -205,7 +205,8 @@ TEST(SpellingRequest, ErrorsSayWhatToDo) {
   EXPECT_NE(complaint("vertex_sd_mm = 0.5").find("at most 0.2"), std::string::npos);
   EXPECT_NE(complaint("bounce_end = 0.1").find("at least 0.2 (2 times bounce_end), found 0.1"),
             std::string::npos);
-  EXPECT_NE(complaint("rest_time = 0.09").find("(2 times bounce_end"), std::string::npos);
+  EXPECT_NE(complaint("rest_time = 0.09").find("at least 0.1 (2 times bounce_end"),
+            std::string::npos);
   EXPECT_EQ(complaint("bounce_end = 0.045"), "");
   EXPECT_EQ(complaint("partition_mm = 0.3\nvertex_sd_mm = 0.03"), "");
   EXPECT_NE(complaint("[sampler]\nchange_all = 0.5").find("add up to 1, found 1.46"),
