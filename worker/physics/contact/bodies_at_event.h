@@ -75,12 +75,13 @@ concept SpheresAtEvent = std::derived_from<T, Event> &&
   at.learns(b);
 };
 
-/// A table in which some bodies may not be spheres.
+/// A table in which some bodies may not be spheres, or may be fixed.
 template <class T>
 concept AnyAtEvent = SpheresAtEvent<T> &&
     requires(T& at, BodyId b, StaticId met, std::uint32_t face, const Twist& twist) {
   { at.body(b).is_sphere } -> std::convertible_to<bool>;
   { at.body(b).has_round_parts } -> std::convertible_to<bool>;
+  { at.body(b).fixed } -> std::convertible_to<bool>;
   { at.rigid_body(b) } -> std::same_as<RigidImpactBody>;
   // How a body with this twist would stay on a face of static geometry. Empty: it doesn't stay.
   { at.lying(b, met, face, twist) } -> std::same_as<std::optional<PlaneStay>>;
@@ -99,6 +100,12 @@ bool is_round(At& at, BodyId body) {
 template <SpheresAtEvent At>
 bool is_resting(At& at, BodyId body) {
   return at.mode(body) == MotionMode::resting;
+}
+
+template <SpheresAtEvent At>
+bool is_fixed(At& at, BodyId body) {
+  if constexpr (AnyAtEvent<At>) return at.body(body).fixed;
+  return false;
 }
 
 template <SpheresAtEvent At>

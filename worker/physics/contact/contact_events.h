@@ -53,21 +53,21 @@ inline double hop_speed_mps(const SlowContacts& slow) {
 
 // ---- impacts ------------------------------------------------------------------------------------
 
-/// A fixed body is treated as static geometry.
+/// A body that rests is treated as static geometry.
 template <SpheresAtEvent At>
 ImpactOutput impact(At& at, BodyId a, BodyId b, const PieceContact& contact, const ContactLaw& law,
-                    bool a_fixed, bool b_fixed) {
+                    bool a_rests, bool b_rests) {
   if constexpr (AnyAtEvent<At>) {
     if (!is_round(at, a) || !is_round(at, b)) {
-      return rigid_impact({.a = a_fixed ? RigidImpactBody{} : at.rigid_body(a),
-                           .b = b_fixed ? RigidImpactBody{} : at.rigid_body(b),
+      return rigid_impact({.a = a_rests ? RigidImpactBody{} : at.rigid_body(a),
+                           .b = b_rests ? RigidImpactBody{} : at.rigid_body(b),
                            .contact_m = contact.point_m,
                            .normal = contact.normal,
                            .law = law});
     }
   }
-  return sphere_impact({.mass_a = a_fixed ? SphereMass{} : at.body(a).sphere_mass,
-                        .mass_b = b_fixed ? SphereMass{} : at.body(b).sphere_mass,
+  return sphere_impact({.mass_a = a_rests ? SphereMass{} : at.body(a).sphere_mass,
+                        .mass_b = b_rests ? SphereMass{} : at.body(b).sphere_mass,
                         .a = at.twist(a),
                         .b = at.twist(b),
                         .normal = contact.normal,
@@ -335,6 +335,7 @@ void change_mode(At& at, BodyId body) {
 /// the window are also enough; the test assumes that all are equal.
 template <SpheresAtEvent At>
 bool is_woken(At& at, BodyId body, const CollisionCount& collided, double jump_mps) {
+  if (is_fixed(at, body)) return false;
   const double wake_mps = at.resting.wake_speed_mps();
   if (jump_mps > wake_mps) return true;
   // For a ball, judge each impact alone: jammed balls collide hundreds of times in a window, but

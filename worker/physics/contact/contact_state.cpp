@@ -9,7 +9,7 @@ std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_en
     return fmt::format("more than {} collisions at one tick", k_events_at_a_tick_max);
   return fmt::format("more than {} collisions in a millisecond ({})", k_collisions_in_window_max,
                      slow_contacts_end ? "the body is wedged, or squeezed by a much heavier body"
-                                       : "enable SlowContacts to end slow contacts");
+                                       : "bounces never end, because the minimum separation speed is 0");
 }
 
 }  // namespace sleight::physics

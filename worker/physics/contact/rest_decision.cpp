@@ -230,7 +230,7 @@ bool RestDecision::is_held() {
   const bool alone = std::ranges::all_of(set_, [&](BodyId member) {
     const RestLog& log = log_of(member);
     return !log.has_place && std::ranges::all_of(log.touches(), [&](const TouchRecord& touch) {
-      return touch.partner == k_static_partner || !may_lean_on(touch);
+      return logs_->is_fixed(touch.partner) || !may_lean_on(touch);
     });
   });
   if (alone || !find_structure() || balances(structure_.size())) return true;
@@ -276,7 +276,7 @@ bool RestDecision::find_structure() {
     const BodyId member = structure_[i];
     const RestLog& log = logs[member];
     for (const TouchRecord& touch : log.rests ? log.holding() : log.touches()) {
-      if (touch.partner != k_static_partner && logs[touch.partner].rests) add(touch.partner);
+      if (!logs_->is_fixed(touch.partner) && logs[touch.partner].rests) add(touch.partner);
     }
     // Nothing rests on a body that has been moving.
     const bool bears = log.rests || log.has_place;
@@ -336,7 +336,7 @@ void RestDecision::lay_down_set() {
     }
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       const BodyId partner = contacts[k].partner;
-      if ((notes_[member].carried >> k & 1U) == 0 || partner == k_static_partner ||
+      if ((notes_[member].carried >> k & 1U) == 0 || logs_->is_fixed(partner) ||
           log.leans_on(partner))
         continue;
       log.supporters[log.supporter_count++] = partner;

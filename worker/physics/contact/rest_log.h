@@ -67,6 +67,7 @@ struct RestingBody {
   Vec3 weight_n = Vec3::Zero();
   double reach_m = 0;  ///< maximum distance of its points from the centre
   bool round = false;  ///< a sphere: may stand where other bodies would topple
+  bool fixed = false;  ///< never moves; others rest on it as on static geometry
 };
 
 struct RestLogs {
@@ -74,6 +75,11 @@ struct RestLogs {
   TickCount rest_span = 0;  ///< how long a touch counts
   std::vector<RestingBody> bodies;
   std::vector<RestLog> logs;
+
+  /// Whether a touch's partner is static geometry or a fixed body.
+  bool is_fixed(BodyId partner) const {
+    return partner == k_static_partner || bodies[partner].fixed;
+  }
 };
 
 }  // namespace sleight::physics

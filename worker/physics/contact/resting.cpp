@@ -16,8 +16,10 @@ void Resting::reset(std::span<const RestingBody> bodies, const SlowContacts& rul
   logs_.bodies.assign(bodies.begin(), bodies.end());
   // Don't use assign(): it would also clear the arrays of touches, the largest part of a log.
   logs_.logs.resize(count);
-  for (RestLog& log : logs_.logs)
-    static_cast<RestState&>(log) = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    static_cast<RestState&>(logs_.logs[i]) = {};
+    logs_.logs[i].rests = bodies[i].fixed;
+  }
   decision_.reset(count);
   woken_.reserve(count);
 }

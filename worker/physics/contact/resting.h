@@ -31,6 +31,7 @@ namespace sleight::physics {
 class Resting {
  public:
   /// `jam_span`: a body is jammed after k_slow_collisions slow collisions within this span.
+  /// Fixed bodies rest from now on; the functions below are never called with a fixed `body`.
   void reset(std::span<const RestingBody> bodies, const SlowContacts& rule, TickCount jam_span);
   bool enabled() const { return logs_.rule.rest_speed_mps > 0; }
   /// How long a touch counts.

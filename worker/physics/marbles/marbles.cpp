@@ -10,7 +10,8 @@
 
 namespace sleight::physics {
 bool are_marbles(const Scene& scene) {
-  if (!scene.controls.empty() || scene.period_m != std::array<double, 3>{}) return false;
+  if (!scene.controls.empty() || scene.period_m != std::array<double, 3>{} || scene.filter.any())
+    return false;
   if (!(scene.slow.separation_speed_mps > 0) || scene.bodies.empty()) return false;
   const BodyDescription& first = scene.bodies.front();
   const auto* ball = std::get_if<Sphere>(&first.shape);
@@ -20,7 +21,8 @@ bool are_marbles(const Scene& scene) {
     return sphere != nullptr && sphere->radius_m == ball->radius_m &&
            body.material == first.material && body.inertia.mass_kg == first.inertia.mass_kg &&
            body.inertia.symmetry == InertiaSymmetry::spherical &&
-           body.inertia.principal_kgm2 == first.inertia.principal_kgm2 && !body.start_again;
+           body.inertia.principal_kgm2 == first.inertia.principal_kgm2 && !body.start_again &&
+           !body.fixed;
   });
 }
 

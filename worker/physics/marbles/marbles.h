@@ -78,7 +78,8 @@ using MarbleConfinement =
     std::function<std::optional<Box>(BodyId marble, const Vec3& centre_m, const Twist& twist)>;
 
 /// Returns whether Marbles can simulate a scene. All balls must have one size, mass and material.
-/// Slow contacts must end. There must be no alternative starts, controls or periods.
+/// Slow contacts must end. There must be no alternative starts, controls, periods, fixed bodies or
+/// filtered groups.
 bool are_marbles(const Scene& scene);
 
 /// Histories by ball; null if unknown or if the ball itself differs.

@@ -1,5 +1,9 @@
 // Stores which bodies are replayed (replay.h), and lists the bodies that have gone live.
 //
+// Fixed bodies never go live. They count as replayed while another body is replayed: so contacts
+// with them aren't predicted for replayed bodies, and live bodies touch them without effect on
+// replayed ones.
+//
 // Thread safety: none.
 #pragma once
 
@@ -18,13 +22,13 @@ class ReplayedBodies {
   bool any() const { return count_ != 0; }
   bool has(BodyId body) const { return count_ != 0 && is_replayed_[body] != 0; }
   /// REQUIRES: the body isn't replayed.
-  void add(BodyId body) {
-    is_replayed_[body] = 1;
-    ++count_;
+  void add(BodyId body, bool fixed) {
+    is_replayed_[body] = fixed ? k_fixed : 1;
+    if (!fixed) ++count_;
   }
   /// Makes a replayed body live; no effect on a live body.
   void make_live(BodyId body) {
-    if (!has(body)) return;
+    if (!has(body) || is_replayed_[body] == k_fixed) return;
     is_replayed_[body] = 0;
     --count_;
     gone_live_.push_back(body);
@@ -34,6 +38,7 @@ class ReplayedBodies {
   void forget_gone_live() { gone_live_.clear(); }
 
  private:
+  static constexpr std::uint8_t k_fixed = 2;
   std::vector<std::uint8_t> is_replayed_;
   std::uint32_t count_ = 0;
   std::vector<BodyId> gone_live_;

@@ -51,7 +51,7 @@ bool same(const FrictionMap* a, const FrictionMap* b) {
 
 bool same_laws(const Scene& a, const Scene& b) {
   const bool plain = a.bodies.size() == b.bodies.size() && same(a.gravity_mps2, b.gravity_mps2) &&
-                     a.period_m == b.period_m &&
+                     a.period_m == b.period_m && a.filter == b.filter &&
                      same(a.slow.separation_speed_mps, b.slow.separation_speed_mps) &&
                      same(a.slow.rest_speed_mps, b.slow.rest_speed_mps) &&
                      same(a.slow.rest_time_s, b.slow.rest_time_s) &&
@@ -71,14 +71,14 @@ bool same_laws(const Scene& a, const Scene& b) {
 /// comparison.
 bool same_statics(const Scene& a, const Scene& b) {
   const auto same_plane = [](const StaticPlane& p, const StaticPlane& q) {
-    return same(p.outside, q.outside) && p.material == q.material &&
+    return same(p.outside, q.outside) && p.material == q.material && p.group == q.group &&
            same(p.friction_map.get(), q.friction_map.get());
   };
   const auto same_convex = [](const StaticConvex& p, const StaticConvex& q) {
-    return p.polyhedron == q.polyhedron && p.material == q.material;
+    return p.polyhedron == q.polyhedron && p.material == q.material && p.group == q.group;
   };
   const auto same_mesh = [](const StaticMesh& p, const StaticMesh& q) {
-    return p.mesh == q.mesh && p.material == q.material;
+    return p.mesh == q.mesh && p.material == q.material && p.group == q.group;
   };
   return std::ranges::equal(a.planes, b.planes, same_plane) &&
          std::ranges::equal(a.convexes, b.convexes, same_convex) &&
@@ -94,7 +94,8 @@ std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene&
   for (std::size_t i = 0; i < after.surfaces.size(); ++i) {
     const StaticSurface& was = before.surfaces[i];
     const StaticSurface& is = after.surfaces[i];
-    if (!same(was.spacing_m, is.spacing_m) || !same(was.point_spacing_m, is.point_spacing_m))
+    if (!same(was.spacing_m, is.spacing_m) || !same(was.point_spacing_m, is.point_spacing_m) ||
+        was.group != is.group)
       return std::nullopt;
     changed.emplace_back();
     if (was.controls == is.controls) continue;
@@ -158,13 +159,19 @@ bool same_feature(const StaticGeometry& a, const StaticGeometry& b, FeatureId in
   return a.is_absent(index) == b.is_absent(index) && first.kind == second.kind &&
          same(first.point_m, second.point_m) && same(first.direction, second.direction) &&
          std::ranges::equal(a.sides(first), b.sides(second), same_side) &&
-         a.material_of_feature(index) == b.material_of_feature(index);
+         a.material_of_feature(index) == b.material_of_feature(index) &&
+         a.group_of_feature(index) == b.group_of_feature(index);
+}
+
+bool same_owner(const StaticGeometry& a, const StaticGeometry& b, PieceId index) {
+  return a.material_of_piece(index) == b.material_of_piece(index) &&
+         a.group_of_piece(index) == b.group_of_piece(index);
 }
 
 bool same_piece(const StaticGeometry& a, const StaticGeometry& b, PieceId index) {
   const ConvexView& first = *a.piece(index).view;
   const ConvexView& second = *b.piece(index).view;
-  if (a.material_of_piece(index) != b.material_of_piece(index)) return false;
+  if (!same_owner(a, b, index)) return false;
   if (first.vertex_count != second.vertex_count || first.face_count != second.face_count ||
       first.edge_count != second.edge_count)
     return false;
@@ -218,8 +225,7 @@ class PlaceFinder {
     for (PieceId i{}; i < count; ++i) {
       const bool in_both = i < before_.piece_count() && i < after_.piece_count();
       if (in_both && is_plane(before_, i) && is_plane(after_, i)) {
-        if (same(before_.plane(i), after_.plane(i)) &&
-            before_.material_of_piece(i) == after_.material_of_piece(i) &&
+        if (same(before_.plane(i), after_.plane(i)) && same_owner(before_, after_, i) &&
             same(before_.friction_map({i}), after_.friction_map({i})))
           continue;
       } else if (in_both && !is_plane(before_, i) && !is_plane(after_, i) &&
@@ -282,28 +288,34 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
   bool same_shapes = true;
   bool some_rest = false;
   bool others_rest = false;
+  bool others_fixed = false;
+  bool all_differ = true;
   for (std::size_t i = 0; i < after.bodies.size(); ++i) {
     const BodyDescription& was = before.bodies[i];
     const BodyDescription& is = after.bodies[i];
     const bool same_shape = same(was.shape, is.shape);
-    same_shapes = same_shapes && same_shape;
+    // Fixed bodies don't affect how static geometry is met.
+    const bool both_fixed = was.fixed && is.fixed;
+    same_shapes = same_shapes && (both_fixed || (same_shape && was.fixed == is.fixed));
     const bool differs = !same_shape || !same(was.inertia, is.inertia) || was.rests != is.rests ||
+                         was.fixed != is.fixed || was.group != is.group ||
                          was.material != is.material || was.start_tick != is.start_tick ||
                          !same(was.start, is.start);
+    all_differ = all_differ && (differs || both_fixed);
     changes.bodies.push_back(differs ? 1 : 0);
     if (differs) changes.first = std::min({changes.first, was.start_tick, is.start_tick});
     some_rest = some_rest || was.rests || is.rests;
     others_rest = others_rest || (differs && (was.rests || is.rests));
+    others_fixed = others_fixed || (differs && (was.fixed || is.fixed));
   }
   // Bodies that start at rest depend on everything that they touch at the start.
-  if (others_rest) {
+  if (others_rest || (some_rest && others_fixed)) {
     changes.laws = true;
     return changes;
   }
   // If most of the scene has changed, almost nothing can be replayed. So skip the comparison of
   // features, which takes as long as some simulations.
-  if (std::ranges::all_of(changes.bodies, [](auto differs) { return differs != 0; }) ||
-      most_moved(before, after)) {
+  if (all_differ || most_moved(before, after)) {
     changes.laws = true;
     return changes;
   }

@@ -18,6 +18,7 @@
 #include "worker/physics/collision/sphere_search.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/motion/rigid_body.h"
+#include "worker/physics/scene/collision_filter.h"
 #include "worker/physics/scene/friction_map.h"
 #include "worker/physics/scene/surface_law.h"
 #include "worker/physics/shape/mass_properties.h"
@@ -57,6 +58,12 @@ struct BodyDescription {
   /// k_at_rest_gap_m, and SlowContacts lets bodies rest. The scene is refused if contact forces
   /// can't hold all bodies that start at rest. An impact or a moving supporter wakes the body.
   bool rests = false;
+  /// The body never moves: static geometry of any shape, such as a cylinder. It may overlap static
+  /// geometry and other fixed bodies. Its inertia is ignored and needn't be valid. REQUIRES:
+  /// start_tick is 0, velocities are 0, `rests` is false, start_again isn't set, no control acts on
+  /// the body, and the scene isn't periodic.
+  bool fixed = false;
+  CollisionGroup group{};
 };
 
 /// A plane; all points x with dot(normal, x) < offset are solid.
@@ -67,12 +74,14 @@ struct StaticPlane {
   /// Varies with position, and replaces the contact table's friction. Scenes with the same plane
   /// share the map.
   std::shared_ptr<const FrictionMap> friction_map{};
+  CollisionGroup group{};
 };
 
 struct StaticConvex {
   std::string name;
   std::shared_ptr<const ConvexPolyhedron> polyhedron;  ///< in the world's frame
   MaterialId material{};
+  CollisionGroup group{};
 };
 
 /// A triangle surface that doesn't move. The normals of a closed mesh point away from the solid. An
@@ -84,6 +93,7 @@ struct StaticMesh {
   /// Margin of the bounding volumes: each vertex coordinate may move by this much between
   /// simulations (StaticGeometry::refresh). The margin changes no result.
   double slack_m = 0;
+  CollisionGroup group{};
 };
 
 /// Limits that end series of ever slower contacts. If all are 0, such series never end, as in a
@@ -132,12 +142,13 @@ struct Scene {
   std::vector<StaticPlane> planes;
   std::vector<StaticConvex> convexes;
   std::vector<StaticMesh> meshes;
-  std::vector<StaticSurface> surfaces;  ///< only boxes collide with these (shapes.h)
+  std::vector<StaticSurface> surfaces;  ///< bodies that meet these must be boxes (shapes.h)
   ContactTable contacts;
+  CollisionFilter filter;  ///< by default, everything meets
   SlowContacts slow;
   Vec3 gravity_mps2 = Vec3::Zero();
   /// Space repeats with this period along each axis; 0: it doesn't repeat. REQUIRES: no static
-  /// geometry.
+  /// geometry and no fixed bodies.
   std::array<double, 3> period_m{};
   std::vector<Control> controls;  ///< in any order; controls of one tick apply in the order given
 };

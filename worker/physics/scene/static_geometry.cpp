@@ -82,7 +82,9 @@ void StaticGeometry::clear() {
 
 void StaticGeometry::assign(const Scene& scene) {
   clear();
+  filter_ = scene.filter;
   for (const BodyDescription& body : scene.bodies) {
+    if (body.fixed) continue;
     const auto* sphere = std::get_if<Sphere>(&body.shape);
     (sphere != nullptr ? for_spheres_ : for_pieces_) = true;
     if (sphere != nullptr) radius_m_max_ = std::max(radius_m_max_, sphere->radius_m);
@@ -172,7 +174,7 @@ StaticGeometry::Margins StaticGeometry::margins_of(std::span<const Vec3> vertice
 }
 
 void StaticGeometry::add_plane(const StaticPlane& plane) {
-  const StaticOwner owner{static_cast<std::uint32_t>(names_.size()), plane.material};
+  const StaticOwner owner{static_cast<std::uint32_t>(names_.size()), plane.material, plane.group};
   names_.push_back(name_of_static("plane", plane.name, planes_.size()));
   if (plane.friction_map) {
     friction_maps_.resize(planes_.size() + 1);
@@ -187,7 +189,8 @@ void StaticGeometry::add_plane(const StaticPlane& plane) {
 }
 
 void StaticGeometry::add_convex(const StaticConvex& convex) {
-  const StaticOwner owner{static_cast<std::uint32_t>(names_.size() - 1), convex.material};
+  const StaticOwner owner{static_cast<std::uint32_t>(names_.size() - 1), convex.material,
+                          convex.group};
   const ConvexView view = convex.polyhedron->view();
   const Box box = box_around(convex.polyhedron->vertices_m());
   solids_.push_back({.owner = owner, .polyhedron = convex.polyhedron, .mesh = {}});
@@ -196,7 +199,8 @@ void StaticGeometry::add_convex(const StaticConvex& convex) {
 }
 
 void StaticGeometry::add_mesh(const StaticMesh& placed) {
-  const StaticOwner owner{static_cast<std::uint32_t>(names_.size() - 1), placed.material};
+  const StaticOwner owner{static_cast<std::uint32_t>(names_.size() - 1), placed.material,
+                          placed.group};
   const TriangleMesh& mesh = *placed.mesh;
   corner_boxes_.clear();
   for (const Vec3& v : mesh.vertices_m())
@@ -304,12 +308,15 @@ bool StaticGeometry::is_solid_at(const Solid& solid, const Vec3& point_m) {
   return turns + (solid.hollow ? 1 : 0) > 0.5;
 }
 
-const std::string* StaticGeometry::solid_at(const Vec3& point_m) const {
+const std::string* StaticGeometry::solid_at(const Vec3& point_m, CollisionGroup group) const {
   for (std::size_t i = 0; i < planes_.size(); ++i) {
-    if (math::dot(planes_[i].normal, point_m) < planes_[i].offset_m) return &names_[i];
+    if (math::dot(planes_[i].normal, point_m) < planes_[i].offset_m &&
+        filter_.meet(group, piece_owners_[i].group))
+      return &names_[i];
   }
   for (const Solid& solid : solids_) {
-    if (is_solid_at(solid, point_m)) return &names_[solid.owner.name];
+    if (filter_.meet(group, solid.owner.group) && is_solid_at(solid, point_m))
+      return &names_[solid.owner.name];
   }
   return nullptr;
 }

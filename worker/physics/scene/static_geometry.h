@@ -22,8 +22,8 @@
 //      Adjacent regions have bitwise equal borders. Regions of faces and vertices extend over them
 //      by a few rounding errors, so that no sphere slips through between two regions. Where two
 //      regions overlap, their gaps and normals agree to rounding.
-//   3. Features exist only if some body is a sphere, and convex pieces only if some body is not a
-//      sphere.
+//   3. Features exist only if some moving body is a sphere, and convex pieces only if some moving
+//      body is not a sphere.
 // Building takes about 35 ns per feature, and 130 ns per triangle if triangles are pieces. A
 // refresh takes about 20 ns per feature around the moved vertices. Thread safety: const functions
 // may run concurrently.
@@ -58,6 +58,7 @@ std::string name_of_static(std::string_view kind, const std::string& given, std:
 struct StaticOwner {
   std::uint32_t name = 0;  ///< index into names_
   MaterialId material{};
+  CollisionGroup group{};
 };
 
 /// The positions that a sphere's centre can have while the sphere stays in a box. Queries extend
@@ -146,6 +147,8 @@ class StaticGeometry {
 
   MaterialId material_of_feature(FeatureId index) const { return feature_owners_[index].material; }
   MaterialId material_of_piece(PieceId index) const { return piece_owners_[index].material; }
+  CollisionGroup group_of_feature(FeatureId index) const { return feature_owners_[index].group; }
+  CollisionGroup group_of_piece(PieceId index) const { return piece_owners_[index].group; }
   const std::string& name_of_feature(FeatureId index) const {
     return names_[feature_owners_[index].name];
   }
@@ -183,11 +186,11 @@ class StaticGeometry {
   }
 
   /// Returns the name of the solid that contains a point: a plane's lower side, a polyhedron or a
-  /// closed mesh. Returns null if no solid contains the point. So a body is detected that starts
-  /// wholly inside a solid and touches no feature of its surface. The answer is exact except for
-  /// points within a rounding error of a surface. Cost: about 60 ns per triangle, for closed meshes
-  /// whose box contains the point.
-  const std::string* solid_at(const Vec3& point_m) const;
+  /// closed mesh. Returns null if no solid that meets `group` contains the point. So a body is
+  /// detected that starts wholly inside a solid and touches no feature of its surface. The answer
+  /// is exact except for points within a rounding error of a surface. Cost: about 60 ns per
+  /// triangle, for closed meshes whose box contains the point.
+  const std::string* solid_at(const Vec3& point_m, CollisionGroup group = {}) const;
 
  private:
   /// Index of the first side. No point satisfies this side, so a region that has only this side is
@@ -249,9 +252,10 @@ class StaticGeometry {
 
   static bool is_solid_at(const Solid& solid, const Vec3& point_m);
 
+  CollisionFilter filter_;
   bool for_spheres_ = false;
   bool for_pieces_ = false;
-  double radius_m_max_ = 0;  ///< largest radius of the scene's spheres
+  double radius_m_max_ = 0;  ///< largest radius of the moving spheres
   std::size_t plane_count_ = 0;
   std::vector<HalfSpace> planes_;
   std::vector<std::shared_ptr<const FrictionMap>> friction_maps_;  ///< empty if no plane has a map

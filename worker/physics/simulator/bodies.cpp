@@ -10,6 +10,11 @@
 namespace sleight::physics {
 namespace {
 
+/// A valid inertia for a fixed body, whose own inertia may be invalid. Affects no result.
+Inertia inertia_of_fixed() {
+  return {.mass_kg = 1, .principal_kgm2 = Vec3::Ones(), .symmetry = InertiaSymmetry::spherical};
+}
+
 double wrapped(double x, double period) {
   if (period == 0 || (x > 0 && x < 0.99 * period)) return x;
   const double inside = x - std::floor(x / period) * period;
@@ -30,13 +35,17 @@ Bodies::Bodies(const Scene& scene) : scene_(scene) {
   HullOfShape hull_of_shape;
   for (const BodyDescription& body : scene_.bodies) {
     BodyConstants constants{.material = body.material,
+                            .fixed = body.fixed,
                             .first_part = static_cast<std::uint32_t>(parts_.size()),
-                            .inertia = body.inertia,
-                            .rigid_mass = rigid_mass(body.inertia)};
+                            .group = body.group,
+                            .inertia = body.fixed ? inertia_of_fixed() : body.inertia,
+                            .rigid_mass = body.fixed ? RigidMass{} : rigid_mass(body.inertia)};
+    if (body.fixed) fixed_.push_back({static_cast<std::uint32_t>(constants_.size())});
     if (const auto* sphere = std::get_if<Sphere>(&body.shape)) {
       constants.reach_m = sphere->radius_m;
-      constants.sphere_mass =
-          sphere_mass(body.inertia.mass_kg, sphere->radius_m, body.inertia.principal_kgm2.x());
+      if (!body.fixed)
+        constants.sphere_mass =
+            sphere_mass(body.inertia.mass_kg, sphere->radius_m, body.inertia.principal_kgm2.x());
       points_.emplace_back(Vec3::Zero());
       parts_.push_back(points_.back().view());
     } else {
@@ -49,7 +58,7 @@ Bodies::Bodies(const Scene& scene) : scene_(scene) {
       for (std::size_t part = 0; part < compound.size(); ++part)
         parts_.push_back(compound.view(part));
       if (compound.round_parts.size() > 1) constants.hull = hull_index(compound, hull_of_shape);
-      if (body.inertia.symmetry != InertiaSymmetry::general)
+      if (constants.inertia.symmetry != InertiaSymmetry::general)
         constants.axis = axis_of_revolution(compound).value_or(Vec3::Zero());
     }
     // Allocate a general body's track now, not when the body starts.
@@ -58,6 +67,7 @@ Bodies::Bodies(const Scene& scene) : scene_(scene) {
     }
     constants_.push_back(constants);
   }
+  all_meet_ = fixed_.empty() && !scene_.filter.any();
   periodic_ = scene_.period_m[0] > 0 || scene_.period_m[1] > 0 || scene_.period_m[2] > 0;
 }
 

@@ -46,11 +46,13 @@ struct alignas(64) BodyConstants {
   MaterialId material{};
   bool is_sphere = true;
   bool has_round_parts = false;  ///< balls and rings (round_piece.h)
+  bool fixed = false;            ///< never moves; its masses are infinite
   std::uint32_t first_part = 0;  ///< its convex parts in parts(); a sphere has one point
   std::uint32_t part_count = 1;
   /// Index in hulls_: the hull of the body's parts (hull_of()). k_no_hull: no hull.
   std::uint32_t hull = k_no_hull;
   static constexpr std::uint32_t k_no_hull = UINT32_MAX;
+  CollisionGroup group{};
   Vec3 axis = Vec3::Zero();  ///< axis of a body of revolution, in its frame; otherwise 0
   Inertia inertia;
   RigidMass rigid_mass{};
@@ -78,6 +80,13 @@ class Bodies {
   bool only_spheres() const { return only_spheres_; }
   const BodyConstants& constants(BodyId body) const { return constants_[body]; }
   bool is_sphere(BodyId body) const { return constants_[body].is_sphere; }
+  bool is_fixed(BodyId body) const { return !fixed_.empty() && constants_[body].fixed; }
+  std::span<const BodyId> fixed() const { return fixed_; }
+  /// Whether two bodies can collide. Two fixed bodies can't.
+  bool may_meet(BodyId a, BodyId b) const {
+    return all_meet_ || (!(is_fixed(a) && is_fixed(b)) &&
+                         scene_.filter.meet(constants_[a].group, constants_[b].group));
+  }
   /// Views of all bodies' convex parts; a body's parts begin at its first_part.
   std::span<const ConvexView> parts() const { return parts_; }
   std::string name(BodyId body) const;
@@ -234,6 +243,8 @@ class Bodies {
   std::vector<ConvexView> hulls_;  ///< of bodies that have one
   std::vector<std::unique_ptr<const RoundPiece>> made_hulls_;
   std::vector<std::uint8_t> turns_;  ///< copy of a segment property that is faster to read
+  std::vector<BodyId> fixed_;        ///< the fixed bodies, ascending
+  bool all_meet_ = true;             ///< no body is fixed, and no pair is filtered
   bool periodic_ = false;
   bool only_spheres_ = true;
   bool lags_ = false;  ///< segments may be older than flights

@@ -14,11 +14,11 @@
 //
 // Invariants
 //   1. From now to its expiry, a body's box contains the body and k_touch_m around it.
-//   2. If the boxes of two bodies overlap, the pair has an edge. The edge's prediction is not later
-//      than the pair's next collision. A body's key in the queue is its earliest prediction (for
-//      pairs and static geometry) or its box's expiry, whichever is earlier. If the least key's
-//      prediction is void (pair_graph.h), that key is recomputed. So the least key that isn't void
-//      is the simulation's next event.
+//   2. If the boxes of two bodies that may meet overlap, the pair has an edge. The edge's
+//      prediction is not later than the pair's next collision. A body's key in the queue is its
+//      earliest prediction (for pairs and static geometry) or its box's expiry, whichever is
+//      earlier. If the least key's prediction is void (pair_graph.h), that key is recomputed. So
+//      the least key that isn't void is the simulation's next event.
 //   3. After lists have reached their full size, the loop allocates nothing.
 // Hence the choice and timing of boxes don't affect the results. Thread safety: none.
 #pragma once
@@ -82,8 +82,7 @@ class Engine final : public AnyEngine {
     bool predict;
     std::size_t begun = 0;  ///< pairs not predicted yet, at the end of the body's list
     void begin(BodyId other) {
-      engine.begin_pair(body, other, false);
-      ++begun;
+      if (engine.begin_pair(body, other, false)) ++begun;
     }
     void end(BodyId other) {
       finish();  // removing an edge moves another edge to its place
@@ -98,8 +97,7 @@ class Engine final : public AnyEngine {
   struct PairsSink {
     Engine& engine;
     void begin(BodyId a, BodyId b) {
-      engine.begin_pair(a, b, true);
-      engine.refresh_key(a);
+      if (engine.begin_pair(a, b, true)) engine.refresh_key(a);
     }
     void end(BodyId a, BodyId b) { engine.end_pair(a, b); }
     std::span<const BodyId> neighbours(BodyId a) const { return engine.graph_.others_of(a); }
@@ -131,7 +129,8 @@ class Engine final : public AnyEngine {
   void fetch_next_neighbours() const;
 
   // Predictions.
-  void begin_pair(BodyId a, BodyId b, bool predict);
+  /// Starts to watch a pair of bodies that may meet. Returns whether they may.
+  bool begin_pair(BodyId a, BodyId b, bool predict);
   void end_pair(BodyId a, BodyId b);
   void predict(BodyId body, const PairEdge& edge);
   void predict_all(BodyId body);

@@ -99,9 +99,13 @@ inline TickCount limited_span(const Bodies& bodies, BodyId body, Tick tick, Tick
 
 inline double typical_box_m(const Bodies& bodies) {
   double sum_m = 0;
-  for (BodyId body{}; body < bodies.size(); ++body)
+  std::uint32_t count = 0;
+  for (BodyId body{}; body < bodies.size(); ++body) {
+    if (bodies.is_fixed(body)) continue;
     sum_m += 2 * bodies.constants(body).reach_m;
-  return bodies.size() == 0 ? 1 : 1.3 * sum_m / static_cast<double>(bodies.size());
+    ++count;
+  }
+  return count == 0 ? 1 : 1.3 * sum_m / count;
 }
 
 /// Updates a body that began a segment at this tick. The body keeps its box if it will stay inside

@@ -107,8 +107,9 @@ void Engine<Boxes, Queue>::watch(BodyId body) {
     for (BodyId other{}; other < bodies_.size(); ++other) {
       if (other != body && is_watched_[other] != 0) begin_pair(body, other, false);
     }
-    for (StaticId index{}; index < world_.statics().count(body); ++index)
-      statics_[body].push_back({.index = index});
+    for (StaticId index{}; index < world_.statics().count(body); ++index) {
+      if (world_.statics().meets(body, index)) statics_[body].push_back({.index = index});
+    }
     if (replaying_.statics_differ()) world_.replayed().make_live(body);
   } else {
     const Box box = path_box(bodies_.path(body), bodies_.reach_m(body) + k_touch_m, now_, now_ + 1);
@@ -225,8 +226,9 @@ void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
   StartState state = description.start;
   for (std::uint32_t attempt = 1;; ++attempt) {
     // Place the body, to find out what it would touch.
-    world_.place(body, description.rests ? world_.segment_at_rest(body)
-                                         : bodies_.segment_of_start(state, event.tick));
+    world_.place(body, description.rests || description.fixed
+                           ? world_.segment_at_rest(body)
+                           : bodies_.segment_of_start(state, event.tick));
     watch(body);
     const std::string obstacle = obstacle_of(body);
     if (obstacle.empty()) break;
@@ -264,15 +266,22 @@ void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
 /// Returns the name of what a body overlaps; empty if nothing.
 template <BroadPhase Boxes, EventQueue Queue>
 std::string Engine<Boxes, Queue>::obstacle_of(BodyId body) {
-  // If both bodies start at rest, World::lay_down has already checked the pair.
+  // Fixed bodies have been placed before all starts, and other bodies avoid them.
+  if (bodies_.is_fixed(body)) return "";
+  // If both bodies start at rest or one is fixed, World::lay_down has already checked the pair.
   const std::vector<BodyDescription>& bodies = bodies_.scene().bodies;
   const bool rests = bodies[body].rests;
   BodyId lowest = k_nobody;
-  for (const BodyId other : graph_.others_of(body)) {
-    if (rests && bodies[other].rests) continue;
+  const auto look = [&](BodyId other) {
+    if (rests && (bodies[other].rests || bodies[other].fixed)) return;
     const BodyId a = std::min(body, other);
     const BodyId b = std::max(body, other);
     if (other < lowest && predictions_.touching(a, b, now_)) lowest = other;
+  };
+  for (const BodyId other : graph_.others_of(body))
+    look(other);
+  for (const BodyId other : bodies_.fixed()) {
+    if (!bodies_.started(other) && bodies_.may_meet(body, other)) look(other);
   }
   if (lowest != k_nobody) return bodies_.name(lowest);
   if (rests) return "";
@@ -281,7 +290,7 @@ std::string Engine<Boxes, Queue>::obstacle_of(BodyId body) {
       return world_.statics().name(body, edge.index);
   }
   // A body deep inside a solid may touch nothing of the solid's surface.
-  return world_.statics().solid_at(bodies_.position_at(body, now_));
+  return world_.statics().solid_at(body, bodies_.position_at(body, now_));
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -423,13 +432,16 @@ void Engine<Boxes, Queue>::fetch_next_neighbours() const {
 // ---- predictions --------------------------------------------------------------------------------
 
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::begin_pair(BodyId a, BodyId b, bool predict_now) {
+bool Engine<Boxes, Queue>::begin_pair(BodyId a, BodyId b, bool predict_now) {
+  if (!bodies_.may_meet(a, b)) return false;
   graph_.add(a, b);
   if (predict_now) predict_last(a, 1);
+  return true;
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::end_pair(BodyId a, BodyId b) {
+  if (!bodies_.may_meet(a, b)) return;
   std::uint32_t search = graph_.remove(a, b);
   predictions_.end_search(search);
 }

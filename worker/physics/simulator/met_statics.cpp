@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "common/base/check.h"
-
 namespace sleight::physics {
 namespace {
 
@@ -24,31 +22,43 @@ MetStatics::MetStatics(Bodies& bodies) : bodies_(bodies), geometry_(bodies.scene
     surfaces_.push_back(
         {name_of_static("surface", surface.name, i), SplineSurface(surface), {}, {}});
     surfaces_.back().near.resize(bodies.parts().size());
-    for (const ConvexView& part : bodies.parts()) {
-      std::optional<BoxLattice> lattice = BoxLattice::of(part, surface.point_spacing_m);
-      CHECK(lattice.has_value());
-      surfaces_.back().lattices.push_back(*lattice);
-    }
+    // Parts that aren't boxes belong to bodies that don't meet the surface (error_of).
+    for (const ConvexView& part : bodies.parts())
+      surfaces_.back().lattices.push_back(
+          BoxLattice::of(part, surface.point_spacing_m).value_or(BoxLattice{}));
   }
+  filters_ = scene.filter.any();
   any_ = geometry_.feature_count() > 0 || geometry_.piece_count() > 0 || !surfaces_.empty();
 }
 
 // ---- what a body may meet -----------------------------------------------------------------------
 
 std::uint32_t MetStatics::count(BodyId body) const {
+  if (bodies_.is_fixed(body)) return 0;
   if (bodies_.is_sphere(body)) return geometry_.feature_count();
   return geometry_.piece_count() + static_cast<std::uint32_t>(surfaces_.size());
 }
 
+CollisionGroup MetStatics::group(BodyId body, StaticId met) const {
+  if (bodies_.is_sphere(body)) return geometry_.group_of_feature({met});
+  return is_surface(body, met) ? bodies_.scene().surfaces[surface_number(met)].group
+                               : geometry_.group_of_piece({met});
+}
+
 void MetStatics::near(BodyId body, const Box& box, std::vector<StaticId>& found) const {
+  const auto before = static_cast<std::ptrdiff_t>(found.size());
   if (bodies_.is_sphere(body)) {
     geometry_.features_near(box, bodies_.constants(body).reach_m, found);
-    return;
+  } else {
+    geometry_.pieces_near(box, found);
+    for (StaticId met{geometry_.piece_count()}; met < count(body); ++met) {
+      if (meets(body, met) && reaches_into(box, surface(met).surface)) found.push_back(met);
+    }
   }
-  geometry_.pieces_near(box, found);
-  for (StaticId met{geometry_.piece_count()}; met < count(body); ++met) {
-    if (reaches_into(box, surface(met).surface)) found.push_back(met);
-  }
+  if (!filters_) return;
+  found.erase(std::remove_if(found.begin() + before, found.end(),
+                             [&](StaticId met) { return !meets(body, met); }),
+              found.end());
 }
 
 void MetStatics::in(BodyId body, const Box& box, std::span<const StaticId> some,
@@ -70,11 +80,14 @@ const std::string& MetStatics::name(BodyId body, StaticId met) const {
   return is_surface(body, met) ? surface(met).name : geometry_.name_of_piece({met});
 }
 
-std::string MetStatics::solid_at(const Vec3& place_m) const {
-  const std::string* solid = geometry_.solid_at(place_m);
+std::string MetStatics::solid_at(BodyId body, const Vec3& place_m) const {
+  const CollisionGroup own = bodies_.constants(body).group;
+  const std::string* solid = geometry_.solid_at(place_m, own);
   if (solid != nullptr) return *solid;
-  for (MetSurface& met : surfaces_) {
-    if (place_m.z() < met.surface.at(place_m.x(), place_m.y()).height_m) return met.name;
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    if (bodies_.scene().filter.meet(own, bodies_.scene().surfaces[i].group) &&
+        place_m.z() < surfaces_[i].surface.at(place_m.x(), place_m.y()).height_m)
+      return surfaces_[i].name;
   }
   return "";
 }

@@ -32,10 +32,17 @@ class MetStatics {
   const StaticGeometry& geometry() const { return geometry_; }
   bool any() const { return any_; }
 
-  // Candidates for contact.
+  // Candidates for contact. A fixed body has none.
   std::uint32_t count(BodyId body) const;
+  /// Whether the body's group meets that of static geometry with an index below count().
+  bool meets(BodyId body, StaticId met) const {
+    return !filters_ ||
+           bodies_.scene().filter.meet(bodies_.constants(body).group, group(body, met));
+  }
+  /// Appends the static geometry that the body may meet in a box, in ascending order.
   void near(BodyId body, const Box& box, std::vector<StaticId>& found) const;
-  /// If the body may meet an element of `some` in a box, appends it. Keeps their order.
+  /// If the body may meet an element of `some` in a box, appends it. Keeps their order. REQUIRES:
+  /// `some` comes from near().
   void in(BodyId body, const Box& box, std::span<const StaticId> some,
           std::vector<StaticId>& found) const;
   const std::string& name(BodyId body, StaticId met) const;
@@ -53,15 +60,18 @@ class MetStatics {
   SurfaceLaw law(BodyId body, StaticId met, const Vec3& point_m) const;
   PieceContact contact_of_part(StaticId met, BodyId body, std::uint32_t part, Tick tick) const;
   bool touching(BodyId body, StaticId met, Tick tick) const;
-  /// Returns the name of the solid that contains a point; empty if none. A body deep inside a solid
-  /// may touch nothing of the solid's surface; solid_at() finds it.
-  std::string solid_at(const Vec3& place_m) const;
+  /// Returns the name of the solid that meets the body and contains a point; empty if none. A body
+  /// deep inside a solid may touch nothing of the solid's surface; solid_at() finds it.
+  std::string solid_at(BodyId body, const Vec3& place_m) const;
 
  private:
+  CollisionGroup group(BodyId body, StaticId met) const;
+
   Bodies& bodies_;
   StaticGeometry geometry_;
   mutable std::vector<MetSurface> surfaces_;
   bool any_ = false;
+  bool filters_ = false;  ///< some groups don't meet
 };
 
 }  // namespace sleight::physics

@@ -82,8 +82,9 @@ void Predictions::note_place(BodyId body) {
   const double reach_m = bodies_.constants(body).reach_m;
   const bool round = bodies_.is_sphere(body);
   const double turning_mps = round ? 0 : bodies_.turning_speed_mps(body);
+  // A fixed body's place needs no room.
   places_.began(
-      body, reach_m,
+      body, bodies_.is_fixed(body) ? 0 : reach_m,
       {.begin = segment.flight.begin,
        .pose = {segment.flight.position_m, round ? Quat::Identity() : segment.flight.orientation},
        .speed_mps = math::norm(segment.flight.velocity_mps) + turning_mps,
@@ -138,7 +139,7 @@ Prediction Predictions::look(BodyId a, BodyId b, Tick now, std::uint32_t search)
   if (bodies_.is_sphere(a) && bodies_.is_sphere(b)) return predict_spheres(a, b, now);
   const std::uint32_t of_b = bodies_.constants(b).part_count;
   // Compute the parts' refractory time only when it is needed: most tested ticks are after it.
-  Refractory refractory = recent_.of(a, b);
+  Refractory refractory = refractory_of(a, b);
   bool asked = false;
   const bool several = searches_.of(search).size() > 1;
   const double reach_a_m = bodies_.constants(a).reach_m;
@@ -192,7 +193,7 @@ bool Predictions::hulls_apart(BodyId a, BodyId b, Tick tick, double touch_m, Sep
 }
 
 Refractory Predictions::refractory_of_parts(BodyId a, BodyId b) {
-  const Refractory refractory = recent_.of(a, b);
+  const Refractory refractory = refractory_of(a, b);
   const Tick begin = std::max(bodies_.flight(a).begin, bodies_.flight(b).begin);
   if (refractory.until <= begin) return refractory;
   // For each pair of parts, compare the approach speed at the closest points. Usually no point is
@@ -215,7 +216,7 @@ Refractory Predictions::refractory_of_parts(BodyId a, BodyId b) {
 }
 
 Refractory Predictions::refractory_of_spheres(BodyId a, BodyId b) const {
-  const Refractory refractory = recent_.of(a, b);
+  const Refractory refractory = refractory_of(a, b);
   const Tick begin = std::max(bodies_.flight(a).begin, bodies_.flight(b).begin);
   if (refractory.until <= begin) return refractory;
   // The speeds at `begin` suffice: free motion hardly changes them during the refractory time.

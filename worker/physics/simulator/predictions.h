@@ -11,6 +11,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "worker/physics/collision/near_places.h"
 #include "worker/physics/collision/piece_searches.h"
@@ -83,6 +84,9 @@ class Predictions {
     if (places_.enabled()) note_place(body);
   }
   void have_collided(BodyId a, BodyId b, Tick tick, double gap_m) {
+    // A fixed body may have more recent partners than `recent_` can store, so its partner stores
+    // the contact.
+    if (bodies_.is_fixed(a)) std::swap(a, b);
     recent_.note(a, b, tick, gap_m);
   }
   bool contacts_matter() const { return recent_.enabled(); }
@@ -106,6 +110,9 @@ class Predictions {
                    Examined& examined);
   /// During their refractory time, two bodies collide again only if they approach faster or come
   /// closer (tolerances.h).
+  Refractory refractory_of(BodyId a, BodyId b) const {
+    return bodies_.is_fixed(a) ? recent_.of(b, a) : recent_.of(a, b);
+  }
   Refractory refractory_of_parts(BodyId a, BodyId b);
   Refractory refractory_of_spheres(BodyId a, BodyId b) const;
   Prediction predict_spheres(BodyId a, BodyId b, Tick from) const;

@@ -50,12 +50,14 @@ void Replaying::find_quiet_until() {
       if (!participant.begins()) continue;
       const BodyId body = participant.body();
       if (latest[body] != nullptr) look(body, event.key.tick);
-      latest[body] = &event.segments[segment++];
+      const Segment& begun = event.segments[segment++];
+      if (bodies().is_fixed(body)) continue;  // meets no static geometry
+      latest[body] = &begun;
       if (event.key.kind != EventKind::start) continue;
       // Test whether the body used `start_again` in the history, or must use it now.
       const Vec3& place_m = latest[body]->flight.position_m;
       if (place_m != bodies().scene().bodies[body].start.pose.position_m ||
-          !world_.statics().solid_at(place_m).empty())
+          !world_.statics().solid_at(body, place_m).empty())
         until = std::min(until, event.key.tick);
     }
   }
@@ -82,7 +84,7 @@ Tick Replaying::skip_quiet(Tick end) {
       if (event.key.kind != EventKind::start) continue;
       replay.awaited[body] = 0;
       --replay.awaited_count;
-      world_.replayed().add(body);
+      world_.replayed().add(body, bodies().is_fixed(body));
     }
   }
   for (BodyId body{}; body < bodies().size(); ++body) {
@@ -100,14 +102,15 @@ bool Replaying::starts(BodyId body, const EventKey& event) {
   replay_->reader.next();
   replay_->awaited[body] = 0;
   --replay_->awaited_count;
-  if (same) world_.replayed().add(body);
+  if (same) world_.replayed().add(body, bodies().is_fixed(body));
   return same;
 }
 
 EventKey Replaying::next() {
   HistoryReader& reader = replay_->reader;
   const auto concerns = [&](const Participant& participant) {
-    return world_.replayed().has(participant.body()) || replay_->awaited[participant.body()] != 0;
+    const BodyId body = participant.body();
+    return (world_.replayed().has(body) && !bodies().is_fixed(body)) || replay_->awaited[body] != 0;
   };
   while (!reader.at_end() && std::ranges::none_of(reader.event().participants, concerns))
     reader.next();

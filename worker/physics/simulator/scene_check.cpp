@@ -132,11 +132,20 @@ std::optional<SceneError> error_of_moments(const BodyDescription& body, const st
   return std::nullopt;
 }
 
+std::optional<SceneError> error_of_group(CollisionGroup group, const std::string& name) {
+  if (group.value < k_groups_max) return std::nullopt;
+  return error(Kind::bad_reference, fmt::format("{}: group is {}, expected 0 to {}", name,
+                                                group.value, k_groups_max - 1));
+}
+
 std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescription& body,
                                         const std::string& name) {
   if (auto error = error_of_shape(body, name)) return error;
-  if (auto error = error_of_mass(body.inertia, name)) return error;
-  if (auto error = error_of_moments(body, name)) return error;
+  if (!body.fixed) {
+    if (auto error = error_of_mass(body.inertia, name)) return error;
+    if (auto error = error_of_moments(body, name)) return error;
+  }
+  if (auto error = error_of_group(body.group, name)) return error;
   if (body.material.value >= scene.contacts.materials()) {
     return error(Kind::bad_reference,
                  fmt::format("{}: material is {}, but the number of materials is {}", name,
@@ -146,18 +155,21 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
     return error(Kind::bad_number, fmt::format("{}: start tick is {}, expected 0 to {}", name,
                                                body.start_tick.value, k_tick_max.value));
   }
-  if (body.rests) {
+  if (body.rests || body.fixed) {
     const Twist& twist = body.start.twist;
     const char* const lacks =
         body.start_tick != Tick{} ? "the start tick must be 0"
         : !is_zero(twist.velocity_mps) || !is_zero(twist.angular_velocity_radps)
             ? "the velocities must be 0"
+        : body.fixed && body.rests         ? "it can't also be a body that starts at rest"
+        : body.fixed && body.start_again   ? "it can't have other starts (start_again)"
+        : body.fixed                       ? nullptr
         : !(scene.slow.rest_speed_mps > 0) ? "the scene must have rest_speed_mps > 0 (SlowContacts)"
         : is_zero(scene.gravity_mps2)      ? "gravity must not be 0"
                                            : nullptr;
     if (lacks != nullptr)
-      return error(Kind::bad_number,
-                   fmt::format("{}: the body can't start at rest: {}", name, lacks));
+      return error(Kind::bad_number, fmt::format("{}: the body can't {}: {}", name,
+                                                 body.fixed ? "be fixed" : "start at rest", lacks));
   }
   return error_of_start(body.start, name);
 }
@@ -197,9 +209,11 @@ std::optional<SceneError> error_of_vertices(std::span<const Vec3> vertices_m,
   return std::nullopt;
 }
 
-std::optional<SceneError> error_of_material(const Scene& scene, MaterialId material,
-                                            const std::string& name) {
-  if (material.value < scene.contacts.materials()) return std::nullopt;
+template <class Static>
+std::optional<SceneError> error_of_owner(const Scene& scene, const Static& one,
+                                         const std::string& name) {
+  const MaterialId material = one.material;
+  if (material.value < scene.contacts.materials()) return error_of_group(one.group, name);
   return error(Kind::bad_reference,
                fmt::format("{}: material is {}, but the number of materials is {}", name,
                            material.value, scene.contacts.materials()));
@@ -217,7 +231,7 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
           fmt::format("{}: the normal must have length 1, and the offset must be at most {} m",
                       name, k_coordinate_m_max));
     }
-    if (auto wrong = error_of_material(scene, plane.material, name)) return wrong;
+    if (auto wrong = error_of_owner(scene, plane, name)) return wrong;
     if (!plane.friction_map) continue;
     const MapFrame& frame = plane.friction_map->frame();
     if (std::fabs(math::dot(frame.u, plane.outside.normal)) > 1e-9 ||
@@ -233,7 +247,7 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
       return error(Kind::bad_shape, fmt::format("{}: the solid has no vertices", name));
     }
     if (auto wrong = error_of_vertices(convex.polyhedron->vertices_m(), name)) return wrong;
-    if (auto wrong = error_of_material(scene, convex.material, name)) return wrong;
+    if (auto wrong = error_of_owner(scene, convex, name)) return wrong;
   }
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const StaticMesh& mesh = scene.meshes[i];
@@ -242,7 +256,7 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
       return error(Kind::bad_shape, fmt::format("{}: the mesh has no triangles", name));
     }
     if (auto wrong = error_of_vertices(mesh.mesh->vertices_m(), name)) return wrong;
-    if (auto wrong = error_of_material(scene, mesh.material, name)) return wrong;
+    if (auto wrong = error_of_owner(scene, mesh, name)) return wrong;
   }
   return std::nullopt;
 }
@@ -266,8 +280,11 @@ std::optional<SceneError> error_of_surfaces(const Scene& scene) {
                    fmt::format("{}: point spacing is {} m, expected a number above 0", name,
                                surface.point_spacing_m));
     }
+    if (auto wrong = error_of_group(surface.group, name)) return wrong;
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-      const auto* compound = std::get_if<std::shared_ptr<const Compound>>(&scene.bodies[b].shape);
+      const BodyDescription& body = scene.bodies[b];
+      if (body.fixed || !scene.filter.meet(body.group, surface.group)) continue;
+      const auto* compound = std::get_if<std::shared_ptr<const Compound>>(&body.shape);
       const bool boxes = compound != nullptr && (*compound)->round_parts.empty() &&
                          std::ranges::all_of((*compound)->parts, [&](const ConvexPolyhedron& part) {
                            return BoxLattice::of(part.view(), surface.point_spacing_m).has_value();
@@ -312,9 +329,11 @@ std::optional<SceneError> error_of_period(const Scene& scene) {
               period));
     }
     if (!scene.planes.empty() || !scene.convexes.empty() || !scene.meshes.empty() ||
-        !scene.surfaces.empty() || scene.gravity_mps2 != Vec3::Zero()) {
-      return error(Kind::bad_number,
-                   "a periodic scene can have neither gravity nor static geometry");
+        !scene.surfaces.empty() || scene.gravity_mps2 != Vec3::Zero() ||
+        std::ranges::any_of(scene.bodies, &BodyDescription::fixed)) {
+      return error(
+          Kind::bad_number,
+          "a periodic scene can have neither gravity nor static geometry nor fixed bodies");
     }
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
       const auto* sphere = std::get_if<Sphere>(&scene.bodies[i].shape);
@@ -390,6 +409,10 @@ std::optional<SceneError> error_of(const Scene& scene) {
       return error(Kind::bad_reference,
                    fmt::format("a control acts on body {}, but the number of bodies is {}",
                                control.body.value, scene.bodies.size()));
+    }
+    if (scene.bodies[control.body].fixed) {
+      return error(Kind::bad_reference,
+                   fmt::format("a control acts on body {}, which is fixed", control.body.value));
     }
     if (control.tick < Tick{} || !within(control.velocity_change_mps, k_speed_mps_max) ||
         !within(control.angular_velocity_change_radps, k_spin_radps_max)) {

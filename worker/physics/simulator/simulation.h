@@ -63,14 +63,14 @@ class Simulation {
   /// shared with the scene, not copied.
   ///
   /// `history` comes from an earlier simulation. With a history, a body is simulated only if it
-  /// differs in shape, mass, material or start, or comes near changed static geometry. If a
+  /// differs in shape, mass, material, group or start, or comes near changed static geometry. If a
   /// simulated body touches another body, or examines it in a rest decision, that body is simulated
-  /// too. All other bodies are replayed. All results except counts() are the same, bit for bit, as
-  /// without a history.
+  /// too, unless it is fixed. All other bodies are replayed. All results except counts() are the
+  /// same, bit for bit, as without a history.
   ///
-  /// The history is ignored if its scene has other laws (gravity, surfaces, slow contacts, periods)
-  /// or another number of bodies. Two compounds are equal only if they are one object. To remove a
-  /// body, let it start at k_tick_max. REQUIRES: if a body starts as in the history, its
+  /// The history is ignored if its scene has other laws (gravity, surfaces, slow contacts, periods,
+  /// filter) or another number of bodies. Two compounds are equal only if they are one object. To
+  /// remove a body, let it start at k_tick_max. REQUIRES: if a body starts as in the history, its
   /// start_again is the same too; the history's meshes and polyhedra are unchanged.
   static base::Result<Simulation, SceneError> start(
       const Scene& scene, const SimulationOptions& options,

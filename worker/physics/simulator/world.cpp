@@ -24,7 +24,7 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
       alone_for_ = ticks_after(k_bounces_alone * 2 * slow.separation_speed_mps / pull_mps2);
   }
   has_modes_ = has_modes_ || std::ranges::any_of(scene.bodies, [](const BodyDescription& body) {
-                 return body.inertia.symmetry == InertiaSymmetry::general;
+                 return !body.fixed && body.inertia.symmetry == InertiaSymmetry::general;
                });
   const double bounce_s = pull_mps2 > 0 ? 2 * slow.separation_speed_mps / pull_mps2 : 1;
   std::vector<RestingBody> resting;
@@ -33,7 +33,8 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     const BodyConstants& constants = bodies_.constants(body);
     resting.push_back({.weight_n = constants.inertia.mass_kg * scene.gravity_mps2,
                        .reach_m = constants.reach_m,
-                       .round = constants.is_sphere});
+                       .round = constants.is_sphere,
+                       .fixed = constants.fixed});
   }
   resting_.reset(resting, slow, ticks_after(k_jam_bounces * bounce_s));
   replayed_.reset(count);

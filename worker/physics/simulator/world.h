@@ -60,9 +60,9 @@ class World {
   /// Puts a body at a place, to test whether there is room. Doesn't record it.
   void place(BodyId body, const Segment& segment);
   void begin_segment(BodyId body, const Segment& segment, const EventKey& cause);
-  // Bodies that start at rest (world_at_rest.cpp).
-  /// Finds what carries them. Returns an error if a body that starts at rest can't rest there.
-  /// REQUIRES: nothing has happened yet.
+  // Fixed bodies, and bodies that start at rest (world_at_rest.cpp).
+  /// Places them, and finds what carries those that start at rest. Returns an error if such a body
+  /// can't rest there. REQUIRES: nothing has happened yet.
   std::optional<SceneError> lay_down();
   Segment segment_at_rest(BodyId body) const;
   /// Puts a body to rest after its segment has begun. REQUIRES: lay_down().
@@ -88,10 +88,12 @@ class World {
   std::span<const BodyId> changed() const { return changed_; }
   void nothing_changed() { changed_.clear(); }
 
-  /// Whether all bodies are spheres that only fly and collide. The scene has no rest speed, so the
-  /// spheres never rest. It has no separation speed, so they never stay on anything.
+  /// Whether all bodies are spheres that only fly and collide. No body is fixed. The scene has no
+  /// rest speed, so the spheres never rest. It has no separation speed, so they never stay on
+  /// anything.
   bool only_flies() const {
-    return bodies_.only_spheres() && !resting_.enabled() && !predictions_.contacts_matter();
+    return bodies_.only_spheres() && bodies_.fixed().empty() && !resting_.enabled() &&
+           !predictions_.contacts_matter();
   }
 
   // Ticks of a body's own events; k_never if there are none.
@@ -130,7 +132,9 @@ class World {
   /// Equals collide(), bit for bit, but causes less memory traffic. REQUIRES: a world of plain
   /// spheres; two spheres in flight that don't turn.
   void collide_plain(BodyId a, BodyId b, const EventKey& event);
+  /// Collisions of fixed bodies aren't counted.
   const CollisionCount& count_at(BodyId body, Tick tick) {
+    if (bodies_.is_fixed(body)) return collided_[body];
     collided_[body].add(tick);
     if (collided_[body].is_too_much()) [[unlikely]]
       note_too_much(body, tick);
@@ -151,6 +155,9 @@ class World {
                     const std::function<void(const TouchRecord&)>& found);
 
   // Starts at rest (world_at_rest.cpp).
+  bool is_static(BodyId partner) const {
+    return partner == k_static_partner || bodies_.is_fixed(partner);
+  }
   struct RestTouch;
   void find_rest_touches(BodyId body, std::vector<RestTouch>& found,
                          std::optional<SceneError>& error);

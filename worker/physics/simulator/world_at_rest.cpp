@@ -111,8 +111,9 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
     }
   }
 
-  for (BodyId other{}; other < body; ++other) {
-    if (!scene().bodies[other].rests) continue;
+  for (BodyId other{}; other < bodies_.size(); ++other) {
+    const bool carries = bodies_.is_fixed(other) || (scene().bodies[other].rests && other < body);
+    if (!carries || !bodies_.may_meet(body, other)) continue;
     const Vec3 between_m = centre_m - bodies_.position_at(other, tick);
     if (norm(between_m) > bodies_.reach_m(body) + bodies_.reach_m(other) + k_at_rest_gap_m)
       continue;
@@ -158,7 +159,8 @@ SceneError World::error_of_rest(BodyId body, double missing, bool holds_if_rough
   std::string message;
   if (partners.empty()) {
     message = fmt::format(
-        "{} can't start at rest: neither static geometry nor another body that starts at rest is "
+        "{} can't start at rest: neither static geometry nor another body that rests or is fixed "
+        "is "
         "within {} m; put the body on a support, or start it slightly above one",
         bodies_.name(body), k_at_rest_gap_m);
   } else {
@@ -175,6 +177,8 @@ SceneError World::error_of_rest(BodyId body, double missing, bool holds_if_rough
 }
 
 std::optional<SceneError> World::lay_down() {
+  for (const BodyId body : bodies_.fixed())
+    place(body, segment_at_rest(body));
   std::vector<BodyId> resting;
   for (BodyId body{}; body < bodies_.size(); ++body) {
     if (scene().bodies[body].rests) resting.push_back(body);
@@ -199,7 +203,7 @@ std::optional<SceneError> World::lay_down() {
     return body;
   };
   for (const RestTouch& touch : touches) {
-    if (touch.record.partner == k_static_partner) continue;
+    if (is_static(touch.record.partner)) continue;
     const BodyId a = find(touch.body);
     const BodyId b = find(touch.record.partner);
     root[std::max(a, b)] = std::min(a, b);
@@ -242,7 +246,7 @@ std::optional<SceneError> World::lay_down_structure(std::span<const BodyId> memb
                            .friction = record.friction,
                            .normal = record.normal,
                            .arm_m = record.arm_m};
-    if (record.partner != k_static_partner) {
+    if (!is_static(record.partner)) {
       contact.partner = place_of(record.partner);
       contact.partner_arm_m = (centre_m(touch.body) + record.arm_m) - centre_m(record.partner);
     }
@@ -273,8 +277,7 @@ std::optional<SceneError> World::lay_down_structure(std::span<const BodyId> memb
     const auto keep = [&](BodyId body, const TouchRecord& record, bool leans) {
       AtRest& at = at_rest_[body];
       if (at.touches.size() < k_touch_records_max) at.touches.push_back(record);
-      if (leans && record.partner != k_static_partner &&
-          at.supporters.size() < k_touch_records_max &&
+      if (leans && !is_static(record.partner) && at.supporters.size() < k_touch_records_max &&
           std::ranges::find(at.supporters, record.partner) == at.supporters.end())
         at.supporters.push_back(record.partner);
     };
@@ -283,7 +286,7 @@ std::optional<SceneError> World::lay_down_structure(std::span<const BodyId> memb
     const double rises = dot(force_n, up);
     const bool thrusts = norm(force_n - rises * up) > k_thrust_share * size_n;
     keep(touch.body, touch.record, carries && (thrusts || rises > 0));
-    if (touch.record.partner == k_static_partner) continue;
+    if (is_static(touch.record.partner)) continue;
     TouchRecord mirrored = touch.record;
     mirrored.partner = touch.body;
     mirrored.normal = -mirrored.normal;

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "worker/physics/event/ids.h"
+
 namespace sleight::physics {
 
 struct GridIndex {
@@ -53,6 +55,7 @@ struct StaticSurface {
   /// bump may penetrate by curvature * point_spacing_m^2 / 4: some micrometres at 4 mm and 2 per
   /// metre.
   double point_spacing_m = 4e-3;
+  CollisionGroup group{};
 };
 
 }  // namespace sleight::physics

@@ -155,6 +155,12 @@ TEST(Marbles, AreRecognised) {
   other = scene;
   other.slow = {};
   EXPECT_FALSE(are_marbles(other));
+  other = scene;
+  other.bodies[1].fixed = true;
+  EXPECT_FALSE(are_marbles(other));
+  other = scene;
+  other.filter.set_meet({2}, {3}, false);
+  EXPECT_FALSE(are_marbles(other));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "tests/support/property.h"
+#include "tests/unit/worker/physics/simulator/fixed_and_filtered.h"
 #include "tests/unit/worker/physics/simulator/mixed_scene.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
@@ -139,8 +140,12 @@ TEST(Conservation, EventsGainNoEnergy) {
     look(scene.setting.scene, scene.setting.duration_s,
          "scene " + std::to_string(n) + ": " + scene.name);
   }
-  for (const std::uint64_t seed : property::seeds(property::of_tier(2, 8)))
+  for (const std::uint64_t seed : property::seeds(property::of_tier(2, 8))) {
     look(testing::mixed_scene(seed), 0.6, "mixed scene " + std::to_string(seed));
+    testing::Dice dice(20270312, seed);
+    look(testing::fixed_and_filtered(testing::mixed_scene(seed), dice), 0.6,
+         "mixed scene with fixed bodies " + std::to_string(seed));
+  }
   std::printf("largest gain of an event, of its bodies' energy: %.2e\n", largest);
 }
 

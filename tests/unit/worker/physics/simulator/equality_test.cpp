@@ -6,6 +6,7 @@
 #include "tests/engines/engines.h"
 #include "tests/scenes/shared/random_starts.h"
 #include "tests/support/property.h"
+#include "tests/unit/worker/physics/simulator/fixed_and_filtered.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
 #include "worker/physics/simulator/simulation.h"
 
@@ -61,58 +62,80 @@ std::array<Way, 5> ways() {
        {"synchronous, grid, heap", way(Algorithm::synchronous, hierarchical_grid, heap)}}};
 }
 
+/// Simulates a scene in every way and compares with a reference. The reference predicts all pairs
+/// and has no bounding volumes. Returns the number of collisions.
+std::uint64_t compare_ways(const TestScene& scene) {
+  const Outcome expected = outcome_of(
+      scene, way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::tournament));
+  EXPECT_EQ(expected.error, "");
+  for (const Way& tried : ways()) {
+    const Outcome outcome = outcome_of(scene, tried.options);
+    EXPECT_EQ(outcome.error, expected.error) << tried.name;
+    EXPECT_EQ(outcome.collisions, expected.collisions) << tried.name;
+    EXPECT_EQ(outcome.digest, expected.digest) << tried.name;
+  }
+  return expected.collisions;
+}
+
+/// Runs a scene in random portions, each with other options, and compares with one run.
+void compare_portions(const TestScene& scene, std::uint64_t n) {
+  const Outcome expected = outcome_of(scene, {});
+  auto started = Simulation::start(scene.setting.scene, {});
+  ASSERT_TRUE(started.ok());
+  Simulation simulation = std::move(started).value();
+  random::Stream stream = scenes::stream_of_scene(n, 2);
+  const Tick end = Tick{} + ticks_after(scene.setting.duration_s);
+  const auto others = ways();
+  for (std::size_t portion = 0; simulation.now() < end; ++portion) {
+    const double share = 0.3 * stream.uniform();
+    const TickCount span = 1 + static_cast<TickCount>(share * static_cast<double>(end.value));
+    ASSERT_FALSE(simulation.run_until(std::min(end, simulation.now() + span)));
+    simulation.go_on_with(portion % 6 == 5 ? way(Algorithm::all_pairs,
+                                                 BroadPhaseKind::hierarchical_grid, QueueKind::heap)
+                                           : others[portion % 6].options);
+  }
+  const Counts& counts = simulation.counts();
+  EXPECT_EQ(counts.collisions + counts.static_collisions, expected.collisions) << scene.name;
+  EXPECT_EQ(simulation.recording().digest(), expected.digest) << scene.name;
+}
+
 TEST(Equality, EveryWayGivesTheSameRecording) {
   // Goal: the choice of algorithm, broad phase and queue changes no bit of the results. Method:
-  // record random scenes of every kind, and compare with a reference. The reference predicts all
-  // pairs and has no bounding volumes.
+  // record random scenes of every kind, and compare with a reference.
   std::uint64_t collisions = 0;
-  const SimulationOptions reference =
-      way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::tournament);
   for (const std::uint64_t n : property::cases(scene_count())) {
     const TestScene scene = testing::any_scene(n);
-    const Outcome expected = outcome_of(scene, reference);
-    EXPECT_EQ(expected.error, "") << "scene " << n << ": " << scene.name;
-    collisions += expected.collisions;
-    for (const Way& tried : ways()) {
-      const Outcome outcome = outcome_of(scene, tried.options);
-      ASSERT_EQ(outcome.error, expected.error)
-          << "scene " << n << ": " << scene.name << ", " << tried.name;
-      ASSERT_EQ(outcome.collisions, expected.collisions)
-          << "scene " << n << ": " << scene.name << ", " << tried.name;
-      ASSERT_EQ(outcome.digest, expected.digest)
-          << "scene " << n << ": " << scene.name << ", " << tried.name;
-    }
+    SCOPED_TRACE("scene " + std::to_string(n) + ": " + scene.name);
+    collisions += compare_ways(scene);
+    if (HasFailure()) return;
   }
   if (!property::all_cases()) return;
   EXPECT_GT(collisions, 100 * scene_count());
+}
+
+TEST(Equality, AlsoWithFixedBodiesAndFilteredGroups) {
+  // Goal: the same for scenes in which some bodies are fixed and some groups don't meet. Method: as
+  // above. Each scene is also continued by other ways.
+  std::uint64_t collisions = 0;
+  for (const std::uint64_t n : property::cases(scene_count())) {
+    testing::Dice dice(20270311, n);
+    TestScene scene = testing::any_scene(n);
+    scene.setting.scene = testing::fixed_and_filtered(std::move(scene.setting.scene), dice);
+    SCOPED_TRACE("scene " + std::to_string(n) + ": " + scene.name);
+    collisions += compare_ways(scene);
+    compare_portions(scene, n);
+    if (HasFailure()) return;
+  }
+  if (!property::all_cases()) return;
+  EXPECT_GT(collisions, 50 * scene_count());
 }
 
 TEST(Equality, OneWayMayTakeOverFromAnother) {
   // Goal: a switch to other options (go_on_with) changes no bit of the recording. At the switch,
   // bodies may fly, touch, rest or not have started. Method: run scenes of all kinds in random
   // portions. Each portion has different options.
-  for (const std::uint64_t n : property::cases(property::of_tier(22, 90))) {
-    const TestScene scene = testing::any_scene(n);
-    const Outcome expected = outcome_of(scene, {});
-    auto started = Simulation::start(scene.setting.scene, {});
-    ASSERT_TRUE(started.ok());
-    Simulation simulation = std::move(started).value();
-    random::Stream stream = scenes::stream_of_scene(n, 2);
-    const Tick end = Tick{} + ticks_after(scene.setting.duration_s);
-    const auto others = ways();
-    for (std::size_t portion = 0; simulation.now() < end; ++portion) {
-      const double share = 0.3 * stream.uniform();
-      const TickCount span = 1 + static_cast<TickCount>(share * static_cast<double>(end.value));
-      ASSERT_FALSE(simulation.run_until(std::min(end, simulation.now() + span)));
-      simulation.go_on_with(
-          portion % 6 == 5
-              ? way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::heap)
-              : others[portion % 6].options);
-    }
-    const Counts& counts = simulation.counts();
-    EXPECT_EQ(counts.collisions + counts.static_collisions, expected.collisions) << scene.name;
-    EXPECT_EQ(simulation.recording().digest(), expected.digest) << scene.name;
-  }
+  for (const std::uint64_t n : property::cases(property::of_tier(22, 90)))
+    compare_portions(testing::any_scene(n), n);
 }
 
 TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {

@@ -11,6 +11,7 @@
 #include "tests/scenes/shared/scenes.h"
 #include "tests/unit/worker/physics/scene/random_friction.h"
 #include "tests/unit/worker/physics/simulator/dice.h"
+#include "tests/unit/worker/physics/simulator/fixed_and_filtered.h"
 #include "worker/physics/scene/scene.h"
 
 namespace sleight::physics::testing {
@@ -22,6 +23,7 @@ struct Subject {
   double duration_s = 1;
   double size_m = 0.01;  ///< of a body
   double speed_mps = 0.3;
+  bool fixes = false;  ///< proposals also fix bodies and change groups
 };
 
 inline double reach_m(const BodyDescription& body) {
@@ -108,7 +110,36 @@ inline void change_controls(Scene& scene, const Subject& subject, Dice& dice) {
                             .angular_velocity_change_radps = dice.vector_within(5)});
 }
 
+/// Fixes or releases a body, moves a fixed body, or changes a group or the filter.
+inline void change_fixed(Scene& scene, const Subject& subject, Dice& dice) {
+  const auto chosen = dice.below(scene.bodies.size());
+  BodyDescription& body = scene.bodies[chosen];
+  const auto kind = dice.below(12);
+  if (kind < 4) {
+    const BodyDescription& first = subject.scene.bodies[chosen];
+    body.fixed = !body.fixed && scene.period_m == std::array<double, 3>{};
+    body.start = first.start;
+    body.inertia = first.inertia;
+  } else if (kind < 8) {
+    body.group = random_group(dice);
+  } else if (kind < 10 && !scene.planes.empty() && may_regroup_statics(scene)) {
+    scene.planes[dice.below(scene.planes.size())].group = random_group(dice);
+  } else if (kind == 11) {
+    scene.filter.set_meet({1}, {1}, !scene.filter.meet({1}, {1}));
+  } else {
+    for (BodyDescription& one : scene.bodies) {
+      if (one.fixed && dice.one_in(2))
+        one.start.pose.position_m += dice.vector_within(0.3 * subject.size_m);
+    }
+  }
+}
+
 inline void change(Scene& scene, const Subject& subject, Dice& dice) {
+  if (subject.fixes && dice.one_in(3)) {
+    change_fixed(scene, subject, dice);
+    settle_fixed(scene);
+    return;
+  }
   const auto kind = dice.below(40);
   if (kind < 26) {
     change_body(scene, subject, dice);
@@ -126,6 +157,7 @@ inline void change(Scene& scene, const Subject& subject, Dice& dice) {
   } else {
     scene.contacts.set({}, {}, {.restitution = 0.45, .friction = 0.35, .rolling_friction = 0.01});
   }
+  settle_fixed(scene);
 }
 
 /// The n-th subject of an endless list: spheres in a box, an hourglass, heaps and walls that rest.

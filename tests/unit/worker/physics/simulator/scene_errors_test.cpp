@@ -139,6 +139,34 @@ TEST(SceneErrors, EachFaultIsNamed) {
               .polyhedron = std::make_shared<const ConvexPolyhedron>(cube(0.1).value()),
               .material = {1}});
        }},
+      {Kind::bad_number, "body 1: |can't be fixed|tick must be 0",
+       [](Scene& s) {
+         s.bodies[1].fixed = true;
+         s.bodies[1].start_tick = Tick{1};
+       }},
+      {Kind::bad_number, "body 1: |can't be fixed|at rest",
+       [](Scene& s) { s.bodies[1].fixed = s.bodies[1].rests = true; }},
+      {Kind::bad_number, "body 1: |can't be fixed|start_again",
+       [](Scene& s) {
+         s.bodies[1].fixed = true;
+         s.bodies[1].start_again = [](std::uint32_t) { return StartState{}; };
+       }},
+      {Kind::bad_reference, "control|body 1|fixed",
+       [](Scene& s) {
+         s.bodies[1].fixed = true;
+         s.controls.push_back({.tick = Tick{5}, .body = {1}});
+       }},
+      {Kind::bad_number, "neither|static geometry|nor fixed bodies",
+       [](Scene& s) {
+         s.planes.clear();
+         s.gravity_mps2 = Vec3::Zero();
+         s.bodies[1].fixed = true;
+         s.period_m = {1, 1, 1};
+       }},
+      {Kind::bad_reference, "body 1: |group is 32|0 to 31",
+       [](Scene& s) { s.bodies[1].group = {32}; }},
+      {Kind::bad_reference, "plane 'floor': |group is 255|0 to 31",
+       [](Scene& s) { s.planes[0].group = {255}; }},
       {Kind::bad_reference, "control|body 2|bodies is 2",
        [](Scene& s) { s.controls.push_back({.tick = Tick{5}, .body = {2}}); }},
       {Kind::bad_number, "control of body 1|tick 5",
