@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/request/nearest.h"
+#include "common/request/sets.h"
 #include "common/request/text.h"
 
 namespace sleight::request {
@@ -45,25 +46,125 @@ void describe_range(const NumberOptions& options, KeySpec& spec) {
   spec.expected = with_unit(words, options.unit);
 }
 
+void describe_range(const TextOptions& options, KeySpec& spec) {
+  spec.range = fmt::format("<= {} characters", options.characters_max);
+  spec.expected = fmt::format("a string of at most {} characters", options.characters_max);
+}
+
 bool in_range(double number, const NumberOptions& options) {
   return std::isfinite(number) &&
          (options.above_minimum ? number > options.minimum : number >= options.minimum) &&
          (options.below_maximum ? number < options.maximum : number <= options.maximum);
 }
 
+/// Returns a value's element if it has the right type and range.
+std::optional<double> element_of(const Value& value, const NumberOptions& options) {
+  double found = std::numeric_limits<double>::quiet_NaN();
+  if (const auto* number = std::get_if<double>(&value.held)) found = *number;
+  if (const auto* integer = std::get_if<std::int64_t>(&value.held))
+    found = static_cast<double>(*integer);
+  if (!in_range(found, options)) return std::nullopt;
+  return found + 0.0;  // -0 becomes 0
+}
+
+std::optional<std::int64_t> element_of(const Value& value, const IntegerOptions& options) {
+  const auto* found = std::get_if<std::int64_t>(&value.held);
+  if (found == nullptr || *found < options.minimum || *found > options.maximum) return std::nullopt;
+  return *found;
+}
+
+std::optional<std::string> element_of(const Value& value, const TextOptions& options) {
+  const auto* found = std::get_if<std::string>(&value.held);
+  if (found == nullptr || character_count(*found) > options.characters_max) return std::nullopt;
+  return *found;
+}
+
+std::string toml_of(double number) {
+  return toml_number(number);
+}
+std::string toml_of(std::int64_t integer) {
+  return fmt::format("{}", integer);
+}
+std::string toml_of(const std::string& text) {
+  return toml_string(text);
+}
+
+std::string_view noun(const NumberOptions& /*each*/) {
+  return "number";
+}
+std::string_view noun(const IntegerOptions& /*each*/) {
+  return "integer";
+}
+std::string_view noun(const TextOptions& /*each*/) {
+  return "string";
+}
+
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+/// Returns "3 numbers" or "1 to 9 rows".
+std::string counted(std::size_t count_min, std::size_t count_max, std::string_view noun) {
+  return (count_min == count_max ? "" : fmt::format("{} to ", count_min)) +
+         counted(count_max, noun);
+}
+
+/// Returns the elements of an array, or null if it isn't one, or has another number of elements.
+const std::vector<Value>* elements_of(const Value& value, std::size_t count_min,
+                                      std::size_t count_max) {
+  const auto* array = std::get_if<std::vector<Value>>(&value.held);
+  const bool fits = array != nullptr && array->size() >= count_min && array->size() <= count_max;
+  return fits ? array : nullptr;
+}
+
+/// Tells why a value isn't a text. `key` is its name in a `--set`.
+std::string hint_of_text(const Value& value, std::string_view key) {
+  if (const auto* text = std::get_if<std::string>(&value.held))
+    return fmt::format(", which has {} characters", character_count(*text));
+  const bool is_scalar = std::holds_alternative<std::int64_t>(value.held) ||
+                         std::holds_alternative<double>(value.held) ||
+                         std::holds_alternative<bool>(value.held);
+  if (!is_scalar) return "";
+  const bool is_set = value.place == k_no_place;
+  return fmt::format("; a string needs quotes: {}\"{}\"{}",
+                     is_set ? fmt::format("--set '{}=", key) : "", description(value),
+                     is_set ? "'" : "");
+}
+
+std::string found_in(const Value& value) {
+  const auto* array = std::get_if<std::vector<Value>>(&value.held);
+  return array == nullptr ? description(value) : fmt::format("an array of {}", array->size());
+}
+
+template <class Element>
+std::string toml_of_rows(const std::vector<Element>& elements, std::size_t columns, bool is_rows) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (i > 0) text += is_rows && i % columns == 0 ? "], " : ", ";
+    if (is_rows && i % columns == 0) text += '[';
+    text += toml_of(elements[i]);
+  }
+  return text + (is_rows && !elements.empty() ? "]]" : "]");
+}
+
 }  // namespace
+
+struct Binder::ExpectedElements {
+  std::string element;
+  std::string row;
+};
 
 Binder::Binder(std::string section_name, const Section* section, Diagnostics& diagnostics)
     : section_name_(std::move(section_name)), section_(section), diagnostics_(diagnostics) {}
 
 const Value* Binder::declare(KeySpec spec) {
-  for (const BoundKey& bound : keys_)
+  for (const BoundKey& bound : bound_.keys)
     CHECK_NE(bound.spec.key, spec.key);
   const Entry* entry = section_ == nullptr ? nullptr : section_->find(spec.key);
   if (entry == nullptr && section_ != nullptr && spec.presence == Presence::required) {
     fail(spec.key, section_->place, fmt::format("missing; expected {}", spec.expected));
   }
-  keys_.push_back({std::move(spec), ""});
+  bound_.keys.push_back({std::move(spec), ""});
   return entry == nullptr ? nullptr : &entry->value;
 }
 
@@ -73,16 +174,16 @@ void Binder::fail(std::string_view key, Place place, std::string_view message) {
 }
 
 void Binder::refuse(const Value& value, std::string_view hint) {
-  const KeySpec& spec = keys_.back().spec;
+  const KeySpec& spec = bound_.keys.back().spec;
   fail(spec.key, value.place,
        fmt::format("expected {}, found {}{}", spec.expected, description(value), hint));
 }
 
 std::optional<double> Binder::read_number(std::string_view key, std::optional<double> fallback,
-                                          const NumberOptions& options) {
+                                          Presence presence, const NumberOptions& options) {
   KeySpec spec{.key = std::string(key),
                .unit = std::string(options.unit),
-               .presence = fallback ? Presence::defaulted : Presence::optional,
+               .presence = presence,
                .help = std::string(options.help)};
   if (fallback) {
     CHECK(in_range(*fallback, options));
@@ -92,57 +193,180 @@ std::optional<double> Binder::read_number(std::string_view key, std::optional<do
 
   std::optional<double> number = fallback;
   if (const Value* value = declare(std::move(spec))) {
-    double found = std::numeric_limits<double>::quiet_NaN();
-    if (const auto* as_number = std::get_if<double>(&value->held)) found = *as_number;
-    if (const auto* as_integer = std::get_if<std::int64_t>(&value->held)) {
-      found = static_cast<double>(*as_integer);
-    }
-    if (in_range(found, options)) {
-      number = found + 0.0;  // -0 becomes 0
+    if (const auto found = element_of(*value, options)) {
+      number = found;
     } else {
       refuse(*value);
     }
   }
-  if (number) keys_.back().value = toml_number(*number);
+  if (number) bound_.keys.back().value = toml_number(*number);
   return number;
 }
 
 void Binder::number(std::string_view key, double& value, const NumberOptions& options) {
-  value = *read_number(key, value, options);
+  value = *read_number(key, value, Presence::defaulted, options);
 }
 
 void Binder::optional_number(std::string_view key, std::optional<double>& value,
                              const NumberOptions& options) {
   CHECK(!value.has_value());
-  value = read_number(key, std::nullopt, options);
+  value = read_number(key, std::nullopt, Presence::optional, options);
 }
 
-const TableArray* Binder::declare_tables(std::string_view key, const TablesOptions& options) {
-  const std::string name = fmt::format("[{}.{}]", section_name_, key);
-  const Value* value = declare({.key = std::string(key),
-                                .range = fmt::format("<= {} tables", options.count_max),
-                                .expected = fmt::format("tables, each with the header [{}]", name),
-                                .presence = Presence::optional,
-                                .help = std::string(options.help)});
-  arrays_.push_back({.key = std::string(key), .name = name, .specs = {}, .tables = {}});
-  if (value == nullptr) return nullptr;
-  const TableArray* array = section_->find_array(key);
-  if (array == nullptr) {
-    refuse(*value);
-  } else if (array->tables.size() > options.count_max) {
-    fail(key, array->tables[options.count_max].place,
-         fmt::format("expected at most {} tables [{}], found {}", options.count_max, name,
-                     array->tables.size()));
-    array = nullptr;
+void Binder::required_number(std::string_view key, double& value, const NumberOptions& options) {
+  value = read_number(key, std::nullopt, Presence::required, options).value_or(value);
+}
+
+void Binder::numbers(std::string_view key, std::vector<double>& values, const ListOptions& list,
+                     const NumberOptions& each) {
+  CHECK(values.empty());
+  const Shape shape{.rows_min = list.count_min, .rows_max = list.count_max};
+  values = read_array<double>(key, shape, nullptr, list.required, each).value_or(values);
+}
+
+void Binder::texts(std::string_view key, std::vector<std::string>& values, const ListOptions& list,
+                   const TextOptions& each) {
+  CHECK(values.empty());
+  const Shape shape{.rows_min = list.count_min, .rows_max = list.count_max};
+  values = read_array<std::string>(key, shape, nullptr, list.required, each).value_or(values);
+}
+
+template <class Options>
+Binder::ExpectedElements Binder::describe_array(const Shape& shape, const Options& each,
+                                                KeySpec& spec) {
+  describe_range(each, spec);
+  if constexpr (!std::is_same_v<Options, TextOptions>) spec.unit = each.unit;
+  ExpectedElements expected;
+  expected.element = spec.expected;
+  expected.row = fmt::format("{}, each {}", counted(shape.columns, noun(each)), spec.expected);
+  const std::string rows =
+      counted(shape.rows_min, shape.rows_max, shape.is_rows ? "row" : noun(each));
+  spec.range = shape.is_rows ? fmt::format("{} of {} in {}", rows, shape.columns, spec.range)
+                             : fmt::format("{} in {}", rows, spec.range);
+  spec.expected = shape.is_rows ? fmt::format("{} of {}", rows, expected.row)
+                                : fmt::format("{}, each {}", rows, expected.element);
+  return expected;
+}
+
+template <class Element, class Options>
+std::optional<std::vector<Element>> Binder::read_array(std::string_view key, const Shape& shape,
+                                                       const std::vector<Element>* fallback,
+                                                       bool required, const Options& each) {
+  CHECK(shape.rows_min <= shape.rows_max && shape.columns > 0);
+  CHECK_LE(shape.rows_max, k_array_numbers_max / shape.columns);
+  KeySpec spec{.key = std::string(key), .help = std::string(each.help)};
+  spec.presence = required              ? Presence::required
+                  : fallback != nullptr ? Presence::defaulted
+                                        : Presence::optional;
+  const ExpectedElements expected = describe_array(shape, each, spec);
+  std::optional<std::vector<Element>> elements;
+  if (fallback != nullptr) {
+    for (const Element& element : *fallback)
+      CHECK(element_of(Value{.held = element, .place = {}}, each).has_value());
+    elements = *fallback;
+    spec.fallback = toml_of_rows(*elements, shape.columns, shape.is_rows);
   }
-  return array;
+  if (const Value* value = declare(std::move(spec))) {
+    std::vector<Element> found;
+    if (read_elements(*value, shape, expected, each, found)) elements = std::move(found);
+  }
+  if (elements) bound_.keys.back().value = toml_of_rows(*elements, shape.columns, shape.is_rows);
+  return elements;
+}
+
+template <class Element, class Options>
+bool Binder::read_elements(const Value& value, const Shape& shape, const ExpectedElements& expected,
+                           const Options& each, std::vector<Element>& found) {
+  const std::size_t errors_before = invalid_.size();
+  const std::string key = bound_.keys.back().spec.key;
+  const auto refuse_at = [&](const std::string& where, const Value& wrong, std::string_view right) {
+    fail(key, wrong.place, fmt::format("{}expected {}, found {}", where, right, found_in(wrong)));
+  };
+  const auto* rows = elements_of(value, shape.rows_min, shape.rows_max);
+  if (rows == nullptr) refuse_at("", value, bound_.keys.back().spec.expected);
+  for (std::size_t i = 0; rows != nullptr && i < rows->size(); ++i) {
+    const std::span<const Value> one(&(*rows)[i], 1);
+    const auto* array = shape.is_rows ? elements_of(one[0], shape.columns, shape.columns) : nullptr;
+    if (shape.is_rows && array == nullptr) {
+      refuse_at(fmt::format("row {}: ", i + 1), one[0], expected.row);
+      continue;
+    }
+    const std::span<const Value> row = array == nullptr ? one : std::span(*array);
+    for (std::size_t j = 0; j < row.size(); ++j) {
+      if (auto element = element_of(row[j], each)) {
+        found.push_back(std::move(*element));
+      } else {
+        refuse_at(shape.is_rows ? fmt::format("row {}, element {}: ", i + 1, j + 1)
+                                : fmt::format("element {}: ", i + 1),
+                  row[j], expected.element);
+      }
+    }
+  }
+  return invalid_.size() == errors_before;
+}
+
+template std::optional<std::vector<double>> Binder::read_array(std::string_view, const Shape&,
+                                                               const std::vector<double>*, bool,
+                                                               const NumberOptions&);
+template std::optional<std::vector<std::int64_t>> Binder::read_array(
+    std::string_view, const Shape&, const std::vector<std::int64_t>*, bool, const IntegerOptions&);
+template std::optional<std::vector<std::string>> Binder::read_array(std::string_view, const Shape&,
+                                                                    const std::vector<std::string>*,
+                                                                    bool, const TextOptions&);
+
+BoundTables Binder::named_tables(std::string_view key, bool is_array) const {
+  std::string_view parent = section_name_;
+  if (parent.starts_with('[')) parent = parent.substr(1, parent.size() - 2);
+  return {
+      .key = std::string(key),
+      .name = is_array ? fmt::format("[{}.{}]", parent, key) : fmt::format("{}.{}", parent, key),
+      .described = {},
+      .tables = {}};
+}
+
+std::vector<const Section*> Binder::declare_tables(const BoundTables& tables,
+                                                   const TablesOptions& options) {
+  const Value* value =
+      declare({.key = tables.key,
+               .range = fmt::format("<= {} tables", options.count_max),
+               .expected = fmt::format("tables, each with the header [{}]", tables.name),
+               .presence = Presence::optional,
+               .help = std::string(options.help)});
+  if (value == nullptr) return {};
+  std::vector<const Section*> given = section_->tables(tables.key);
+  const bool is_set = value->place.line == 0;
+  if (is_set && std::holds_alternative<Section>(value->held)) {
+    invalid_.push_back(tables.key);
+    diagnostics_.add(value->place, std::string(k_set_within_table));
+  } else if (given.empty() || is_set) {
+    refuse(*value);
+    given.clear();
+  } else if (given.size() > options.count_max) {
+    fail(tables.key, given[options.count_max]->place,
+         fmt::format("expected at most {} tables [{}], found {}", options.count_max, tables.name,
+                     given.size()));
+    given.clear();
+  }
+  return given;
+}
+
+const Section* Binder::declare_table(const BoundTables& table, std::string_view help) {
+  const Value* value = declare({.key = table.key,
+                                .range = "a table",
+                                .expected = fmt::format("a table with the header [{}]", table.name),
+                                .presence = Presence::optional,
+                                .help = std::string(help)});
+  if (value == nullptr) return nullptr;
+  const Section* given = section_->table(table.key);
+  if (given == nullptr) refuse(*value);
+  return given;
 }
 
 void Binder::angle_deg(std::string_view key, double& value_rad, const NumberOptions& options) {
   NumberOptions in_degrees = options;
   in_degrees.unit = "degrees";
   const double fallback = degrees_of_radians(value_rad);
-  const double degrees = *read_number(key, fallback, in_degrees);
+  const double degrees = *read_number(key, fallback, Presence::defaulted, in_degrees);
   // Don't convert an unchanged default, so that it keeps its exact bits.
   if (degrees != fallback) value_rad = radians_of_degrees(degrees);
 }
@@ -162,15 +386,14 @@ std::optional<std::int64_t> Binder::read_integer(std::string_view key,
 
   std::optional<std::int64_t> integer = fallback;
   if (const Value* value = declare(std::move(spec))) {
-    const auto* found = std::get_if<std::int64_t>(&value->held);
-    if (found != nullptr && *found >= options.minimum && *found <= options.maximum) {
-      integer = *found;
+    if (const auto found = element_of(*value, options)) {
+      integer = found;
     } else {
       const bool is_number = std::holds_alternative<double>(value->held);
       refuse(*value, is_number ? "; an integer has no '.' and no exponent" : "");
     }
   }
-  if (integer) keys_.back().value = fmt::format("{}", *integer);
+  if (integer) bound_.keys.back().value = fmt::format("{}", *integer);
   return integer;
 }
 
@@ -187,37 +410,42 @@ void Binder::boolean(std::string_view key, bool& value, std::string_view help) {
       refuse(*given_value);
     }
   }
-  keys_.back().value = value ? "true" : "false";
+  bound_.keys.back().value = value ? "true" : "false";
 }
 
 void Binder::text(std::string_view key, std::string& value, const TextOptions& options) {
-  CHECK_LE(character_count(value), options.characters_max);
-  const std::string expected =
-      fmt::format("a string of at most {} characters", options.characters_max);
-  const Value* given_value =
-      declare({.key = std::string(key),
-               .range = fmt::format("<= {} characters", options.characters_max),
-               .expected = expected,
-               .fallback = toml_string(value),
-               .help = std::string(options.help)});
-  if (given_value != nullptr) {
-    const auto* found = std::get_if<std::string>(&given_value->held);
-    if (found != nullptr && character_count(*found) <= options.characters_max) {
-      value = *found;
+  value = *read_text(key, &value, Presence::defaulted, options);
+}
+
+void Binder::optional_text(std::string_view key, std::optional<std::string>& value,
+                           const TextOptions& options) {
+  CHECK(!value.has_value());
+  value = read_text(key, nullptr, Presence::optional, options);
+}
+
+void Binder::required_text(std::string_view key, std::string& value, const TextOptions& options) {
+  value = read_text(key, nullptr, Presence::required, options).value_or(value);
+}
+
+std::optional<std::string> Binder::read_text(std::string_view key, const std::string* fallback,
+                                             Presence presence, const TextOptions& options) {
+  KeySpec spec{.key = std::string(key), .presence = presence, .help = std::string(options.help)};
+  describe_range(options, spec);
+  std::optional<std::string> text;
+  if (fallback != nullptr) {
+    CHECK_LE(character_count(*fallback), options.characters_max);
+    text = *fallback;
+    spec.fallback = toml_string(*fallback);
+  }
+  if (const Value* value = declare(std::move(spec))) {
+    if (auto found = element_of(*value, options)) {
+      text = std::move(found);
     } else {
-      std::string hint;
-      if (found != nullptr) {
-        hint = fmt::format(", which has {} characters", character_count(*found));
-      } else if (!std::holds_alternative<Unwanted>(given_value->held)) {
-        const bool is_set = given_value->place == k_no_place;
-        hint = fmt::format("; a string needs quotes: {}\"{}\"{}",
-                           is_set ? fmt::format("--set '{}.{}=", section_name_, key) : "",
-                           description(*given_value), is_set ? "'" : "");
-      }
-      refuse(*given_value, hint);
+      refuse(*value, hint_of_text(*value, fmt::format("{}.{}", section_name_, key)));
     }
   }
-  keys_.back().value = toml_string(value);
+  if (text) bound_.keys.back().value = toml_string(*text);
+  return text;
 }
 
 std::optional<std::size_t> Binder::read_choice(std::string_view key,
@@ -247,14 +475,14 @@ std::optional<std::size_t> Binder::read_choice(std::string_view key,
       refuse(*value, near ? fmt::format("; did you mean \"{}\"?", *near) : "");
     }
   }
-  if (chosen) keys_.back().value = quoted[*chosen];
+  if (chosen) bound_.keys.back().value = quoted[*chosen];
   return chosen;
 }
 
 void Binder::settle(std::string_view key, std::string value) {
-  const auto bound = std::find_if(keys_.begin(), keys_.end(),
+  const auto bound = std::find_if(bound_.keys.begin(), bound_.keys.end(),
                                   [&](const BoundKey& b) { return b.spec.key == key; });
-  CHECK(bound != keys_.end());
+  CHECK(bound != bound_.keys.end());
   bound->value = std::move(value);
 }
 
@@ -263,7 +491,7 @@ bool Binder::given(std::string_view key) const {
 }
 
 bool Binder::valid(std::string_view key) const {
-  const bool declared = std::any_of(keys_.begin(), keys_.end(),
+  const bool declared = std::any_of(bound_.keys.begin(), bound_.keys.end(),
                                     [&](const BoundKey& bound) { return bound.spec.key == key; });
   return declared && std::find(invalid_.begin(), invalid_.end(), key) == invalid_.end();
 }

@@ -13,17 +13,28 @@
 // keys() then describes the keys, in order of declaration. The description is for help; it includes
 // the current value, for the normalised text.
 //
+// A key's value is a number, a boolean, a string, an array of them, a table `[section.key]` or any
+// number of tables `[[section.key]]`. Tables have binders of their own, and may nest:
+//
+//   world.tables("body", p.bodies, {.count_max = 9}, [](Binder& body, Body& b) {
+//     body.numbers("at_mm", b.at_mm, {.unit = "mm"});            // at_mm = [0, 0, 400]
+//     b.is_ring = body.table("ring", b.ring, "copies", &bind_ring);  // [world.body.ring]
+//     body.tables("part", b.parts, {.count_max = 9}, &bind_part);    // [[world.body.part]]
+//   });
+//
 // Invariants
 //   1. A member's value before the call is the key's default. If the file has no valid value for
 //      the key, the member keeps its default. So if its default is in range, the member is in range
 //      after the call.
 //   2. Defaults do not depend on other keys, and a bind function declares the same keys every time.
-//   3. If there were no errors, writing keys() as TOML and reading the text again gives the same
-//      members and the same keys().
+//   3. If there were no errors, writing bound() as TOML and reading the text again gives the same
+//      members and the same bound().
 // Errors in the file become diagnostics with places as in diagnostic.h. A default out of range, or
 // a key that is declared twice, is a bug and aborts the process. Not thread-safe.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -64,11 +75,19 @@ struct BoundKey {
   std::string value;  ///< as TOML; empty if an optional or required key is not given
 };
 
+struct BoundTables;
+
+/// A section's or table's keys and tables, in order of declaration.
+struct BoundSection {
+  std::vector<BoundKey> keys;
+  std::vector<BoundTables> tables;  ///< `keys` has their keys too, without a value
+};
+
 struct BoundTables {
   std::string key;
-  std::string name;             ///< "[section.key]": the text between the brackets of the section
-  std::vector<BoundKey> specs;  ///< description of each table's keys, with their defaults
-  std::vector<std::vector<BoundKey>> tables;  ///< the tables in the file
+  std::string name;        ///< between the header's brackets: "section.key" or "[section.key]"
+  BoundSection described;  ///< each table's keys, with their defaults
+  std::vector<BoundSection> tables;  ///< the tables in the file; of `[section.key]` at most one
 };
 
 /// A finite number. A file may also give an integer. -0 is read as 0.
@@ -92,6 +111,16 @@ struct TextOptions {
   std::size_t characters_max = 256;
   std::string_view help = "";
 };
+
+/// The number of an array's elements, and whether a file must give the array.
+struct ListOptions {
+  std::size_t count_min = 1;
+  std::size_t count_max = 1;
+  bool required = false;
+};
+
+/// Maximum numbers in an array and its rows. About as many fill a file of k_request_bytes_max.
+inline constexpr std::size_t k_array_numbers_max = 60'000;
 
 struct TablesOptions {
   std::size_t count_max = 1;
@@ -121,6 +150,54 @@ class Binder {
   void optional_number(std::string_view key, std::optional<double>& value,
                        const NumberOptions& options);
 
+  /// A number that the file must have. If the file omits it, `value` is unchanged.
+  void required_number(std::string_view key, double& value, const NumberOptions& options);
+
+  /// An array of N numbers, such as a position. `each` describes every number.
+  template <std::size_t N>
+  void numbers(std::string_view key, std::array<double, N>& value, const NumberOptions& each) {
+    const std::vector<double> fallback(value.begin(), value.end());
+    const auto given = read_array<double>(key, row_of<N>(), &fallback, false, each);
+    if (given) std::copy_n(given->begin(), N, value.begin());
+  }
+
+  /// An optional array of N numbers. REQUIRES: `value` is empty.
+  template <std::size_t N>
+  void optional_numbers(std::string_view key, std::optional<std::array<double, N>>& value,
+                        const NumberOptions& each) {
+    CHECK(!value.has_value());
+    const auto given = read_array<double>(key, row_of<N>(), nullptr, false, each);
+    if (given) std::copy_n(given->begin(), N, value.emplace().begin());
+  }
+
+  /// An array of numbers. If the file has no valid one, `values` stays empty. REQUIRES: `values` is
+  /// empty; count_max <= k_array_numbers_max.
+  void numbers(std::string_view key, std::vector<double>& values, const ListOptions& list,
+               const NumberOptions& each);
+
+  /// An array of rows, each an array of N numbers: `[[0, 0, 1], [1, 0, 0]]`. `each` describes every
+  /// number. If the file has no valid one, `rows` stays empty. REQUIRES: `rows` is empty; N *
+  /// count_max <= k_array_numbers_max.
+  template <std::size_t N>
+  void rows(std::string_view key, std::vector<std::array<double, N>>& rows, const ListOptions& list,
+            const NumberOptions& each) {
+    read_rows<double>(key, rows, list, each);
+  }
+
+  /// Like rows() above, but of integers. REQUIRES: the range fits T.
+  template <class T, std::size_t N>
+  requires std::is_integral_v<T>
+  void rows(std::string_view key, std::vector<std::array<T, N>>& rows, const ListOptions& list,
+            const IntegerOptions& each) {
+    check_fits<T>(each);
+    read_rows<std::int64_t>(key, rows, list, each);
+  }
+
+  /// An array of texts. If the file has no valid one, `values` stays empty. REQUIRES: `values` is
+  /// empty; count_max <= k_array_numbers_max.
+  void texts(std::string_view key, std::vector<std::string>& values, const ListOptions& list,
+             const TextOptions& each);
+
   /// REQUIRES: the range fits T.
   template <class T>
   requires std::is_integral_v<T>
@@ -146,6 +223,13 @@ class Binder {
   /// A UTF-8 text of at most options.characters_max characters (code points).
   void text(std::string_view key, std::string& value, const TextOptions& options);
 
+  /// An optional text. REQUIRES: `value` is empty.
+  void optional_text(std::string_view key, std::optional<std::string>& value,
+                     const TextOptions& options);
+
+  /// A text that the file must have. If the file omits it, `value` is unchanged.
+  void required_text(std::string_view key, std::string& value, const TextOptions& options);
+
   /// One of `choices` by name. REQUIRES: `value` is among them.
   template <class T>
   void choice(std::string_view key, T& value, std::span<const Named<T>> choices,
@@ -166,24 +250,46 @@ class Binder {
     if (chosen) value = choices[*chosen].value;
   }
 
+  /// An optional choice. REQUIRES: `value` is empty.
+  template <class T>
+  void optional_choice(std::string_view key, std::optional<T>& value,
+                       std::span<const Named<T>> choices, std::string_view help) {
+    CHECK(!value.has_value());
+    const auto chosen = read_choice(key, std::nullopt, names_of(choices), Presence::optional, help);
+    if (chosen) value = choices[*chosen].value;
+  }
+
   /// `[[section.key]]`: any number of tables. Each table gives an element of `values`. `bind`
-  /// declares the keys of one table. For help, `bind` is also called once for a default-constructed
-  /// T. If there are too many tables, an error is added and no table is read.
+  /// declares the keys of one table, which may again be tables. For help, `bind` is also called
+  /// once without a section, for a default-constructed T; errors are then ignored. If there are too
+  /// many tables, an error is added and no table is read.
   template <class T>
   void tables(std::string_view key, std::vector<T>& values, const TablesOptions& options,
-              const std::function<void(Binder& table, T& value)>& bind) {
+              const std::type_identity_t<std::function<void(Binder& table, T& value)>>& bind) {
     values.clear();
-    const TableArray* given = declare_tables(key, options);
-    const std::string name = arrays_.back().name;
+    BoundTables bound = named_tables(key, true);
+    const std::vector<const Section*> given = declare_tables(bound, options);
     T described{};
-    Binder help(name, nullptr, diagnostics_);
-    bind(help, described);
-    arrays_.back().specs = help.keys();
-    for (std::size_t i = 0; given != nullptr && i < given->tables.size(); ++i) {
-      Binder table(name, &given->tables[i], diagnostics_);
-      bind(table, values.emplace_back());
-      arrays_.back().tables.push_back(table.keys());
-    }
+    bound.described = bind_table(bound, nullptr, described, bind);
+    for (const Section* table : given)
+      bound.tables.push_back(bind_table(bound, table, values.emplace_back(), bind));
+    bound_.tables.push_back(std::move(bound));
+  }
+
+  /// `[section.key]` or `key = {...}`: an optional table. Returns whether the file has it. `bind`
+  /// declares the table's keys, which may again be tables. If the file omits a key, its member
+  /// keeps its default. For help, `bind` is also called without a section, for a copy of `value`.
+  /// The normalised text has the table only if the file has it.
+  template <class T>
+  bool table(std::string_view key, T& value, std::string_view help,
+             const std::type_identity_t<std::function<void(Binder& table, T& value)>>& bind) {
+    BoundTables bound = named_tables(key, false);
+    const Section* given = declare_table(bound, help);
+    T described = value;
+    bound.described = bind_table(bound, nullptr, described, bind);
+    if (given != nullptr) bound.tables.push_back(bind_table(bound, given, value, bind));
+    bound_.tables.push_back(std::move(bound));
+    return given != nullptr;
   }
 
   /// Sets the value that the normalised text shows for a key. For keys that the file omits, and
@@ -208,8 +314,8 @@ class Binder {
   std::uint32_t line() const { return section_ == nullptr ? 0 : section_->place.line; }
 
   const std::string& section_name() const { return section_name_; }
-  const std::vector<BoundKey>& keys() const { return keys_; }
-  const std::vector<BoundTables>& arrays() const { return arrays_; }
+  const BoundSection& bound() const { return bound_; }
+  const std::vector<BoundKey>& keys() const { return bound_.keys; }
 
  private:
   template <class T>
@@ -224,8 +330,57 @@ class Binder {
     return names;
   }
 
+  /// An array of `columns` elements; or, if `is_rows`, an array of such arrays. A list has rows of
+  /// one element that aren't arrays.
+  struct Shape {
+    std::size_t rows_min = 1;
+    std::size_t rows_max = 1;
+    std::size_t columns = 1;
+    bool is_rows = false;
+  };
+  template <std::size_t N>
+  static Shape row_of() {
+    return {.rows_min = N, .rows_max = N};
+  }
+  struct ExpectedElements;
+  /// Fills in the range and the expected value of an array.
+  template <class Options>
+  static ExpectedElements describe_array(const Shape& shape, const Options& each, KeySpec& spec);
+  /// Returns whether all elements are valid.
+  template <class Element, class Options>
+  bool read_elements(const Value& value, const Shape& shape, const ExpectedElements& expected,
+                     const Options& each, std::vector<Element>& found);
+  /// Returns the elements of all rows. Instantiated for double, std::int64_t and std::string.
+  template <class Element, class Options>
+  std::optional<std::vector<Element>> read_array(std::string_view key, const Shape& shape,
+                                                 const std::vector<Element>* fallback,
+                                                 bool required, const Options& each);
+  template <class Element, class T, std::size_t N, class Options>
+  void read_rows(std::string_view key, std::vector<std::array<T, N>>& rows, const ListOptions& list,
+                 const Options& each) {
+    CHECK(rows.empty());
+    const Shape shape{list.count_min, list.count_max, N, true};
+    const auto given = read_array<Element>(key, shape, nullptr, list.required, each);
+    for (std::size_t i = 0; given && i < given->size(); ++i) {
+      if (i % N == 0) rows.emplace_back();
+      rows.back()[i % N] = static_cast<T>((*given)[i]);
+    }
+  }
+  /// Without a section, describes the table and ignores errors.
+  template <class T>
+  BoundSection bind_table(const BoundTables& tables, const Section* section, T& value,
+                          const std::function<void(Binder& table, T& value)>& bind) {
+    Diagnostics ignored("");
+    Binder table(tables.name, section, section == nullptr ? ignored : diagnostics_);
+    bind(table, value);
+    if (section != nullptr && !table.is_sound()) invalid_.push_back(tables.key);
+    return std::move(table.bound_);
+  }
+
   std::optional<double> read_number(std::string_view key, std::optional<double> fallback,
-                                    const NumberOptions& options);
+                                    Presence presence, const NumberOptions& options);
+  std::optional<std::string> read_text(std::string_view key, const std::string* fallback,
+                                       Presence presence, const TextOptions& options);
   std::optional<std::int64_t> read_integer(std::string_view key,
                                            std::optional<std::int64_t> fallback, Presence presence,
                                            const IntegerOptions& options);
@@ -235,16 +390,18 @@ class Binder {
 
   /// Adds the key and returns its value in the file, or null if the file omits the key.
   const Value* declare(KeySpec spec);
-  /// Returns null if the file has no tables, or too many tables.
-  const TableArray* declare_tables(std::string_view key, const TablesOptions& options);
+  BoundTables named_tables(std::string_view key, bool is_array) const;
+  /// Returns no tables if the file has too many.
+  std::vector<const Section*> declare_tables(const BoundTables& tables,
+                                             const TablesOptions& options);
+  const Section* declare_table(const BoundTables& table, std::string_view help);
   void refuse(const Value& value, std::string_view hint = "");
   void fail(std::string_view key, Place place, std::string_view message);
 
   std::string section_name_;
   const Section* section_;
   Diagnostics& diagnostics_;
-  std::vector<BoundKey> keys_;
-  std::vector<BoundTables> arrays_;
+  BoundSection bound_;
   std::vector<std::string> invalid_;
 };
 

@@ -309,7 +309,8 @@ void settle_method(SectionBinders& sections, DirectionRequest& request, const Wo
   request.sampler.method = Method::search;
   sections.sampler.settle("method", "\"search\"");
   if (wants_finds) return;
-  if (!sections.stop.given("takes")) {
+  // The file may omit `takes`, or its value may be invalid.
+  if (!request.stop.takes) {
     request.stop.takes = k_solutions_asked_for;
     sections.stop.settle("takes", fmt::format("{}", k_solutions_asked_for));
   }

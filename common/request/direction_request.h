@@ -6,7 +6,8 @@
 //   [stop]        stop rules: the first that holds ends the run
 //   [output]      what the archive stores
 //
-// A section may have arrays of tables, such as [[world.die]], each table with keys of its own.
+// A section may have tables, such as [world.noise], and arrays of tables, such as [[world.die]].
+// Each table has keys of its own, and may have tables again: [[world.die.mark]].
 //
 // Each world binds its own keys in [world] and [constraint], and the keys of its proposals in
 // [sampler]. This module accesses a world only through a WorldBinding; a program's main passes the
@@ -184,10 +185,12 @@ struct OutputParameters {
   friend bool operator==(const OutputParameters&, const OutputParameters&) = default;
 };
 
-/// A section's keys, in their fixed order. Each value is TOML. Each table of an array counts as a
-/// section.
+/// A section's keys, in their fixed order. Each value is TOML. Each table counts as a section. It
+/// follows the section or table that it is in.
 struct NormalisedSection {
-  std::string name;  ///< text between the brackets: "world", or "[world.die]" for a table
+  /// Text between the brackets: "world", "world.noise" for a table, or "[world.die]" for a table of
+  /// an array.
+  std::string name;
   std::vector<std::pair<std::string, std::string>> keys;
   friend bool operator==(const NormalisedSection&, const NormalisedSection&) = default;
 };
@@ -217,6 +220,9 @@ const Parameters& parameters_of(const DirectionRequest& request) {
   return *parameters;
 }
 
+/// Maximum size of a request's normalised text. Other rules of [stop] may lengthen it a little, but
+/// it stays readable (k_request_bytes_max).
+inline constexpr std::size_t k_normalised_bytes_max = k_request_bytes_max - 4096;
 inline constexpr std::uint32_t k_chains_max = 65536;
 inline constexpr std::uint32_t k_replicas_max = 256;
 inline constexpr std::uint32_t k_ladder_power_max = 12;
@@ -303,7 +309,7 @@ DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
 DirectionRequest search_of(DirectionRequest request);
 
 struct SectionKeys {
-  std::string name;
+  std::string name;  ///< as in NormalisedSection
   std::vector<KeySpec> keys;
 };
 

@@ -61,6 +61,20 @@ Place within(std::string_view text, Place place) {
   return {place.line, std::min(place.column, static_cast<std::uint32_t>(length) + 1)};
 }
 
+/// Returns whether this dot is a number's decimal point: digits adjoin it, and what adjoins the
+/// number can't adjoin a key that has more dots.
+bool is_decimal_point(std::string_view text, std::size_t dot) {
+  constexpr std::string_view digits = "0123456789_+-";
+  const std::size_t before = text.substr(0, dot).find_last_not_of(digits);
+  const std::size_t first = before == std::string_view::npos ? 0 : before + 1;
+  const std::size_t end = std::min(text.find_first_not_of("0123456789_+-eE", dot + 1), text.size());
+  return first < dot && end > dot + 1 &&
+         (first == 0 ||
+          std::string_view(" \t\r\n,[=").find(text[first - 1]) != std::string::npos) &&
+         (end == text.size() ||
+          std::string_view(" \t\r\n,]}#").find(text[end]) != std::string::npos);
+}
+
 /// If the text must not be parsed, returns an error with its place.
 std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
   if (text.size() > k_request_bytes_max) {
@@ -68,6 +82,7 @@ std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
                                   text.size(), k_request_bytes_max)}};
   }
   Place place;
+  const std::string_view whole = text;
   for (std::size_t dots = 0; !text.empty();) {
     const std::optional<CodePoint> c = front_code_point(text);
     if (!c) {
@@ -77,7 +92,8 @@ std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
     }
     const bool may_nest =
         c->value == '.' &&
-        (text.size() < 2 || k_never_after_a_keys_dot.find(text[1]) == std::string_view::npos);
+        (text.size() < 2 || k_never_after_a_keys_dot.find(text[1]) == std::string_view::npos) &&
+        !is_decimal_point(whole, whole.size() - text.size());
     if (may_nest && ++dots > k_dots_per_line_max) {
       return {
           {place, fmt::format("the line has more than {} dots; keys of a request are not nested",
@@ -99,58 +115,53 @@ std::string syntax_message(std::string_view description) {
   return "not valid TOML: " + message;
 }
 
+bool by_place(const Entry& a, const Entry& b) {
+  return a.place < b.place;
+}
+
+Entry entry_of(const toml::key& key, const toml::node& node);
+
+std::vector<Entry> entries_of(const toml::table& table) {
+  std::vector<Entry> entries;
+  for (const auto& [key, node] : table)
+    entries.push_back(entry_of(key, node));
+  std::stable_sort(entries.begin(), entries.end(), by_place);
+  return entries;
+}
+
 Value value_of(const toml::node& node) {
   const Place place = place_of(node.source().begin);
   if (const auto* text = node.as_string()) return {text->get(), place};
   if (const auto* integer = node.as_integer()) return {integer->get(), place};
   if (const auto* number = node.as_floating_point()) return {number->get(), place};
   if (const auto* boolean = node.as_boolean()) return {boolean->get(), place};
-  if (node.is_array()) return {Unwanted::array, place};
-  if (node.is_table()) return {Unwanted::table, place};
-  return {Unwanted::date_or_time, place};
+  if (const auto* table = node.as_table())
+    return {Section{.place = place, .entries = entries_of(*table)}, place};
+  const auto* array = node.as_array();
+  if (array == nullptr) return {DateOrTime{}, place};
+  std::vector<Value> elements;
+  for (const toml::node& element : *array)
+    elements.push_back(value_of(element));
+  return {std::move(elements), place};
 }
 
 Entry entry_of(const toml::key& key, const toml::node& node) {
-  return {std::string(key.str()), place_of(key.source().begin), value_of(node)};
-}
-
-bool by_place(const Entry& a, const Entry& b) {
-  return a.place < b.place;
-}
-
-/// REQUIRES: `array` is an array of tables.
-TableArray tables_of(const std::string& section, const toml::key& key, const toml::array& array) {
-  TableArray tables{std::string(key.str()), {}};
-  for (const toml::node& node : array) {
-    Section table{fmt::format("[{}.{}]", section, key.str()), place_of(node.source().begin), {}};
-    for (const auto& [inner_key, inner] : *node.as_table())
-      table.entries.push_back(entry_of(inner_key, inner));
-    std::stable_sort(table.entries.begin(), table.entries.end(), by_place);
-    tables.tables.push_back(std::move(table));
-  }
-  return tables;
+  Entry entry{std::string(key.str()), place_of(key.source().begin), value_of(node)};
+  // The place of a table with a name is its name.
+  if (auto* table = std::get_if<Section>(&entry.value.held)) table->place = entry.place;
+  return entry;
 }
 
 Document document_of(const toml::table& root) {
   Document document;
-  for (const auto& [key, node] : root) {
-    const toml::table* table = node.as_table();
-    if (table == nullptr) {
-      document.loose.push_back(entry_of(key, node));
-      continue;
+  for (Entry& entry : entries_of(root)) {
+    if (auto* section = std::get_if<Section>(&entry.value.held)) {
+      section->name = std::move(entry.key);
+      document.sections.push_back(std::move(*section));
+    } else {
+      document.loose.push_back(std::move(entry));
     }
-    Section section{std::string(key.str()), place_of(key.source().begin), {}};
-    for (const auto& [inner_key, inner] : *table) {
-      section.entries.push_back(entry_of(inner_key, inner));
-      if (inner.is_array_of_tables())
-        section.arrays.push_back(tables_of(section.name, inner_key, *inner.as_array()));
-    }
-    std::stable_sort(section.entries.begin(), section.entries.end(), by_place);
-    document.sections.push_back(std::move(section));
   }
-  std::stable_sort(document.sections.begin(), document.sections.end(),
-                   [](const Section& a, const Section& b) { return a.place < b.place; });
-  std::stable_sort(document.loose.begin(), document.loose.end(), by_place);
   return document;
 }
 
@@ -167,8 +178,22 @@ const Entry* Section::find(std::string_view key) const {
   return find_in(entries, key, &Entry::key);
 }
 
-const TableArray* Section::find_array(std::string_view key) const {
-  return find_in(arrays, key, &TableArray::key);
+const Section* Section::table(std::string_view key) const {
+  const Entry* entry = find(key);
+  return entry == nullptr ? nullptr : std::get_if<Section>(&entry->value.held);
+}
+
+std::vector<const Section*> Section::tables(std::string_view key) const {
+  const Entry* entry = find(key);
+  const auto* array =
+      entry == nullptr ? nullptr : std::get_if<std::vector<Value>>(&entry->value.held);
+  std::vector<const Section*> tables;
+  for (std::size_t i = 0; array != nullptr && i < array->size(); ++i) {
+    const auto* table = std::get_if<Section>(&(*array)[i].held);
+    if (table == nullptr) return {};
+    tables.push_back(table);
+  }
+  return tables;
 }
 
 const Section* Document::find(std::string_view wanted) const {
@@ -202,15 +227,8 @@ std::string description(const Value& value) {
     return std::isfinite(*number) ? toml_number(*number) : plain_number(*number);
   }
   if (const auto* boolean = std::get_if<bool>(&value.held)) return *boolean ? "true" : "false";
-  switch (std::get<Unwanted>(value.held)) {
-    case Unwanted::array:
-      return "an array";
-    case Unwanted::table:
-      return "a table";
-    case Unwanted::date_or_time:
-      break;
-  }
-  return "a date or time";
+  if (std::holds_alternative<std::vector<Value>>(value.held)) return "an array";
+  return std::holds_alternative<Section>(value.held) ? "a table" : "a date or time";
 }
 
 }  // namespace sleight::request

@@ -2,11 +2,10 @@
 // sections, so that only one source file compiles toml++.
 //
 // Invariants
-//   1. Section names are distinct, and a section's keys are distinct (TOML forbids duplicates). All
-//      tables of an array have the array's name.
+//   1. Section names are distinct, and a section's keys are distinct (TOML forbids duplicates).
 //   2. Sections and keys are ordered by place.
-//   3. Every place is inside the file, or just behind a line's last character. Values; thread-safe
-// as such.
+//   3. Every place is inside the file, or just behind a line's last character.
+// Values; thread-safe as such.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +19,28 @@
 
 namespace sleight::request {
 
-enum class Unwanted { array, table, date_or_time };
+struct Entry;
+struct Value;
+
+struct DateOrTime {};
+
+/// A section `[name]`, or a table in a section, whatever its notation.
+struct Section {
+  std::string name{};  ///< empty for a table in a section
+  Place place{};
+  std::vector<Entry> entries;
+
+  /// Returns null if there is no such key.
+  const Entry* find(std::string_view key) const;
+  /// Returns the table `[section.key]`, or null if the key is omitted or has another value.
+  const Section* table(std::string_view key) const;
+  /// Returns the tables `[[section.key]]` in order. Empty: the key is omitted or has another value.
+  std::vector<const Section*> tables(std::string_view key) const;
+};
 
 struct Value {
-  std::variant<std::string, std::int64_t, double, bool, Unwanted> held;
+  std::variant<std::string, std::int64_t, double, bool, DateOrTime, std::vector<Value>, Section>
+      held;
   Place place;
 };
 
@@ -31,27 +48,6 @@ struct Entry {
   std::string key;
   Place place;
   Value value;
-};
-
-struct Section;
-
-/// An array of tables, `[[section.key]]`: all tables of this name in the file. The section also has
-/// an entry for this key; its type is array.
-struct TableArray {
-  std::string key;
-  std::vector<Section> tables;  ///< in order; their names are as between the brackets
-};
-
-struct Section {
-  std::string name;
-  Place place;
-  std::vector<Entry> entries;
-  std::vector<TableArray> arrays{};
-
-  /// Returns null if there is no such key.
-  const Entry* find(std::string_view key) const;
-  /// Returns null if there is no such array of tables.
-  const TableArray* find_array(std::string_view key) const;
 };
 
 struct Document {
@@ -65,7 +61,8 @@ struct Document {
 inline constexpr std::size_t k_request_bytes_max = std::size_t{1} << 20;
 /// Maximum number of dots on one line. Only dots that may be part of a dotted key are counted. A
 /// dotted key nests once per dot, and toml++ 3.3 frees nested tables recursively. A megabyte of
-/// `a.a.a` would overflow the stack.
+/// `a.a.a` would overflow the stack. The decimal points of numbers aren't counted. A number has one
+/// dot, so in a key such as `1.1 . 1.1 . 1.1` at least every second dot is counted.
 inline constexpr std::size_t k_dots_per_line_max = 100;
 
 /// Reads TOML 1.0. Stops at the first error: invalid UTF-8, invalid TOML, duplicate keys, more than

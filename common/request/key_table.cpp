@@ -61,30 +61,31 @@ std::string aligned(const std::vector<Row>& rows) {
   return text;
 }
 
+void list(const std::string& name, const BoundSection& bound, std::vector<SectionKeys>& listed) {
+  SectionKeys keys{name, {}};
+  for (const BoundKey& key : bound.keys)
+    keys.keys.push_back(key.spec);
+  listed.push_back(std::move(keys));
+  for (const BoundTables& tables : bound.tables)
+    list(tables.name, tables.described, listed);
+}
+
 }  // namespace
 
 std::vector<SectionKeys> request_keys(const WorldBinding& world) {
-  // Bind a request that has only this world's name. Every key then has its default.
+  // Bind a request that has only this world's name. Every key then has its default. The world may
+  // require more, but its errors don't change the list.
   Document document;
-  document.sections.push_back({"world", {}, {{"name", {}, {.held = world.name, .place = {}}}}});
+  document.sections.push_back(
+      {.name = "world", .entries = {{"name", {}, {.held = world.name, .place = {}}}}});
   Diagnostics diagnostics("keys");
   SectionBinders sections(document, diagnostics);
   DirectionRequest request;
   bind_sections(sections, {&world, 1}, request);
-  CHECK(diagnostics.empty());
 
   std::vector<SectionKeys> listed;
-  const auto list = [&](const std::string& name, const std::vector<BoundKey>& bound_keys) {
-    SectionKeys keys{name, {}};
-    for (const BoundKey& bound : bound_keys)
-      keys.keys.push_back(bound.spec);
-    listed.push_back(std::move(keys));
-  };
-  for (const Binder* section : sections.all()) {
-    list(section->section_name(), section->keys());
-    for (const BoundTables& array : section->arrays())
-      list(array.name, array.specs);
-  }
+  for (const Binder* section : sections.all())
+    list(section->section_name(), section->bound(), listed);
   return listed;
 }
 

@@ -53,17 +53,18 @@ class UnknownKeys {
                                               section, meant_key(entry, known)));
   }
 
-  void table_key(const Entry& entry, const BoundTables& array) {
-    std::vector<std::string> known;
-    for (const BoundKey& bound : array.specs)
-      known.push_back(bound.spec.key);
-    if (std::find(known.begin(), known.end(), entry.key) != known.end()) return;
-    if (is_command_line_option(entry.key)) return command_line_option(entry);
-    const auto near = nearest(entry.key, known);
-    diagnostics_.add(entry.place,
-                     fmt::format("unknown key '{}' in [{}]; {}", shown(entry.key), array.name,
-                                 near ? fmt::format("did you mean '{}'?", *near)
-                                      : fmt::format("known keys: '{}'", fmt::join(known, "', '"))));
+  /// Reports the unknown keys of a section's or table's tables.
+  void tables(const Section& section, const BoundSection& bound) {
+    for (const BoundTables& tables : bound.tables) {
+      std::vector<const Section*> given = section.tables(tables.key);
+      if (!tables.name.starts_with('[')) given.assign(1, section.table(tables.key));
+      for (const Section* table : given) {
+        if (table == nullptr) continue;
+        for (const Entry& entry : table->entries)
+          table_key(entry, tables);
+        this->tables(*table, tables.described);
+      }
+    }
   }
 
   void loose(const Entry& entry) {
@@ -82,6 +83,19 @@ class UnknownKeys {
   }
 
  private:
+  void table_key(const Entry& entry, const BoundTables& tables) {
+    std::vector<std::string> known;
+    for (const BoundKey& bound : tables.described.keys)
+      known.push_back(bound.spec.key);
+    if (std::find(known.begin(), known.end(), entry.key) != known.end()) return;
+    if (is_command_line_option(entry.key)) return command_line_option(entry);
+    const auto near = nearest(entry.key, known);
+    diagnostics_.add(entry.place,
+                     fmt::format("unknown key '{}' in [{}]; {}", shown(entry.key), tables.name,
+                                 near ? fmt::format("did you mean '{}'?", *near)
+                                      : fmt::format("known keys: '{}'", fmt::join(known, "', '"))));
+  }
+
   void command_line_option(const Entry& entry) {
     diagnostics_.add(entry.place,
                      fmt::format("'{}' is a command-line option, not a request key, because it "
@@ -112,10 +126,7 @@ class UnknownKeys {
         return fmt::format("did you mean '{}' in [{}]?", *near, section_names_[i]);
       }
     }
-    if (const auto* unwanted = std::get_if<Unwanted>(&entry.value.held);
-        unwanted != nullptr && *unwanted == Unwanted::table) {
-      return "sections do not nest";
-    }
+    if (std::holds_alternative<Section>(entry.value.held)) return "sections do not nest";
     return fmt::format("known keys: '{}'", fmt::join(known, "', '"));
   }
 
@@ -152,14 +163,7 @@ void report_unknown(const Document& document, const SectionBinders& sections, bo
     for (const Entry& entry : section.entries) {
       unknown.key(entry, section.name, world_known || is_common);
     }
-    for (const BoundTables& bound : (*at)->arrays()) {
-      const TableArray* array = section.find_array(bound.key);
-      if (array == nullptr) continue;
-      for (const Section& table : array->tables) {
-        for (const Entry& entry : table.entries)
-          unknown.table_key(entry, bound);
-      }
-    }
+    unknown.tables(section, (*at)->bound());
   }
 }
 
@@ -226,24 +230,27 @@ void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& req
   }
 }
 
-NormalisedSection normalised_section(const std::string& name, const std::vector<BoundKey>& keys) {
+/// Appends the section and its tables. A table follows its parent, as TOML requires.
+void normalise(const std::string& name, const BoundSection& bound,
+               std::vector<NormalisedSection>& normalised) {
   NormalisedSection section{name, {}};
-  for (const BoundKey& bound : keys) {
-    if (!bound.value.empty()) section.keys.emplace_back(bound.spec.key, bound.value);
+  for (const BoundKey& key : bound.keys) {
+    if (!key.value.empty()) section.keys.emplace_back(key.spec.key, key.value);
   }
-  return section;
+  normalised.push_back(std::move(section));
+  for (const BoundTables& tables : bound.tables) {
+    for (const BoundSection& table : tables.tables)
+      normalise(tables.name, table, normalised);
+  }
 }
 
-std::vector<NormalisedSection> normalised_sections(const SectionBinders& sections) {
-  std::vector<NormalisedSection> normalised;
-  for (const Binder* section : sections.all()) {
-    normalised.push_back(normalised_section(section->section_name(), section->keys()));
-    for (const BoundTables& array : section->arrays()) {
-      for (const std::vector<BoundKey>& table : array.tables)
-        normalised.push_back(normalised_section(array.name, table));
-    }
-  }
-  return normalised;
+/// Checks that the normalised text can be read. Its numbers may be longer than those of the file.
+void check_size(const DirectionRequest& request, Diagnostics& diagnostics) {
+  const std::size_t bytes = normalised_text(request).size();
+  if (bytes <= k_normalised_bytes_max) return;
+  diagnostics.add({}, fmt::format("the request has {} bytes when its numbers are written in full; "
+                                  "the limit is {}; use fewer numbers",
+                                  bytes, k_normalised_bytes_max));
 }
 
 /// Returns whether the requested world's finds can be relaxed.
@@ -350,8 +357,12 @@ base::Result<DirectionRequest, std::vector<Diagnostic>> read_request_with(
   }
   check_stop(sections.stop, sections.sampler, request);
 
+  if (diagnostics.empty()) {
+    for (const Binder* section : sections.all())
+      normalise(section->section_name(), section->bound(), request.sections);
+    check_size(request, diagnostics);
+  }
   if (!diagnostics.empty()) return named_by_sets(diagnostics.sorted(), sets);
-  request.sections = normalised_sections(sections);
   return request;
 }
 

@@ -174,6 +174,94 @@ TEST(BinderNumber, MayBeAbsent) {
   EXPECT_THAT(bound("[s]\nx = 3", bind), tests::LinesHaveFacts("f:2:5: 'x' in [s]: |0|2|3"));
 }
 
+TEST(BinderArray, OfAFixedLengthHasADefaultOrNot) {
+  std::array<double, 3> at{1, 2, 3};
+  const auto bind = [&](Binder& b) { b.numbers("at", at, {.minimum = -9, .unit = "mm"}); };
+  EXPECT_EQ(bound("[s]", bind), "at = [1.0, 2.0, 3.0]\n");
+  EXPECT_EQ(bound("[s]\nat = [0, -0.0, -2.5]", bind), "at = [0.0, 0.0, -2.5]\n");
+  EXPECT_EQ(at, (std::array<double, 3>{0, 0, -2.5}));
+  EXPECT_EQ(
+      bound("[s]\nat = [1, 2]", bind),
+      "f:2:6: 'at' in [s]: expected 3 numbers, each a number of at least -9 mm, found an array "
+      "of 2\n");
+  EXPECT_EQ(bound("[s]\nat = 5", bind),
+            "f:2:6: 'at' in [s]: expected 3 numbers, each a number of at least -9 mm, found 5\n");
+  EXPECT_EQ(bound("[s]\nat = [1, \"x\",\n  -10]", bind),
+            "f:2:10: 'at' in [s]: element 2: expected a number of at least -9 mm, found the string "
+            "\"x\"\n"
+            "f:3:3: 'at' in [s]: element 3: expected a number of at least -9 mm, found -10\n");
+  EXPECT_EQ(at, (std::array<double, 3>{0, 0, -2.5}));
+
+  std::optional<std::array<double, 2>> maybe;
+  const auto bind_optional = [&](Binder& b) { b.optional_numbers("at", maybe, {}); };
+  EXPECT_EQ(bound("[s]", bind_optional), "at = \n");
+  EXPECT_THAT(bound("[s]\nat = [nan, 1]", bind_optional),
+              tests::LinesHaveFacts("f:2:7: 'at' in [s]: element 1: |a finite number|nan"));
+  EXPECT_EQ(maybe, std::nullopt);
+  EXPECT_EQ(bound("[s]\nat = [4, 5]", bind_optional), "at = [4.0, 5.0]\n");
+  EXPECT_EQ(maybe, (std::array<double, 2>{4, 5}));
+}
+
+TEST(BinderArray, HasACountOfNumbersOrTexts) {
+  std::vector<double> numbers;
+  const auto bind = [&](Binder& b) {
+    numbers.clear();
+    b.numbers("n", numbers, {.count_min = 0, .count_max = 2}, {.minimum = 0});
+  };
+  EXPECT_EQ(bound("[s]", bind), "n = \n");
+  EXPECT_EQ(bound("[s]\nn = []", bind), "n = []\n");
+  EXPECT_EQ(bound("[s]\nn = [1, 2.5]", bind), "n = [1.0, 2.5]\n");
+  EXPECT_EQ(numbers, (std::vector<double>{1, 2.5}));
+  EXPECT_THAT(bound("[s]\nn = [1, 2, 3]", bind),
+              tests::LinesHaveFacts("f:2:5: 'n' in [s]: |0 to 2 numbers|an array of 3"));
+  EXPECT_THAT(bound("[s]\nn = [1, [2]]", bind),
+              tests::LinesHaveFacts("f:2:9: 'n' in [s]: element 2: |at least 0|an array of 1"));
+  EXPECT_TRUE(numbers.empty());
+
+  std::vector<std::string> texts;
+  const auto bind_texts = [&](Binder& b) {
+    texts.clear();
+    b.texts("t", texts, {.count_max = 2, .required = true}, {.characters_max = 3});
+  };
+  EXPECT_EQ(bound("[s]\nt = ['a', \"\\\"\"]", bind_texts), "t = [\"a\", \"\\\"\"]\n");
+  EXPECT_EQ(texts, (std::vector<std::string>{"a", "\""}));
+  EXPECT_THAT(bound("[s]\n", bind_texts),
+              tests::LinesHaveFacts("f:1:2: 't' in [s]: |missing|1 to 2 strings|3 characters"));
+  EXPECT_THAT(bound("[s]\nt = ['four', 1]", bind_texts),
+              tests::LinesHaveFacts("f:2:6: 't' in [s]: element 1: |3 characters|\"four\"\n"
+                                    "f:2:14: 't' in [s]: element 2: |3 characters|1"));
+}
+
+TEST(BinderArray, HasRowsOfNumbersOrIntegers) {
+  std::vector<std::array<double, 2>> points;
+  const auto bind = [&](Binder& b) {
+    points.clear();
+    b.rows("p", points, {.count_max = 3}, {.maximum = 9});
+  };
+  EXPECT_EQ(bound("[s]", bind), "p = \n");
+  EXPECT_EQ(bound("[s]\np = [[1, 2], [3, -4.5]]", bind), "p = [[1.0, 2.0], [3.0, -4.5]]\n");
+  EXPECT_EQ(points, (std::vector<std::array<double, 2>>{{1, 2}, {3, -4.5}}));
+  EXPECT_THAT(bound("[s]\np = [[1, 2],\n[3],\n 4, [5, 10]]", bind),
+              tests::LinesHaveFacts("f:2:5: 'p' in [s]: |1 to 3 rows of 2 numbers|an array of 4"));
+  EXPECT_THAT(bound("[s]\np = [[3],\n 4, [5, 10]]", bind),
+              tests::LinesHaveFacts("f:2:6: 'p' in [s]: row 1: |2 numbers|an array of 1\n"
+                                    "f:3:2: 'p' in [s]: row 2: |2 numbers|found 4\n"
+                                    "f:3:9: 'p' in [s]: row 3, element 2: |at most 9|10"));
+  EXPECT_TRUE(points.empty());
+
+  std::vector<std::array<std::uint8_t, 3>> triangles;
+  const auto bind_integers = [&](Binder& b) {
+    triangles.clear();
+    b.rows("t", triangles, {.count_max = 3}, {.minimum = 0, .maximum = 9});
+    EXPECT_EQ(b.keys()[0].spec.range, "1 to 3 rows of 3 in 0 .. 9");
+  };
+  EXPECT_EQ(bound("[s]\nt = [[0, 1, 2]]", bind_integers), "t = [[0, 1, 2]]\n");
+  EXPECT_EQ(triangles, (std::vector<std::array<std::uint8_t, 3>>{{0, 1, 2}}));
+  EXPECT_THAT(bound("[s]\nt = [[0, 1, 2], [3, 4.0, 10]]", bind_integers),
+              tests::LinesHaveFacts("f:2:21: 't' in [s]: row 2, element 2: |integer|4.0\n"
+                                    "f:2:26: 't' in [s]: row 2, element 3: |integer|10"));
+}
+
 TEST(BinderTables, AreReadOneByOne) {
   // Goal: each table of an array is read with its own values, and errors name the table. Method:
   // bind no table, two tables, too many tables, and a value that is not a table.
@@ -184,11 +272,12 @@ TEST(BinderTables, AreReadOneByOne) {
       value = 7;
       table.number("x", value, {.minimum = 0, .maximum = 9});
     });
-    ASSERT_EQ(b.arrays().size(), 1U);
-    EXPECT_EQ(b.arrays()[0].name, "[s.t]");
-    ASSERT_EQ(b.arrays()[0].specs.size(), 1U);
-    EXPECT_EQ(b.arrays()[0].specs[0].value, "7.0");
-    shown.push_back(b.arrays()[0].tables.size());
+    ASSERT_EQ(b.bound().tables.size(), 1U);
+    const BoundTables& tables = b.bound().tables[0];
+    EXPECT_EQ(tables.name, "[s.t]");
+    ASSERT_EQ(tables.described.keys.size(), 1U);
+    EXPECT_EQ(tables.described.keys[0].value, "7.0");
+    shown.push_back(tables.tables.size());
   };
   EXPECT_EQ(bound("", bind), "t = \n");
   EXPECT_EQ(bound("[s]", bind), "t = \n");
@@ -246,6 +335,12 @@ TEST(BinderDeathTest, BugsInABindFunctionStopTheProcess) {
     binder.integer("x", small, {.minimum = 0, .maximum = 256});
   };
   EXPECT_DEATH(range_too_wide(), "check failed");
+  const auto too_many = [&] {
+    Binder binder("s", nullptr, diagnostics);
+    std::vector<std::array<double, 2>> rows;
+    binder.rows("x", rows, {.count_max = k_array_numbers_max / 2 + 1}, {});
+  };
+  EXPECT_DEATH(too_many(), "check failed");
 }
 
 }  // namespace

@@ -429,6 +429,76 @@ TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
               testing::ElementsAre(testing::HasSubstr("belongs in [world]")));
 }
 
+TEST(NestedTables, AreReadCheckedAndNormalised) {
+  // Goal: tables and arrays in tables are read in any notation, and the normalised text has one. An
+  // unknown key is found at any depth. Method: as above.
+  const std::array worlds{toy::binding()};
+  const std::string head = "[stop]\nscans = 1\n[world]\nname = 'toy'\n";
+  const std::string wind = "scale = 2, from = 'NE', places = ['a', \"b\\\"\"]";
+  const auto request = read_request(
+      head + "wind = {" + wind + ", mps = [0, -0.0, -9], path = [[1, 2], [3, 4]], noise.sd = 2}\n" +
+          "[[world.peg]]\n[[world.peg.ring]]\n[[world.peg.ring]]\nat_m = [1,\n 2]\n"
+          "surface = 'wood'\n[[world.peg]]\ny_m = 1\n",
+      "r.toml", worlds);
+  ASSERT_TRUE(request) << to_string(request.error()[0]);
+  const std::string normal = normalised_text(request.value());
+  EXPECT_THAT(normal, testing::HasSubstr(
+                          "surface = \"felt\"\n\n[[world.peg]]\nx_m = 0.5\n\n"
+                          "[[world.peg.ring]]\nat_m = [0.5, -1.0]\n\n"
+                          "[[world.peg.ring]]\nat_m = [1.0, 2.0]\nsurface = \"wood\"\n\n"
+                          "[[world.peg]]\nx_m = 0.5\ny_m = 1.0\n\n"
+                          "[world.wind]\nscale = 2.0\nfrom = \"NE\"\nmps = [0.0, 0.0, -9.0]\n"
+                          "path = [[1.0, 2.0], [3.0, 4.0]]\nplaces = [\"a\", \"b\\\"\"]\n\n"
+                          "[world.wind.noise]\nsd = 2.0\n\n[constraint]"));
+  const auto again = read_request(normal, "n.toml", worlds);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again.value(), request.value());
+  EXPECT_EQ(parameters_of<toy::Parameters>(again.value()),
+            parameters_of<toy::Parameters>(request.value()));
+
+  const auto errors = [&](const std::string& tables) { return toy::errors_of(head + tables); };
+  EXPECT_THAT(errors("[[world.peg]]\n[[world.peg.ring]]\nat_n = 1\n"),
+              testing::ElementsAre(
+                  "r.toml:7:1: unknown key 'at_n' in [[world.peg.ring]]; did you mean 'at_m'?"));
+  EXPECT_THAT(
+      errors("wind = {" + wind + ", noise = {threads = 1}, nois = {}}\n"),
+      testing::ElementsAre(
+          testing::AllOf(testing::StartsWith("r.toml:5:"), testing::HasSubstr("command-line")),
+          testing::HasSubstr("unknown key 'nois' in [world.wind]; did you mean 'noise'?")));
+  EXPECT_THAT(errors("[[world.wind]]\n"),
+              testing::ElementsAre(
+                  tests::LinesHaveFacts("r.toml:5:1: 'wind' in [world]: |[world.wind]|array")));
+  EXPECT_THAT(errors("[world.peg]\n"),
+              testing::ElementsAre(tests::LinesHaveFacts("r.toml:5:1: |[[world.peg]]|a table")));
+  EXPECT_THAT(errors("[world.wind]\nfrom = 'N'\n"),
+              testing::ElementsAre(
+                  tests::LinesHaveFacts("r.toml:5:8: 'scale' in [world.wind]: |missing"),
+                  tests::LinesHaveFacts("r.toml:5:8: 'places' in [world.wind]: |2 strings")));
+}
+
+TEST(NestedTables, AreNoLongerThanTheLimit) {
+  // Goal: if a request can be read, its normalised text can be read too. Method: short numbers with
+  // long normalised text.
+  struct Numbers {
+    std::vector<double> all{};
+  };
+  const std::array worlds{bind_world<Numbers>("many", "", [](WorldSections& sections, Numbers& p) {
+    sections.world.numbers("all", p.all, {.count_max = k_array_numbers_max}, {});
+  })};
+  const auto read = [&](std::string_view number) {
+    std::string text = "[world]\nname = 'many'\nall = [";
+    for (std::size_t i = 0; i < k_array_numbers_max; ++i)
+      text += fmt::format("{}, ", number);
+    return read_request(text + "]\n[stop]\nscans = 1", "r.toml", worlds);
+  };
+  const auto request = read("0.123456789");
+  ASSERT_TRUE(request);
+  EXPECT_TRUE(read_request(normalised_text(request.value()), "n.toml", worlds));
+  const auto refused = read("1e15");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(to_string(refused.error()[0]), tests::HasFacts("r.toml:1:1: |1200257 bytes|1044480"));
+}
+
 TEST(RequestKeys, ListEveryKeyOnce) {
   std::string keys;
   for (const SectionKeys& section : request_keys(toy::binding())) {
@@ -439,8 +509,11 @@ TEST(RequestKeys, ListEveryKeyOnce) {
   }
   EXPECT_EQ(
       keys,
-      "world: name height_m tilt_deg balls spinning surface peg\n"
-      "[world.peg]: x_m y_m\n"
+      "world: name height_m tilt_deg balls spinning surface peg wind\n"
+      "[world.peg]: x_m y_m ring\n"
+      "[world.peg.ring]: at_m surface\n"
+      "world.wind: scale from name mps gusts path triangles places noise\n"
+      "world.wind.noise: sd\n"
       "constraint: word lambda\n"
       "sampler: method start chains replicas ladder_power seed iterations_per_scan round_scans "
       "anneal_scans burn_in_rounds "

@@ -51,19 +51,43 @@ TEST(Document, KeepsArraysOfTables) {
   const Section& a = document.sections[0];
   EXPECT_EQ(a.entries.size(), 2U);
   EXPECT_EQ(description(a.find("t")->value), "an array");
-  ASSERT_NE(a.find_array("t"), nullptr);
-  EXPECT_EQ(a.find_array("k"), nullptr);
-  const std::vector<Section>& tables = a.find_array("t")->tables;
+  EXPECT_TRUE(a.tables("k").empty());
+  const std::vector<const Section*> tables = a.tables("t");
   ASSERT_EQ(tables.size(), 2U);
-  EXPECT_EQ(tables[0].name, "[a.t]");
-  EXPECT_EQ(tables[0].place.line, 3U);
-  EXPECT_EQ(tables[1].place.line, 6U);
-  EXPECT_EQ(tables[0].entries[0].place, (Place{4, 1}));
-  EXPECT_EQ(std::get<std::int64_t>(tables[1].find("y")->value.held), 4);
+  EXPECT_EQ(tables[0]->place.line, 3U);
+  EXPECT_EQ(tables[1]->place.line, 6U);
+  EXPECT_EQ(tables[0]->entries[0].place, (Place{4, 1}));
+  EXPECT_EQ(std::get<std::int64_t>(tables[1]->find("y")->value.held), 4);
   const Section& b = document.sections[1];
-  ASSERT_NE(b.find_array("t"), nullptr);
-  EXPECT_EQ(std::get<std::int64_t>(b.find_array("t")->tables[0].find("x")->value.held), 5);
-  EXPECT_EQ(b.find_array("u"), nullptr);
+  ASSERT_EQ(b.tables("t").size(), 1U);
+  EXPECT_EQ(std::get<std::int64_t>(b.tables("t")[0]->find("x")->value.held), 5);
+  EXPECT_TRUE(b.tables("u").empty());
+}
+
+TEST(Document, KeepsArraysAndTablesWithPlaces) {
+  // Goal: every element of an array and every table has its place, at any depth. Method: read
+  // nested arrays, and tables in each of TOML's notations.
+  const Document document = parsed(
+      "[a]\nr = [[1, 2],\n  [\"x\"]]\ni = {k = 1}\nd.k = 2\n[a.h]\nk = 3\n"
+      "[[a.t]]\n[a.t.s]\nk = 4\n[[a.t.u]]\nk = 5\n");
+  const Section& a = document.sections[0];
+  const auto& rows = std::get<std::vector<Value>>(a.find("r")->value.held);
+  const auto& row = std::get<std::vector<Value>>(rows.at(1).held);
+  EXPECT_EQ(rows[1].place, (Place{3, 3}));
+  EXPECT_EQ(std::get<std::string>(row.at(0).held), "x");
+  EXPECT_EQ(row[0].place, (Place{3, 4}));
+  const auto check = [](const Section* table, std::int64_t k, Place place) {
+    ASSERT_NE(table, nullptr);
+    EXPECT_EQ(std::get<std::int64_t>(table->find("k")->value.held), k);
+    EXPECT_EQ(table->place, place);
+  };
+  check(a.table("i"), 1, {4, 1});
+  check(a.table("d"), 2, {5, 1});
+  check(a.table("h"), 3, {6, 4});
+  ASSERT_EQ(a.tables("t").size(), 1U);
+  check(a.tables("t")[0]->table("s"), 4, {9, 6});
+  ASSERT_EQ(a.tables("t")[0]->tables("u").size(), 1U);
+  EXPECT_EQ(a.table("r"), nullptr);
 }
 
 TEST(Document, ReadsNumbersWhateverTheLocaleAndHoweverSmall) {
@@ -115,6 +139,21 @@ TEST(Document, TakesBitmapsOnOneLine) {
       error_of("a = { b = \"" + repeated(".", 300) + "\", c" + repeated(".c", 200000) + " = 1 }")
           .find("not nested"),
       std::string::npos);
+}
+
+TEST(Document, TakesDecimalNumbersOnOneLine) {
+  // Goal: a number's decimal point doesn't count as a dot of a key, but keys of digits have a
+  // limit. Method: read the most numbers of a request. Then read keys of digits in disguises.
+  std::string numbers = "a = [" + repeated("-0.5, ", 59996) + "1_0.5e-3 ,+1.5,[2.5],2.5]";
+  ASSERT_LE(numbers.size(), k_request_bytes_max);
+  EXPECT_EQ(error_of(numbers), "");
+  for (const std::string& deep :
+       {"1" + repeated(".1", 200000) + " = 1", "[1" + repeated(".1", 200000) + "]",
+        "1.1" + repeated(" . 1.1", 100000) + " = 1", "1.1" + repeated(".a.1", 100000) + " = 1",
+        "a = {1" + repeated(" .1. 1", 100000) + " = 1}",
+        "1.1" + repeated(".'1'.1", 100000) + " = 1"}) {
+    EXPECT_NE(error_of(deep).find("not nested"), std::string::npos) << deep.substr(0, 20);
+  }
 }
 
 TEST(Document, HoldsTheDeepestFileThatIsAllowed) {

@@ -39,6 +39,12 @@ class Generator {
         return fmt::format("{}", std::ceil(value));
     }
   }
+  std::string numbers(std::size_t count) {
+    std::string text = "[";
+    for (std::size_t i = 0; i < count; ++i)
+      text += (i == 0 ? "" : ", ") + number(0, 9);
+    return text + "]";
+  }
 
  private:
   std::uint64_t state_;
@@ -73,6 +79,18 @@ std::string random_request(Generator& random) {
     sections.back() +=
         random_section(random, "[world.peg]", {},
                        {line("x_m", random.number(0, 9)), line("y_m", random.number(-9, -1))});
+    for (std::uint64_t rings = random.below(3); rings > 0; --rings) {
+      sections.back() += random_section(random, "[world.peg.ring]", {},
+                                        {line("at_m", random.numbers(2)), "surface = 'wood'"});
+    }
+  }
+  if (random.coin()) {
+    sections.back() += random_section(
+        random, "world.wind", {"scale = 1", "from = 'N'", "places = ['a', \"\\u00e4\"]"},
+        {line("mps", random.numbers(3)), line("gusts", random.numbers(1 + random.below(3))),
+         fmt::format("path = [{},\n {}]", random.numbers(2), random.numbers(2)),
+         fmt::format("triangles = [[0, 1, {}]]", random.below(10)), "name = ''",
+         line("noise", fmt::format("{{sd = {}}}", random.number(0, 9)))});
   }
   sections.push_back(
       random_section(random, "constraint", {},
