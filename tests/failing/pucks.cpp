@@ -7,7 +7,7 @@
 #include "common/base/check.h"
 #include "common/random/distributions.h"
 #include "worker/sampling/target.h"
-#include "worker/worlds/readers/scene_parts.h"
+#include "worker/worlds/scene_parts/scene_parts.h"
 
 namespace sleight::failing {
 namespace {

@@ -31,12 +31,12 @@ std::vector<motion::Segment> motion_of(const dice::Dice& world, base::BytesView 
   const auto decoded = world.decode(state);
   CHECK(decoded.has_value());
   const dice::Animation animation = world.animate(*decoded);
-  const worlds::RecordedBody die{
-      .feature = nth,
-      .turn = dice::rotation_of_numbering(animation.outcome.judgement.numberings.front())};
-  return worlds::recorded_segments(animation.recording, {&die, 1}, [table](std::uint32_t) {
-    return static_cast<std::int32_t>(table);
-  });
+  const worlds::RecordedBody die{.feature = nth,
+                                 .frame = {.orientation = dice::rotation_of_numbering(
+                                               animation.outcome.judgement.numberings.front())}};
+  return worlds::recorded_segments(
+      animation.recording, {&die, 1},
+      [table](std::uint32_t, std::uint32_t) { return static_cast<std::int32_t>(table); });
 }
 
 scene::Scene composite_scene(const std::vector<ThrownDie>& dice, const DiceOptions& options) {

@@ -9,7 +9,7 @@
 #include "common/base/check.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/motion.h"
-#include "worker/worlds/readers/scene_parts.h"
+#include "worker/worlds/scene_parts/scene_parts.h"
 
 namespace sleight::worlds::ball_2d {
 namespace {

@@ -19,7 +19,7 @@
 #include "worker/sampling/blind_throws.h"
 #include "worker/worlds/dice/dice.h"
 #include "worker/worlds/readers/played_out.h"
-#include "worker/worlds/readers/scene_parts.h"
+#include "worker/worlds/scene_parts/scene_parts.h"
 #include "worker/worlds/segments/recorded_segments.h"
 
 namespace sleight::worlds::dice {
@@ -343,10 +343,12 @@ class DiceReader final : public archive::StateReader {
     std::vector<RecordedBody> dice;
     for (std::uint32_t die = 0; die < world_.dice(); ++die)
       dice.push_back({.feature = die,
-                      .turn = rotation_of_numbering(animation->outcome.judgement.numberings[die])});
-    return {.segments = recorded_segments(animation->recording, dice, [this](std::uint32_t) {
-              return static_cast<std::int32_t>(table_);
-            })};
+                      .frame = {.orientation = rotation_of_numbering(
+                                    animation->outcome.judgement.numberings[die])}});
+    return {.segments =
+                recorded_segments(animation->recording, dice, [this](std::uint32_t, std::uint32_t) {
+                  return static_cast<std::int32_t>(table_);
+                })};
   }
 
   const scene::Scene& scene() const override { return scene_; }

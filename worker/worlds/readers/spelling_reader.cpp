@@ -11,7 +11,7 @@
 #include "worker/physics/scene/static_geometry.h"
 #include "worker/sampling/blind_throws.h"
 #include "worker/worlds/readers/played_out.h"
-#include "worker/worlds/readers/scene_parts.h"
+#include "worker/worlds/scene_parts/scene_parts.h"
 #include "worker/worlds/segments/recorded_segments.h"
 #include "worker/worlds/spelling/spelling.h"
 
@@ -166,8 +166,9 @@ class SpellingReader final : public archive::StateReader {
     std::vector<RecordedBody> bodies;
     for (const std::uint32_t ball : animation.balls)
       bodies.push_back({.feature = ball});
-    return {.segments = recorded_segments(animation.recording, bodies,
-                                          [&](std::uint32_t index) { return fixed_.at(index); })};
+    return {.segments = recorded_segments(
+                animation.recording, bodies,
+                [&](std::uint32_t, std::uint32_t index) { return fixed_.at(index); })};
   }
 
   const scene::Scene& scene() const override { return scene_; }

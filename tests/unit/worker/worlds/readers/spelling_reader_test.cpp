@@ -91,9 +91,10 @@ TEST(SpellingReader, MotionsAreTheSimulators) {
     std::vector<RecordedBody> bodies;
     for (const std::uint32_t ball : animation.balls)
       bodies.push_back({.feature = ball});
-    const auto motion = motion::Animation::of(
-        recorded_segments(animation.recording, bodies, [](std::uint32_t) { return 99; }),
-        world.balls());
+    const auto motion =
+        motion::Animation::of(recorded_segments(animation.recording, bodies,
+                                                [](std::uint32_t, std::uint32_t) { return 99; }),
+                              world.balls());
     ASSERT_TRUE(motion.ok());
     for (std::uint32_t body = 0; body < animation.balls.size(); ++body) {
       const motion::Path& path = motion.value().path(animation.balls[body]);

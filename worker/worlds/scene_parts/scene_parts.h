@@ -22,6 +22,9 @@ void add_part(scene::Scene& scene, scene::Shape shape, const math::Vec3& size_m,
 /// Appends a mesh to the last added feature. The offset variable's rows move the mesh's first
 /// `moving` vertices: row i moves vertex i.
 void add_mesh(scene::Scene& scene, const physics::TriangleMesh& mesh, std::uint32_t moving);
+/// Appends a mesh that doesn't change.
+void add_triangles(scene::Scene& scene, std::span<const math::Vec3> points_m,
+                   std::span<const physics::TriangleCorners> triangles);
 void add_polyhedron(scene::Scene& scene, const physics::ConvexPolyhedron& polyhedron);
 
 }  // namespace sleight::worlds
