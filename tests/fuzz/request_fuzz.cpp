@@ -22,6 +22,8 @@
 #include "worker/worlds/ball_2d/request.h"
 #include "worker/worlds/dice/request.h"
 #include "worker/worlds/spelling/request.h"
+#include "worker/worlds/user_scene/build.h"
+#include "worker/worlds/user_scene/request.h"
 
 namespace sleight {
 namespace {
@@ -34,7 +36,8 @@ struct Reading {
 Reading read(std::string_view text) {
   Reading reading;
   const std::array worlds{worlds::ball_2d::request_binding(), worlds::spelling::request_binding(),
-                          worlds::dice::request_binding(), request::toy::binding()};
+                          worlds::dice::request_binding(), worlds::user_scene::request_binding(),
+                          request::toy::binding()};
   auto request = request::read_request(text, "fuzz.toml", worlds);
   if (request) {
     reading.request.push_back(std::move(request).value());
@@ -54,6 +57,15 @@ void check_parameters(const request::DirectionRequest& again,
   are_same.operator()<worlds::ball_2d::Parameters>("ball_2d");
   are_same.operator()<worlds::spelling::Parameters>("spelling");
   are_same.operator()<worlds::dice::Parameters>("dice");
+  if (given.world == "scene") {
+    // A scene that was read can be built, except that a mesh with slivers may fail when it is
+    // turned.
+    using Scene = worlds::user_scene::SceneDescription;
+    const auto first = build(request::parameters_of<Scene>(given));
+    const auto second = build(request::parameters_of<Scene>(again));
+    CHECK_EQ(first.ok(), second.ok());
+    CHECK(!first.ok() || first.value().objects.size() == second.value().objects.size());
+  }
   if (given.world == "toy") {
     CHECK(request::parameters_of<request::toy::Parameters>(again) ==
           request::parameters_of<request::toy::Parameters>(given));

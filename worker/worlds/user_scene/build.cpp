@@ -1,0 +1,272 @@
+#include "worker/worlds/user_scene/build.h"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "common/base/check.h"
+#include "worker/physics/distance/placed_pose.h"
+#include "worker/worlds/user_scene/channel.h"
+#include "worker/worlds/user_scene/copies.h"
+
+namespace sleight::worlds::user_scene {
+namespace {
+
+physics::MaterialId material_id(std::uint32_t material) {
+  return {static_cast<std::uint8_t>(material)};
+}
+physics::CollisionGroup group_id(std::uint32_t group) {
+  return {static_cast<std::uint8_t>(group)};
+}
+
+bool is_mesh(ShapeKind kind) {
+  return kind == ShapeKind::mesh || kind == ShapeKind::helix || kind == ShapeKind::ramp;
+}
+
+/// Makes an error of a mesh that names the points of the wrong triangle.
+FormError wrong_mesh(const physics::MeshError& error) {
+  const bool at_point = error.kind == physics::MeshError::Kind::vertex_not_finite;
+  return {at_point ? "points_mm" : "triangles", physics::describe(error)};
+}
+
+class Builder {
+ public:
+  explicit Builder(const SceneDescription& description) : description_(description) {}
+
+  base::Result<BuiltScene, BuildError> build() {
+    built_.scene.contacts = contact_table(description_);
+    built_.scene.gravity_mps2 = description_.gravity_mps2;
+    for (const auto& [a, b] : description_.no_contact)
+      built_.scene.filter.set_meet(group_id(a), group_id(b), false);
+    forms_.resize(description_.bodies.size());
+    for (number_ = 0; number_ < description_.bodies.size(); ++number_) {
+      if (auto error = make_form()) return BuildError{number_, std::move(*error)};
+    }
+    // Moving bodies come first, then fixed bodies, then other static objects.
+    for_each_copy(ObjectKind::moving, [&](const Copy& copy) { add_body(copy, false); });
+    built_.moving = static_cast<std::uint32_t>(built_.objects.size());
+    for_each_copy(ObjectKind::fixed, [&](const Copy& copy) { add_body(copy, true); });
+    built_.bodies = static_cast<std::uint32_t>(built_.objects.size());
+    for_each_copy(ObjectKind::plane, [&](const Copy& copy) { add_plane(copy); });
+    for_each_copy(ObjectKind::convex, [&](const Copy& copy) { add_convexes(copy); });
+    for_each_copy(ObjectKind::mesh, [&](const Copy& copy) { add_mesh(copy); });
+    if (error_) return std::move(*error_);
+    built_.scene.slow = slow_contacts();
+    return std::move(built_);
+  }
+
+ private:
+  const BodyDescription& body() const { return description_.bodies[number_]; }
+
+  ObjectKind kind_of(std::size_t number) const {
+    const BodyDescription& body = description_.bodies[number];
+    if (body.sizes.kind == ShapeKind::plane) return ObjectKind::plane;
+    if (is_mesh(body.sizes.kind)) return ObjectKind::mesh;
+    if (!body.is_static) return ObjectKind::moving;
+    return forms_[number].rounds.empty() ? ObjectKind::convex : ObjectKind::fixed;
+  }
+
+  /// Makes the shape that all copies of the body share.
+  std::optional<FormError> make_form() {
+    const ShapeSizes& sizes = body().sizes;
+    if (sizes.kind == ShapeKind::plane || is_mesh(sizes.kind)) return std::nullopt;
+    const double density = description_.materials[body().material].density_kgpm3;
+    auto made = body_form(sizes, body().parts, density);
+    if (!made) return made.error();
+    forms_[number_] = std::move(made).value();
+    if (body().mass_kg)
+      forms_[number_].inertia = with_mass(forms_[number_].inertia, *body().mass_kg);
+    return std::nullopt;
+  }
+
+  template <class Add>
+  void for_each_copy(ObjectKind kind, const Add& add) {
+    for (number_ = 0; number_ < description_.bodies.size() && !error_; ++number_) {
+      if (kind_of(number_) != kind) continue;
+      shape_ = {};
+      for (const Copy& copy : copies_of(body())) {
+        built_.objects.push_back({.name = copy.name,
+                                  .kind = kind,
+                                  .description = number_,
+                                  .place = copy.place,
+                                  .volume_m3 = forms_[number_].volume_m3});
+        add(copy);
+      }
+    }
+  }
+
+  void add_body(const Copy& copy, bool fixed) {
+    const BodyForm& form = forms_[number_];
+    if (!shape_) shape_ = form.shape(body().sizes);
+    built_.objects.back().frame = form.frame;
+    const Vec3 spin_radps = math::rotated(copy.turn, body().spin_radps);
+    const Vec3 centre_m = math::rotated(copy.place.orientation, form.frame.position_m);
+    const Vec3 velocity_mps =
+        math::rotated(copy.turn, body().velocity_mps) + math::cross(spin_radps, centre_m);
+    built_.scene.bodies.push_back(
+        {.name = copy.name,
+         .shape = *shape_,
+         .inertia = form.inertia,
+         .material = material_id(body().material),
+         .start_tick = physics::Tick{} + physics::ticks_after(body().start_s),
+         .start = {.pose = composed(copy.place, form.frame),
+                   .twist = {.velocity_mps = velocity_mps, .angular_velocity_radps = spin_radps}},
+         .rests = body().rests,
+         .fixed = fixed,
+         .group = group_id(body().group)});
+  }
+
+  void add_plane(const Copy& copy) {
+    const Vec3 normal = math::normalized(math::rotated(copy.place.orientation, Vec3::UnitZ()));
+    std::shared_ptr<const physics::FrictionMap> map;
+    if (!body().friction.empty()) {
+      std::vector<physics::FrictionRectangle> rectangles;
+      for (const FrictionPatch& patch : body().friction)
+        rectangles.push_back({.u_min_m = patch.x_m[0],
+                              .u_max_m = patch.x_m[1],
+                              .v_min_m = patch.y_m[0],
+                              .v_max_m = patch.y_m[1],
+                              .friction = patch.friction});
+      auto made =
+          physics::FrictionMap::make({.origin_m = copy.place.position_m,
+                                      .u = math::rotated(copy.place.orientation, Vec3::UnitX()),
+                                      .v = math::rotated(copy.place.orientation, Vec3::UnitY())},
+                                     std::move(rectangles));
+      if (!made) return fail({"friction", made.error()});
+      map = std::make_shared<const physics::FrictionMap>(std::move(made).value());
+    }
+    built_.objects.back().first = static_cast<std::uint32_t>(built_.scene.planes.size());
+    built_.scene.planes.push_back(
+        {.name = copy.name,
+         .outside = {.normal = normal, .offset_m = math::dot(normal, copy.place.position_m)},
+         .material = material_id(body().material),
+         .friction_map = std::move(map),
+         .group = group_id(body().group)});
+  }
+
+  void add_convexes(const Copy& copy) {
+    const BodyForm& form = forms_[number_];
+    const Pose pose = composed(copy.place, form.frame);
+    built_.objects.back().first = static_cast<std::uint32_t>(built_.scene.convexes.size());
+    built_.objects.back().count = static_cast<std::uint32_t>(form.polyhedra.size());
+    for (const physics::ConvexPolyhedron& piece : form.polyhedra)
+      built_.scene.convexes.push_back(
+          {.name = copy.name,
+           .polyhedron = std::make_shared<const physics::ConvexPolyhedron>(
+               physics::moved(piece, math::matrix_of(pose.orientation), pose.position_m)),
+           .material = material_id(body().material),
+           .group = group_id(body().group)});
+  }
+
+  void add_mesh(const Copy& copy) {
+    const ShapeSizes& sizes = body().sizes;
+    Channel drawn{.points_m = sizes.points_m, .triangles = sizes.triangles};
+    if (sizes.kind != ShapeKind::mesh) drawn = channel_of(sizes);
+    for (Vec3& point_m : drawn.points_m)
+      point_m = copy.place.position_m + math::rotated(copy.place.orientation, point_m);
+    auto mesh = physics::TriangleMesh::make(
+        drawn.points_m, drawn.triangles,
+        sizes.closed ? physics::MeshClosure::closed : physics::MeshClosure::may_be_open);
+    if (!mesh) return fail(wrong_mesh(mesh.error()));
+    built_.objects.back().first = static_cast<std::uint32_t>(built_.scene.meshes.size());
+    built_.scene.meshes.push_back(
+        {.name = copy.name,
+         .mesh = std::make_shared<const physics::TriangleMesh>(std::move(mesh).value()),
+         .material = material_id(body().material),
+         .group = group_id(body().group)});
+  }
+
+  void fail(FormError error) {
+    if (!error_) error_ = BuildError{number_, std::move(error)};
+  }
+
+  physics::SlowContacts slow_contacts() const {
+    double size_m = std::numeric_limits<double>::infinity();
+    bool only_spheres = true;
+    for (std::uint32_t body = 0; body < built_.moving; ++body) {
+      const physics::Shape& shape = built_.scene.bodies[body].shape;
+      size_m = std::min(size_m, least_width_m(shape));
+      only_spheres = only_spheres && std::holds_alternative<physics::Sphere>(shape);
+    }
+    const double gravity_mps2 = math::norm(description_.gravity_mps2);
+    physics::SlowContacts slow;
+    if (built_.moving > 0 && gravity_mps2 > 0)
+      slow = only_spheres ? physics::slow_contacts_of(size_m, gravity_mps2)
+                          : physics::coarse_slow_contacts_of(size_m, gravity_mps2);
+    return {.separation_speed_mps =
+                description_.separation_speed_mps.value_or(slow.separation_speed_mps),
+            .rest_speed_mps = description_.rest_speed_mps.value_or(slow.rest_speed_mps),
+            .rest_time_s = description_.rest_time_s.value_or(slow.rest_time_s)};
+  }
+
+  const SceneDescription& description_;
+  BuiltScene built_;
+  std::vector<BodyForm> forms_;          ///< by body; empty for planes and meshes
+  std::optional<physics::Shape> shape_;  ///< shared by the copies of a body
+  std::uint32_t number_ = 0;             ///< the body being added
+  std::optional<BuildError> error_;
+};
+
+}  // namespace
+
+std::uint32_t BuiltScene::owner(ObjectKind kind, std::uint32_t index) const {
+  for (std::uint32_t object = bodies; object < objects.size(); ++object) {
+    const Object& one = objects[object];
+    if (one.kind == kind && index >= one.first && index < one.first + one.count) return object;
+  }
+  base::check_failed("an object owns the static element", "");
+}
+
+physics::SurfaceLaw mean_law(const physics::SurfaceLaw& a, const physics::SurfaceLaw& b) {
+  return {.restitution = 0.5 * (a.restitution + b.restitution),
+          .friction = 0.5 * (a.friction + b.friction),
+          .rolling_friction = 0.5 * (a.rolling_friction + b.rolling_friction)};
+}
+
+physics::ContactTable contact_table(const SceneDescription& description) {
+  const auto count = static_cast<std::uint32_t>(description.materials.size());
+  physics::ContactTable table(count);
+  for (std::uint32_t a = 0; a < count; ++a) {
+    for (std::uint32_t b = a; b < count; ++b)
+      table.set(material_id(a), material_id(b),
+                mean_law(description.materials[a].law, description.materials[b].law));
+  }
+  for (const PairLaw& pair : description.pairs)
+    table.set(material_id(pair.materials[0]), material_id(pair.materials[1]), pair.law);
+  return table;
+}
+
+std::size_t boundary_edges(const physics::TriangleMesh& mesh) {
+  return static_cast<std::size_t>(std::ranges::count(mesh.edges(), physics::EdgeKind::boundary,
+                                                     [](const auto& edge) { return edge.kind; }));
+}
+
+double least_width_m(const physics::Shape& shape) {
+  if (const auto* sphere = std::get_if<physics::Sphere>(&shape)) return 2 * sphere->radius_m;
+  const auto& compound = *std::get<std::shared_ptr<const physics::Compound>>(shape);
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    double low_m = std::numeric_limits<double>::infinity();
+    double high_m = -low_m;
+    for (const physics::ConvexPolyhedron& piece : compound.parts) {
+      for (const Vec3& vertex_m : piece.vertices_m()) {
+        low_m = std::min(low_m, vertex_m[axis]);
+        high_m = std::max(high_m, vertex_m[axis]);
+      }
+    }
+    for (const physics::RoundPiece& piece : compound.round_parts) {
+      low_m = std::min(low_m, -piece.reach_m(-Vec3::Unit(axis)));
+      high_m = std::max(high_m, piece.reach_m(Vec3::Unit(axis)));
+    }
+    least_m = std::min(least_m, high_m - low_m);
+  }
+  return least_m;
+}
+
+base::Result<BuiltScene, BuildError> build(const SceneDescription& description) {
+  return Builder(description).build();
+}
+
+}  // namespace sleight::worlds::user_scene

@@ -1,0 +1,73 @@
+// Builds the simulator's scene from a user's scene description.
+//
+// Each body becomes one or more objects: copies are expanded, and each object has a name. Moving
+// bodies come first, then fixed bodies, in the request's order; so an object's index is its BodyId
+// as long as it is a body. Planes, static polyhedra and meshes follow.
+//
+// Invariants
+//   1. Objects have distinct names.
+//   2. A static box or hull is a static polyhedron. A static compound of polyhedra is several.
+//      Other static solids are fixed bodies.
+//   3. The same shape is made once for all copies.
+// Thread safety: pure functions and values.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "worker/physics/scene/scene.h"
+#include "worker/worlds/user_scene/body_form.h"
+#include "worker/worlds/user_scene/description.h"
+
+namespace sleight::worlds::user_scene {
+
+enum class ObjectKind : std::uint8_t { moving, fixed, plane, convex, mesh };
+
+struct Object {
+  std::string name;
+  ObjectKind kind = ObjectKind::moving;
+  std::uint32_t description = 0;  ///< index in SceneDescription::bodies
+  Pose place;                     ///< of the shape's frame at the start
+  /// A body's frame in the shape's frame. Other objects: identity.
+  Pose frame{};
+  double volume_m3 = 0;  ///< of solids; 0: a plane or a mesh
+  /// Index of the first of `count` elements in Scene::planes, convexes or meshes.
+  std::uint32_t first = 0;
+  std::uint32_t count = 1;
+};
+
+/// Why a scene can't be built. `body` is an index in SceneDescription::bodies.
+struct BuildError {
+  std::uint32_t body = 0;
+  FormError error;
+};
+
+struct BuiltScene {
+  physics::Scene scene;
+  std::vector<Object> objects;
+  std::uint32_t moving = 0;  ///< number of moving bodies
+  std::uint32_t bodies = 0;  ///< number of moving and fixed bodies
+
+  const physics::Inertia& inertia(std::uint32_t body) const { return scene.bodies[body].inertia; }
+  /// Returns the object to which a plane, a static polyhedron or a mesh belongs.
+  std::uint32_t owner(ObjectKind kind, std::uint32_t index) const;
+};
+
+/// REQUIRES: the limits of description.h; names of objects are distinct.
+base::Result<BuiltScene, BuildError> build(const SceneDescription& description);
+
+/// Returns the number of edges without a second triangle. 0: the mesh is closed.
+std::size_t boundary_edges(const physics::TriangleMesh& mesh);
+
+/// Returns the laws of all pairs of materials.
+physics::ContactTable contact_table(const SceneDescription& description);
+
+/// Returns the law of a pair of materials that has none of its own.
+physics::SurfaceLaw mean_law(const physics::SurfaceLaw& a, const physics::SurfaceLaw& b);
+
+/// Returns the least width of a body along the axes of its frame. Slow contacts depend on it.
+double least_width_m(const physics::Shape& shape);
+
+}  // namespace sleight::worlds::user_scene

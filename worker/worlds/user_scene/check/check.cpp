@@ -1,0 +1,90 @@
+#include "worker/worlds/user_scene/check/check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "worker/physics/simulator/simulation.h"
+
+namespace sleight::worlds::user_scene {
+namespace {
+
+/// If the masses of two bodies that meet differ by more than this factor, a warning says so.
+constexpr double k_mass_ratio_max = 1e3;
+
+std::vector<Closedness> closedness_of(const BuiltScene& built) {
+  std::vector<Closedness> all;
+  for (std::uint32_t object = built.bodies; object < built.objects.size(); ++object) {
+    if (built.objects[object].kind != ObjectKind::mesh) continue;
+    const physics::TriangleMesh& mesh = *built.scene.meshes[built.objects[object].first].mesh;
+    Closedness one{.object = object, .boundary_edges = boundary_edges(mesh)};
+    if (one.boundary_edges == 0) {
+      // Add the tetrahedra between a point of the mesh and each triangle.
+      const Vec3 from_m = mesh.vertices_m()[mesh.triangles().front()[0]];
+      for (const auto& [a, b, c] : mesh.triangles()) {
+        const auto vertex_m = [&](std::uint32_t v) { return mesh.vertices_m()[v] - from_m; };
+        one.volume_m3 += math::dot(vertex_m(a), math::cross(vertex_m(b), vertex_m(c))) / 6;
+      }
+    }
+    all.push_back(one);
+  }
+  return all;
+}
+
+std::string describe(const Overlap& one, const std::string& a, const std::string& b) {
+  if (one.inside) return fmt::format("'{}' is inside '{}' at the start.", a, b);
+  if (one.depth_m <= physics::k_touch_m)
+    return fmt::format("'{}' touches '{}' at the start. Leave a gap, or set rests = true.", a, b);
+  return fmt::format("'{}' overlaps '{}' by {:.3g} mm at the start.", a, b, 1e3 * one.depth_m);
+}
+
+std::vector<std::string> warnings_of(const SceneReport& report) {
+  const BuiltScene& built = report.built;
+  const auto name = [&](std::uint32_t object) { return built.objects[object].name; };
+  std::vector<std::string> all;
+  for (const Closedness& mesh : report.meshes) {
+    if (mesh.volume_m3 < 0)
+      all.push_back(fmt::format(
+          "Mesh '{}' is inside out: everything outside it is solid. Reverse its triangles.",
+          name(mesh.object)));
+  }
+  for (const Overlap& one : report.overlaps)
+    all.push_back(describe(one, name(one.a), name(one.b)));
+  if (!report.run) return all;
+  const NominalRun& run = *report.run;
+  if (run.error)
+    all.push_back(
+        fmt::format("The simulation failed at {:.6g} s: {}.", run.end_s, run.error->message));
+  if (run.end == RunEnd::work_limit)
+    all.push_back(
+        fmt::format("The check stopped its simulation at {:.6g} s, after {} events. Directing "
+                    "such a scene takes long.",
+                    run.end_s, k_run_events_max));
+  for (std::uint32_t body = 0; body < run.bodies.size(); ++body) {
+    if (run.bodies[body].end == BodyEnd::left)
+      all.push_back(fmt::format("'{}' falls out of the scene.", name(body)));
+  }
+  for (const Hits& hits : run.hits) {
+    if (hits.b >= built.moving) continue;
+    const double ratio = built.inertia(hits.a).mass_kg / built.inertia(hits.b).mass_kg;
+    if (std::max(ratio, 1 / ratio) > k_mass_ratio_max)
+      all.push_back(
+          fmt::format("'{}' and '{}' meet, and one is {:.3g} times heavier: contacts may be "
+                      "inaccurate, or fail.",
+                      name(hits.a), name(hits.b), std::max(ratio, 1 / ratio)));
+  }
+  return all;
+}
+
+}  // namespace
+
+SceneReport check(const SceneDescription& description, const BuiltScene& built) {
+  SceneReport report{.description = description, .built = built, .meshes = closedness_of(built)};
+  // Overlaps are defined only for valid scenes. The simulator refuses other scenes.
+  if (!physics::error_of(built.scene)) report.overlaps = overlaps_of(built);
+  if (report.overlaps.empty()) report.run = nominal_run(description, built);
+  report.warnings = warnings_of(report);
+  return report;
+}
+
+}  // namespace sleight::worlds::user_scene

@@ -1,0 +1,159 @@
+#include "worker/worlds/user_scene/request.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "common/request/nearest.h"
+#include "common/request/text.h"
+#include "worker/worlds/user_scene/build.h"
+#include "worker/worlds/user_scene/request_body.h"
+
+namespace sleight::worlds::user_scene {
+namespace {
+
+using request::Binder;
+
+void bind_law(Binder& table, physics::SurfaceLaw& law) {
+  table.number("restitution", law.restitution,
+               {.minimum = 0, .maximum = 1, .help = "coefficient of restitution"});
+  table.number(
+      "friction", law.friction,
+      {.minimum = 0, .maximum = k_friction_max, .help = "Coulomb's coefficient of friction"});
+  table.number(
+      "rolling_friction", law.rolling_friction,
+      {.minimum = 0,
+       .maximum = 1,
+       .help =
+           "deceleration of a rolling sphere, divided by the acceleration that presses it down"});
+}
+
+/// Like bind_law, but keys that the file omits keep the mean of both materials' values.
+void bind_pair_law(Binder& table, physics::SurfaceLaw& law) {
+  const auto optional = [&](std::string_view key, double& value, double maximum) {
+    std::optional<double> given;
+    table.optional_number(
+        key, given,
+        {.minimum = 0, .maximum = maximum, .help = "default: the mean of both materials' values"});
+    if (given) value = *given;
+  };
+  optional("restitution", law.restitution, 1);
+  optional("friction", law.friction, k_friction_max);
+  optional("rolling_friction", law.rolling_friction, 1);
+}
+
+void bind_materials(Binder& world, SceneDescription& scene, Names& names) {
+  world.tables<Material>(
+      "material", scene.materials,
+      {.count_max = k_materials_max,
+       .help = "materials; default: one material with the defaults of these keys"},
+      [&](Binder& table, Material& material) {
+        table.required_text("name", material.name,
+                            {.characters_max = k_name_characters_max, .help = "material's name"});
+        table.number("density_kgpm3", material.density_kgpm3,
+                     {.minimum = 0.001,
+                      .maximum = 1e6,
+                      .unit = "kg/m3",
+                      .help = "density; gives the mass of a body without mass_kg"});
+        bind_law(table, material.law);
+        names.materials.add(table, "name", material.name);
+      });
+  if (scene.materials.empty())
+    scene.materials.push_back({.name = names.materials.all()[names.materials.number("default")]});
+
+  world.tables<PairLaw>(
+      "contact", scene.pairs,
+      {.count_max = k_materials_max * k_materials_max,
+       .help = "laws between two materials; default: the mean of both materials' values"},
+      [&](Binder& table, PairLaw& pair) {
+        std::vector<std::string> two;
+        table.texts("materials", two, {.count_min = 2, .count_max = 2, .required = true},
+                    {.characters_max = k_name_characters_max,
+                     .help = "names of the two materials, which may be the same"});
+        for (std::size_t i = 0; i < two.size() && table.valid("materials"); ++i)
+          pair.materials[i] = names.materials.find(table, "materials", two[i]);
+        if (table.valid("materials"))
+          pair.law = mean_law(scene.materials[pair.materials[0]].law,
+                              scene.materials[pair.materials[1]].law);
+        bind_pair_law(table, pair.law);
+        if (table.line() == 0 || !table.valid("materials")) return;
+        auto key = std::minmax(pair.materials[0], pair.materials[1]);
+        if (!names.pairs.emplace(key.first, key.second).second)
+          table.error("materials", "another [[world.contact]] already has this pair");
+      });
+}
+
+void bind_filters(Binder& world, SceneDescription& scene, Names& names) {
+  world.tables<std::array<std::uint32_t, 2>>(
+      "no_contact", scene.no_contact,
+      {.count_max = k_groups_max * k_groups_max, .help = "pairs of groups that never collide"},
+      [&](Binder& table, std::array<std::uint32_t, 2>& pair) {
+        std::vector<std::string> two;
+        table.texts("groups", two, {.count_min = 2, .count_max = 2, .required = true},
+                    {.characters_max = k_name_characters_max,
+                     .help = "names of the two groups; the same name twice: members of the group "
+                             "pass through each other"});
+        for (std::size_t i = 0; i < two.size() && table.valid("groups"); ++i)
+          pair[i] = names.groups.find(table, "groups", two[i]);
+      });
+}
+
+void bind_slow_contacts(Binder& world, SceneDescription& scene) {
+  world.optional_number(
+      "separation_mps", scene.separation_speed_mps,
+      {.minimum = 0,
+       .maximum = 100,
+       .unit = "m/s",
+       .help = "minimum speed of a bounce; 0: bounces never end; default: follows "
+               "from the smallest body"});
+  world.optional_number("rest_mps", scene.rest_speed_mps,
+                        {.minimum = 0,
+                         .maximum = 100,
+                         .unit = "m/s",
+                         .help = "speed below which a body comes to rest; 0: bodies never rest; "
+                                 "default: follows from the smallest body"});
+  world.optional_number(
+      "rest_s", scene.rest_time_s,
+      {.minimum = 1e-6,
+       .maximum = 100,
+       .unit = "s",
+       .help = "time for which a body must be below rest_mps; default: follows from "
+               "the smallest body"});
+}
+
+void bind(request::WorldSections& sections, SceneDescription& scene) {
+  Binder& world = sections.world;
+  world.number("end_s", scene.end_s,
+               {.minimum = 0.001,
+                .maximum = 3600,
+                .unit = "s",
+                .help = "time at which a simulation ends, at the latest"});
+  std::array<double, 3> gravity{0, 0, -9.81};
+  world.numbers("gravity_mps2", gravity,
+                {.minimum = -1000,
+                 .maximum = 1000,
+                 .unit = "m/s2",
+                 .help = "gravitational acceleration: x, y, z"});
+  scene.gravity_mps2 = vector_of(gravity);
+  bind_slow_contacts(world, scene);
+  Names names;
+  bind_materials(world, scene, names);
+  bind_bodies(world, scene, names);
+  bind_filters(world, scene, names);
+  scene.groups = names.groups.all();
+}
+
+}  // namespace
+
+request::WorldBinding request_binding() {
+  return request::bind_world<SceneDescription>(
+      "scene", "bodies of your own, for `sleight scene check`", &bind);
+}
+
+}  // namespace sleight::worlds::user_scene

@@ -1,0 +1,53 @@
+// Binds [[world.body]] of a scene, and resolves names. Private to this folder.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/request/binder.h"
+#include "worker/worlds/user_scene/description.h"
+
+namespace sleight::worlds::user_scene {
+
+inline constexpr std::size_t k_name_characters_max = 64;
+inline constexpr double k_friction_max = 100;
+
+inline Vec3 vector_of(const std::array<double, 3>& values) {
+  return {values[0], values[1], values[2]};
+}
+
+/// Distinct names, and their numbers in the order in which they were added.
+class NameList {
+ public:
+  explicit NameList(std::string_view what) : what_(what) {}
+
+  /// Adds a name that must be new and not empty. Otherwise reports an error at the key.
+  void add(request::Binder& table, std::string_view key, const std::string& name);
+  /// Returns a name's number. If the name is unknown, reports an error that suggests the nearest,
+  /// and returns 0.
+  std::uint32_t find(request::Binder& table, std::string_view key, const std::string& name) const;
+  /// Returns a name's number. Adds the name if it is new.
+  std::uint32_t number(const std::string& name);
+  const std::vector<std::string>& all() const { return names_; }
+
+ private:
+  std::string_view what_;  ///< "material"
+  std::vector<std::string> names_;
+};
+
+struct Names {
+  NameList materials{"material"};
+  NameList groups{"group"};
+  NameList objects{"body"};
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< of materials with a law
+  std::size_t triangles = 0;                                ///< of all meshes and channels so far
+};
+
+void bind_bodies(request::Binder& world, SceneDescription& scene, Names& names);
+
+}  // namespace sleight::worlds::user_scene

@@ -1,0 +1,32 @@
+// Tells to which object a feature or piece of the simulator's static geometry belongs.
+//
+// The numbering is that of static_geometry.h: spheres meet features, other bodies meet pieces, and
+// planes come before convexes and meshes. Thread safety: const functions may run concurrently.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "worker/physics/event/ids.h"
+#include "worker/worlds/user_scene/build.h"
+
+namespace sleight::worlds::user_scene {
+
+class StaticOwners {
+ public:
+  explicit StaticOwners(const BuiltScene& built);
+
+  /// Returns an index in BuiltScene::objects. `body`: the body that meets the element.
+  std::uint32_t owner(std::uint32_t body, physics::StaticId met) const;
+
+ private:
+  struct Range {
+    std::uint32_t end = 0;
+    std::uint32_t object = 0;
+  };
+  std::vector<Range> features_;  ///< ascending
+  std::vector<Range> pieces_;
+  std::vector<bool> is_sphere_;  ///< by body
+};
+
+}  // namespace sleight::worlds::user_scene
