@@ -15,6 +15,7 @@
 #include "clients/cli/main_gallery.h"
 #include "clients/cli/main_own.h"
 #include "clients/cli/main_run.h"
+#include "clients/cli/main_scene.h"
 #include "clients/cli/main_service.h"
 #include "clients/cli/main_token.h"
 #include "clients/cli/main_world_plots.h"
@@ -259,6 +260,7 @@ void add_plot(CLI::App& app, PlotArguments& arguments, Action& action) {
 struct CommandLine::Arguments {
   DirectArguments direct;
   RequestHelpArguments request_help;
+  SceneArguments scene;
   ReplayArguments replay;
   ArchiveArguments archive;
   DeriveArguments derive;
@@ -289,6 +291,7 @@ void build_app(CLI::App& app, CommandLine& line) {
   Action& action = line.action;
   add_direct(app, arguments.direct, action);
   add_request_help(app, arguments.request_help, action);
+  add_scene_commands(app, arguments.scene, action);
   add_replay(app, arguments.replay, action);
   add_derive(*add_archive(app, arguments.archive, action), arguments.derive, action);
   add_diagnose(app, arguments.diagnose, action);

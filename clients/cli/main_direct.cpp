@@ -11,6 +11,7 @@
 #include "service/coordinator/local_crew.h"
 #include "service/coordinator/stop_signal.h"
 #include "worker/sampling/block_runner.h"
+#include "worker/worlds/user_scene/request.h"
 
 namespace sleight::programs {
 namespace {
@@ -58,8 +59,9 @@ int check_request(const std::string& path, const std::vector<std::string>& sets)
 }
 
 int print_keys(const std::string& world) {
-  const run::Catalogue catalogue = worlds_of_program();
-  for (const request::WorldBinding& binding : catalogue.bindings()) {
+  std::vector<request::WorldBinding> bindings = worlds_of_program().bindings();
+  bindings.push_back(worlds::user_scene::request_binding());
+  for (const request::WorldBinding& binding : bindings) {
     if (world.empty()) {
       fmt::print("{}  {}\n", binding.name, binding.summary);
     } else if (binding.name == world) {

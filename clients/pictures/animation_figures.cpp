@@ -21,12 +21,10 @@
 namespace sleight::pictures {
 namespace {
 
-constexpr double k_figure_width_px = 1280;
 constexpr double k_panel_width_px_min = 560;
 constexpr double k_above_height_px_max = 620;
 constexpr double k_figure_px_per_mm_max = 4.5;
 constexpr double k_beside_px = 24;  ///< between the view from above and the instants
-constexpr double k_title_room_px = 9;
 constexpr std::size_t k_instants = 8;
 constexpr double k_panel_height_max_px = 400;
 constexpr double k_above_share_max = 0.6;  ///< maximum share of the width, for the view from above

@@ -96,12 +96,17 @@ SceneExtent extent_of(const scene::Scene& scene, const std::vector<ShownAnimatio
         for (const std::uint32_t vertex : scene.triangles[part.first_triangle + i]) {
           // Include fixed things such as walls only up to a margin around the bodies' range.
           const Vec3 place_m =
-              scene.vertices[vertex].place_m.cwiseMax(scene.low_m).cwiseMin(scene.high_m);
-          extent.add(k_mm_per_m * place_m, k_margin_mm);
+              part.position_m + math::rotated(part.orientation, scene.vertices[vertex].place_m);
+          extent.add(k_mm_per_m * place_m.cwiseMax(scene.low_m).cwiseMin(scene.high_m),
+                     k_margin_mm);
         }
       }
     } else if (part.shape != scene::Shape::ground && part.shape != scene::Shape::surface) {
-      const Vec3 half_mm = 0.5 * k_mm_per_m * part.size_m;
+      Vec3 half_mm = Vec3::Zero();  // of a box about the turned part
+      for (int axis = 0; axis < 3; ++axis)
+        half_mm +=
+            math::rotated(part.orientation, 0.5 * k_mm_per_m * part.size_m[axis] * Vec3::Unit(axis))
+                .cwiseAbs();
       const Vec3 middle_mm = k_mm_per_m * part.position_m;
       extent.add(Vec3(middle_mm - half_mm), k_margin_mm);
       extent.add(Vec3(middle_mm + half_mm), k_margin_mm);

@@ -11,7 +11,9 @@
 
 namespace sleight::pictures {
 
-inline constexpr double k_caption_px = 18;  ///< above a view
+inline constexpr double k_figure_width_px = 1280;
+inline constexpr double k_title_room_px = 9;  ///< below a panel's title
+inline constexpr double k_caption_px = 18;    ///< above a view
 inline constexpr double k_caption_size_px = 11.5;
 inline constexpr double k_between_px = 12;  ///< between views
 

@@ -1,0 +1,148 @@
+#include "clients/cli/main_scene.h"
+
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "clients/cli/given_request.h"
+#include "clients/cli/main_run.h"
+#include "clients/pictures/strip_figure.h"
+#include "clients/plot/save.h"
+#include "clients/terminal/output.h"
+#include "common/base/error.h"
+#include "common/json/value.h"
+#include "common/request/sets.h"
+#include "worker/worlds/user_scene/check/check.h"
+#include "worker/worlds/user_scene/look/look.h"
+#include "worker/worlds/user_scene/request.h"
+
+namespace sleight::programs {
+namespace {
+
+namespace user_scene = worlds::user_scene;
+using Scene = user_scene::SceneDescription;
+
+/// Reads the request. Prints its errors and returns nothing if it has any.
+std::optional<Scene> read_scene(const SceneArguments& arguments) {
+  if (arguments.path.empty())
+    throw base::Error(base::ExitCode::usage,
+                      "scene check: expected the name of a request, found an empty name");
+  const cli::GivenRequest given = cli::given_request(arguments.path, {}, std::nullopt);
+  const std::vector<request::WorldBinding> worlds{user_scene::request_binding()};
+  const auto sets = request::plain_sets(arguments.sets);
+  const auto read = sets ? request::read_request_with(given.text, given.name, worlds, sets.value())
+                         : std::move(sets).error();
+  if (read) return request::parameters_of<Scene>(read.value());
+  for (const request::Diagnostic& error : read.error())
+    terminal::complain(request::to_string(error));
+  return std::nullopt;
+}
+
+/// Draws the scene's simulation as a strip.
+void draw(const Scene& description, const user_scene::BuiltScene& built,
+          const user_scene::NominalRun& run, const SceneArguments& arguments) {
+  const scene::Scene look = user_scene::look_of(description, built);
+  auto motion =
+      motion::Animation::of(user_scene::segments_of(built, *run.recording), look.features.size());
+  if (!motion) throw base::Error(motion.error());
+  std::vector<pictures::ShownAnimation> strip(1);
+  strip.front().motion = std::move(motion).value();
+  const bool is_over = run.end == user_scene::RunEnd::all_ended;
+  const double end_s = is_over ? strip.front().motion.end_s() : run.end_s;
+  strip.front().title = fmt::format("simulated to {:.2f} s", end_s);
+  plot::save(pictures::strip_figure(arguments.path, look, strip, end_s), arguments.drawing);
+}
+
+json::Value report_json(const user_scene::SceneReport& report) {
+  json::Value json{{"warnings", report.warnings}, {"run", nullptr}};
+  if (report.run) {
+    json["run"] = {{"end", name_of(report.run->end)}, {"end_s", report.run->end_s}};
+    if (report.run->error) json["run"]["error"] = report.run->error->message;
+  }
+  for (const user_scene::Table& table : tables_of(report)) {
+    json::Value rows = json::Value::array();
+    for (const auto& cells : table.rows) {
+      json::Value row = json::Value::object();
+      for (std::size_t i = 0; i < cells.size(); ++i)
+        row[table.columns[i]] =
+            std::visit([](const auto& cell) { return json::Value(cell); }, cells[i]);
+      rows.push_back(std::move(row));
+    }
+    (table.of_run ? json["run"] : json)[table.key] = std::move(rows);
+  }
+  return json;
+}
+
+base::ExitCode exit_code(const user_scene::SceneReport& report) {
+  if (!report.run) return base::ExitCode::bad_request;
+  if (!report.run->error) return base::ExitCode::ok;
+  return physics::is_failure(report.run->error->kind) ? base::ExitCode::simulation_failed
+                                                      : base::ExitCode::bad_request;
+}
+
+int check(const SceneArguments& arguments) {
+  const std::optional<Scene> description = read_scene(arguments);
+  if (!description) return static_cast<int>(base::ExitCode::bad_request);
+  const auto built = user_scene::build(*description);
+  if (!built) {
+    const user_scene::BuildError& error = built.error();
+    terminal::complain(fmt::format("{}:{}: '{}' in [[world.body]]: {}", arguments.path,
+                                   description->bodies[error.body].line, error.error.key,
+                                   error.error.message));
+    return static_cast<int>(base::ExitCode::bad_request);
+  }
+  const user_scene::SceneReport report = user_scene::check(*description, built.value());
+  if (!arguments.drawing.empty()) {
+    terminal::refuse_same_file(arguments.path, arguments.drawing);
+    if (exit_code(report) == base::ExitCode::ok) {
+      draw(*description, built.value(), *report.run, arguments);
+    } else {
+      terminal::complain(
+          fmt::format("{} isn't written, because the scene can't be simulated", arguments.drawing));
+    }
+  }
+  return terminal::with_results([&] {
+    if (arguments.json) {
+      fmt::print("{}\n", report_json(report).dump(2));
+    } else {
+      fmt::print("{}", user_scene::report_text(report));
+    }
+    return static_cast<int>(exit_code(report));
+  });
+}
+
+}  // namespace
+
+void add_scene_commands(CLI::App& app, SceneArguments& arguments, Action& action) {
+  CLI::App* scene = app.add_subcommand("scene", "Check a scene of your own");
+  scene->require_subcommand(1);
+  CLI::App* command =
+      scene->add_subcommand("check", "Say what a scene contains, and simulate it once");
+  command
+      ->add_option("request", arguments.path,
+                   "Request of world \"scene\" (TOML). -: standard input")
+      ->required()
+      ->type_name("SCENE.toml");
+  add_sets_option(*command, arguments.sets);
+  command
+      ->add_option("--draw", arguments.drawing, "Picture to write: the simulation at eight times")
+      ->type_name("FILE.svg|FILE.png")
+      ->check([](const std::string& name) {
+        return name.empty() ? "expected a file name, found an empty one" : "";
+      });
+  command->add_flag("--json", arguments.json, "Print JSON, in SI units");
+  command->footer(
+      "Lists bodies, static things, all overlaps at the start, and what each body does until\n"
+      "end_s. `sleight keys scene` lists the keys of a scene.\n\n"
+      "Exit codes: 0 the scene can be simulated; 3 it can't, because of its request or of "
+      "overlaps;\n"
+      "8 the simulator failed.\n\n"
+      "Examples:\n  sleight scene check tray.toml\n"
+      "  sleight scene check tray.toml --draw tray.svg\n"
+      "  sleight scene check tray.toml --set world.end_s=3 --json");
+  command->callback([&] { action = [&] { return check(arguments); }; });
+}
+
+}  // namespace sleight::programs

@@ -1,0 +1,76 @@
+"""Goal: a person can describe a scene, check it and see it. Method: run the commands of docs/SCENES, and check scenes
+that can't be simulated."""
+
+import json
+import pathlib
+import re
+
+import harness
+from harness import ProgramTest, sleight
+
+
+class Scene(ProgramTest):
+    def page(self):
+        return (pathlib.Path(harness.arguments.source) / "docs/SCENES.md").read_text()
+
+    def tray(self):
+        path = self.path("tray.toml")
+        path.write_text(re.search(r"```toml\n(\[world\].*?)```", self.page(), re.S)[1])
+        return path
+
+    def check(self, path, *options):
+        return sleight("scene", "check", path, *options)
+
+    def test_the_page_as_printed(self):
+        path = self.tray()
+        command = re.search(r"```sh\n(sleight scene check .*)\n```", self.page())[1].split()
+        self.assertEqual(command[:4], ["sleight", "scene", "check", "tray.toml"])
+        drawing = self.path("tray.svg")
+        text = self.succeed(self.check(path, "--draw", drawing)).stdout
+        for name in ["die 1 to die 5", "wall 4", "table", "resin", "4.9152"]:
+            self.assertIn(name, text)
+        self.assertEqual(len(re.findall(r">\d\.\d\d s<", drawing.read_text())), 8)
+        report = json.loads(self.succeed(self.check(path, "--json")).stdout)
+        die = next(one for one in report["objects"] if one["name"] == "die 1")
+        self.assertAlmostEqual(die["mass_kg"], 1200 * 0.016**3)
+        self.assertEqual(report["overlaps"], [])
+        for body in report["run"]["bodies"]:
+            self.assertEqual(body["end"], "rests", body)
+            self.assertLess(abs(body["place_m"][0]), 0.1, body)
+
+    def test_the_pages_helix(self):
+        path = self.path("helix.toml")
+        path.write_text(re.findall(r"```toml\n(\[world\].*?)```", self.page(), re.S)[1])
+        report = json.loads(self.succeed(self.check(path, "--json")).stdout)
+        self.assertAlmostEqual(report["run"]["bodies"][0]["place_m"][2], -0.192, 3)
+
+    def test_the_page_lists_each_shape_and_its_keys(self):
+        keys = self.succeed(sleight("keys", "scene")).stdout
+        table = self.page().split("## Shapes")[1].split("## ")[0]
+        for row in re.findall(r"^\| `(\w+)`.*", table, re.M)[1:]:
+            self.assertIn(f'"{row}"', keys)
+        for name in re.findall(r"`(\w+_mm|steps|strips|turns|triangles|closed|density_kgpm3)`", table):
+            self.assertRegex(keys, rf"(?m)^  {name} ")
+
+    def test_overlaps_are_all_listed(self):
+        path = self.tray()
+        path.write_text(path.read_text().replace("step_mm = [0, 30, 0]", "step_mm = [0, 10, 0]"))
+        result = self.check(path, "--json")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        pairs = {(one["a"], one["b"]) for one in json.loads(result.stdout)["overlaps"]}
+        self.assertLessEqual({(f"die {i}", f"die {i + 1}") for i in range(1, 5)}, pairs)
+        text = self.check(path)
+        self.assertEqual(text.returncode, 3)
+        self.assertRegex(text.stdout, r"die 4.*die 5.*mm")
+
+    def test_errors_have_places(self):
+        path = self.path("bad.toml")
+        path.write_text('[world]\nname = "scene"\n[[world.body]]\nname = "a"\nshape = "box"\nsize_mm = [1, 2]\n')
+        result = self.check(path)
+        self.assertEqual(result.returncode, 3)
+        self.assertRegex(result.stderr, r"bad\.toml:6:\d+: 'size_mm' in \[\[world\.body\]\]")
+        self.assertEqual(self.check(self.path("none.toml")).returncode, 5)
+
+
+if __name__ == "__main__":
+    harness.main()
