@@ -60,6 +60,7 @@ int check_request(const std::string& path, const std::vector<std::string>& sets)
 
 int print_keys(const std::string& world) {
   std::vector<request::WorldBinding> bindings = worlds_of_program().bindings();
+  // Scenes of a user's own can be checked, but not yet directed (sleight scene check).
   bindings.push_back(worlds::user_scene::request_binding());
   for (const request::WorldBinding& binding : bindings) {
     if (world.empty()) {

@@ -2,11 +2,9 @@
 //
 // A set is SECTION.KEY=VALUE. VALUE is a TOML value. A word that is no TOML value counts as a
 // string, so `--set world.word=HI` needs no nested quotes. A key of a table in a section has the
-// table's name before it: `--set world.ring.count=3`. An array's tables, and their
-// keys, can't be set. Each
-// `--set` replaces or adds its key before the request is read. So a `--set` is checked like a file,
-// and errors have a place such as
-// `--set sampler.sed=1`.
+// table's name before it: `--set world.ring.count=3`. An array's tables, and their keys, can't be
+// set. Each `--set` replaces or adds its key before the request is read. So a `--set` is checked
+// like a file, and errors have a place such as `--set sampler.sed=1`.
 //
 // A range makes a group of requests, one per value. A range is `sampler.seed=1..20` (integers, both
 // ends included), or a list such as `sampler.chains={1,4,16}`. A list's items are values and
@@ -14,8 +12,7 @@
 //
 // Invariants
 //   1. Sets of a combination have distinct keys, none within another's table, so their order
-//   doesn't
-//      matter.
+//      doesn't matter.
 //   2. A group has 1 to k_combinations_max requests.
 // Values and pure functions; thread-safe.
 #pragma once

@@ -47,7 +47,9 @@ class Scene(ProgramTest):
     def test_the_page_lists_each_shape_and_its_keys(self):
         keys = self.succeed(sleight("keys", "scene")).stdout
         table = self.page().split("## Shapes")[1].split("## ")[0]
-        for row in re.findall(r"^\| `(\w+)`.*", table, re.M)[1:]:
+        rows = re.findall(r"^\| `(\w+)`.*", table, re.M)[1:]
+        self.assertEqual(len(rows), 13)
+        for row in rows:
             self.assertIn(f'"{row}"', keys)
         for name in re.findall(r"`(\w+_mm|steps|strips|turns|triangles|closed|density_kgpm3)`", table):
             self.assertRegex(keys, rf"(?m)^  {name} ")

@@ -37,6 +37,14 @@ struct Sphere {
 /// parts.
 using Shape = std::variant<Sphere, std::shared_ptr<const Compound>>;
 
+/// Returns the radius of a ball about the centre of mass that contains the body. REQUIRES: a
+/// compound isn't null.
+inline double reach_m(const Shape& shape) {
+  const auto* sphere = std::get_if<Sphere>(&shape);
+  return sphere != nullptr ? sphere->radius_m
+                           : std::get<std::shared_ptr<const Compound>>(shape)->r_outer_m();
+}
+
 struct StartState {
   Pose pose;
   Twist twist;

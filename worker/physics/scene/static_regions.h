@@ -72,15 +72,20 @@ inline bool is_closed(const TriangleMesh& mesh) {
                               [](const MeshEdge& edge) { return edge.kind == EdgeKind::boundary; });
 }
 
-/// Whether a closed mesh's normals point inwards. The mesh is then a cavity in an infinite solid.
-inline bool is_hollow(const TriangleMesh& mesh) {
-  double volume = 0;
+/// Returns the volume that a closed mesh encloses; negative if its normals point inwards.
+inline double enclosed_m3(const TriangleMesh& mesh) {
+  double six_volumes_m3 = 0;
   for (const TriangleCorners& corners : mesh.triangles()) {
     const Vec3& a = mesh.vertices_m()[corners[0]];
-    volume += math::dot(
+    six_volumes_m3 += math::dot(
         a, math::cross(mesh.vertices_m()[corners[1]] - a, mesh.vertices_m()[corners[2]] - a));
   }
-  return volume < 0;
+  return six_volumes_m3 / 6;
+}
+
+/// Whether a closed mesh's normals point inwards. The mesh is then a cavity in an infinite solid.
+inline bool is_hollow(const TriangleMesh& mesh) {
+  return enclosed_m3(mesh) < 0;
 }
 
 /// Returns whether a closed mesh stays hollow or stays solid, however its vertices move. Each

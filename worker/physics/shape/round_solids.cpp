@@ -128,8 +128,8 @@ base::Result<std::vector<RoundPiece>, ShapeError> pieces_of(
   return made;
 }
 
-RoundSolid re_centred(std::vector<RoundPiece> parts, const Inertia& inertia) {
-  RoundSolid solid{.parts = std::move(parts), .inertia = inertia};
+RoundSolid re_centred(std::vector<RoundPiece> parts, const Inertia& inertia, double volume_m3) {
+  RoundSolid solid{.parts = std::move(parts), .inertia = inertia, .volume_m3 = volume_m3};
   for (const RoundPiece& part : solid.parts)
     solid.foot_m = std::max(solid.foot_m, part.reach_m(-Vec3::UnitZ()));
   return solid;
@@ -165,6 +165,7 @@ constexpr std::array<ProfilePoint, 14> k_pin{{{0, 2.031 / 2},
                                               {12.625, 2.406 / 2},
                                               {13.5, 2.547 / 2}}};
 constexpr double k_pin_height_in = 15;
+static_assert(k_bowling_pin_height_m == k_pin_height_in * k_inch_m);
 constexpr double k_dome_in = 1.273;
 constexpr double k_rim_in = 5.0 / 32;
 
@@ -236,7 +237,7 @@ RoundResult solid_of_revolution(std::span<const std::vector<RoundRing>> pieces,
   const Revolution all = revolution_of(given.value());
   auto centred = pieces_of(pieces, all.centre_m);
   if (!centred) return centred.error();
-  return re_centred(std::move(centred).value(), inertia_of(all, density_kgpm3));
+  return re_centred(std::move(centred).value(), inertia_of(all, density_kgpm3), all.volume_m3);
 }
 
 RoundResult capsule(double radius_m, double between_m, double density_kgpm3) {
@@ -310,6 +311,7 @@ RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3
                    .inertia = {.mass_kg = density_kgpm3 * volume_m3,
                                .principal_kgm2 = moments,
                                .symmetry = InertiaSymmetry::general},
+                   .volume_m3 = volume_m3,
                    .foot_m = 0.5 * sides_m.z()};
   if (sides_m.x() == sides_m.y()) {
     solid.inertia.principal_kgm2.y() = moments.x();
@@ -356,7 +358,8 @@ RoundResult bowling_pin(double mass_kg) {
   });
   auto parts = pieces_of(pieces, all.centre_m);
   if (!parts) return parts.error();
-  return re_centred(std::move(parts).value(), inertia_of(all, mass_kg / all.volume_m3));
+  return re_centred(std::move(parts).value(), inertia_of(all, mass_kg / all.volume_m3),
+                    all.volume_m3);
 }
 
 double bowling_pin_radius_m(double height_m) {

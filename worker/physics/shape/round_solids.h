@@ -25,6 +25,7 @@ namespace sleight::physics {
 struct RoundSolid {
   std::vector<RoundPiece> parts;
   Inertia inertia;
+  double volume_m3 = 0;
   double foot_m = 0;  ///< depth of the lowest point below the centre of mass, along z
 };
 using RoundResult = base::Result<RoundSolid, ShapeError>;
@@ -52,6 +53,7 @@ RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3
 /// spline.
 RoundResult bowling_pin(double mass_kg);
 
+inline constexpr double k_bowling_pin_height_m = 15 * 0.0254;
 /// Returns the spline's radius at a height above the pin's foot, or 0 outside. For pictures and
 /// tests.
 double bowling_pin_radius_m(double height_m);

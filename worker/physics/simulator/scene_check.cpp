@@ -35,13 +35,6 @@ std::optional<SceneError> error(Kind kind, std::string message) {
   return SceneError{kind, std::move(message)};
 }
 
-/// Returns the radius of a sphere, or of a compound's bounding sphere about the compound's centre.
-double radius_m_of(const Shape& shape) {
-  const auto* sphere = std::get_if<Sphere>(&shape);
-  return sphere != nullptr ? sphere->radius_m
-                           : std::get<std::shared_ptr<const Compound>>(shape)->r_outer_m();
-}
-
 std::optional<SceneError> error_of_shape(const BodyDescription& body, const std::string& name) {
   const auto* sphere = std::get_if<Sphere>(&body.shape);
   if (sphere == nullptr) {
@@ -59,7 +52,7 @@ std::optional<SceneError> error_of_shape(const BodyDescription& body, const std:
                                                 compound->parts.size() + part));
     }
   }
-  const double radius_m = radius_m_of(body.shape);
+  const double radius_m = reach_m(body.shape);
   if (!(radius_m > 10 * k_touch_m && radius_m <= k_coordinate_m_max)) {
     return error(Kind::bad_shape, fmt::format("{}: radius is {} m, expected {} to {} m", name,
                                               radius_m, 10 * k_touch_m, k_coordinate_m_max));
@@ -120,7 +113,7 @@ std::optional<SceneError> error_of_moments(const BodyDescription& body, const st
             name, moments.x(), moments.y(), moments.z()));
   }
   // All points of the body are within the radius of its centre.
-  const double radius_m = radius_m_of(body.shape);
+  const double radius_m = reach_m(body.shape);
   const double most_kgm2 = inertia.mass_kg * radius_m * radius_m;
   const double least_kgm2 = std::min({moments.x(), moments.y(), moments.z()});
   if (!(moments.maxCoeff() <= most_kgm2 * (1 + 1e-9) && least_kgm2 >= 1e-9 * most_kgm2)) {

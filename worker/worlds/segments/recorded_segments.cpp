@@ -52,14 +52,14 @@ void set_cause(motion::Segment& segment, const physics::EventKey& event, std::ui
   }
 }
 
-/// A segment is divided into cells, and a piece consists of cells. While a body turns by so little,
-/// the error of a piece is below 1e-5 rad. So a piece of one cell needs no test.
+/// A segment is divided into cells, and a piece consists of cells. A body turns by so little in a
+/// cell that a piece of one cell needs no test.
 constexpr double k_cell_rad = 1.0 / 32;
 constexpr double k_cells_max = 1 << 20;        ///< limits memory if a body turns unreasonably fast
 constexpr std::size_t k_piece_cells_max = 64;  ///< 2 rad; turns beyond pi would be ambiguous
 constexpr std::size_t k_tests = 6;             ///< instants of a piece that are examined
-/// At these instants, deviations may reach this share of the tolerances. The greatest deviation is
-/// between the instants and some 5% greater.
+/// At these instants, deviations may reach this share of the tolerances, because the greatest
+/// deviation is between the instants.
 constexpr double k_tested_off = 0.9;
 /// A piece's accelerations are corrected if its end deviates by more than this share of the
 /// tolerances. Smaller corrections would be rounding errors, divided by the square of a short time.

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "worker/physics/distance/placed_pose.h"
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/round_solids.h"
+#include "worker/worlds/user_scene/channel.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -60,15 +60,14 @@ FormResult box_form(const Vec3& sides_m, double density_kgpm3) {
 
 /// A solid of revolution, or one that is symmetric like it. `lowest_m`: height of its lowest point
 /// in the shape's frame.
-FormResult round_form(physics::RoundResult made, double density_kgpm3, const std::string& key,
-                      double lowest_m) {
+FormResult round_form(physics::RoundResult made, const std::string& key, double lowest_m) {
   if (!made) return wrong(key, made.error());
   physics::RoundSolid solid = std::move(made).value();
   BodyForm form;
   form.rounds = std::move(solid.parts);
   form.inertia = solid.inertia;
   form.frame.position_m.z() = lowest_m + solid.foot_m;
-  form.volume_m3 = solid.inertia.mass_kg / density_kgpm3;
+  form.volume_m3 = solid.volume_m3;
   return form;
 }
 
@@ -136,7 +135,7 @@ std::optional<FormError> gather(std::span<const PlacedPart> parts, BodyForm& for
 }
 
 FormResult compound_form(std::span<const PartDescription> parts, double density_kgpm3) {
-  if (parts.empty()) return FormError{"shape", "a compound needs at least one [[world.body.part]]"};
+  CHECK(!parts.empty());
   std::vector<PlacedPart> placed;
   double mass_kg = 0;
   Vec3 moment_kgm = Vec3::Zero();
@@ -180,19 +179,6 @@ FormResult compound_form(std::span<const PartDescription> parts, double density_
   return form;
 }
 
-/// Returns a pin's volume by Simpson's rule. Its relative error is below 1e-5.
-double pin_volume_m3() {
-  constexpr int k_slices = 2000;
-  constexpr double k_height_m = 0.381;
-  double sum_m2 = 0;
-  for (int i = 0; i <= k_slices; ++i) {
-    const double radius_m = physics::bowling_pin_radius_m(k_height_m * i / k_slices);
-    const double weight = i == 0 || i == k_slices ? 1 : i % 2 == 1 ? 4 : 2;
-    sum_m2 += weight * std::numbers::pi * radius_m * radius_m;
-  }
-  return sum_m2 * k_height_m / (3 * k_slices);
-}
-
 }  // namespace
 
 Pose composed(const Pose& outer, const Pose& inner) {
@@ -205,10 +191,17 @@ Pose inverse(const Pose& pose) {
   return {.position_m = -math::rotated(back, pose.position_m), .orientation = back};
 }
 
-double reach_m(const physics::Shape& shape) {
-  const auto* sphere = std::get_if<physics::Sphere>(&shape);
-  return sphere != nullptr ? sphere->radius_m
-                           : std::get<std::shared_ptr<const physics::Compound>>(shape)->r_outer_m();
+base::Result<physics::TriangleMesh, FormError> mesh_form(const ShapeSizes& sizes,
+                                                         const Pose& pose) {
+  Channel drawn{.points_m = sizes.points_m, .triangles = sizes.triangles};
+  if (sizes.kind != ShapeKind::mesh) drawn = channel_of(sizes);
+  for (Vec3& point_m : drawn.points_m)
+    point_m = pose.position_m + math::rotated(pose.orientation, point_m);
+  auto mesh = physics::TriangleMesh::make(
+      drawn.points_m, drawn.triangles,
+      sizes.closed ? physics::MeshClosure::closed : physics::MeshClosure::may_be_open);
+  if (!mesh) return FormError{"triangles", physics::describe(mesh.error())};
+  return std::move(mesh).value();
 }
 
 physics::Inertia with_mass(physics::Inertia inertia, double mass_kg) {
@@ -235,23 +228,22 @@ FormResult body_form(const ShapeSizes& sizes, std::span<const PartDescription> p
     case ShapeKind::capsule:
       return round_form(
           physics::capsule(sizes.radius_m, sizes.length_m - 2 * sizes.radius_m, density_kgpm3),
-          density_kgpm3, "length_mm", -0.5 * sizes.length_m);
+          "length_mm", -0.5 * sizes.length_m);
     case ShapeKind::cylinder:
       return round_form(
-          physics::cylinder(sizes.radius_m, sizes.length_m, sizes.edge_m, density_kgpm3),
-          density_kgpm3, "edge_mm", -0.5 * sizes.length_m);
+          physics::cylinder(sizes.radius_m, sizes.length_m, sizes.edge_m, density_kgpm3), "edge_mm",
+          -0.5 * sizes.length_m);
     case ShapeKind::cone:
       return round_form(physics::cone(sizes.radius_m, sizes.length_m, sizes.edge_m, density_kgpm3),
-                        density_kgpm3, "edge_mm", -0.5 * sizes.length_m);
+                        "edge_mm", -0.5 * sizes.length_m);
     case ShapeKind::rounded_box:
-      return round_form(physics::rounded_box(sizes.size_m, sizes.edge_m, density_kgpm3),
-                        density_kgpm3, "edge_mm", -0.5 * sizes.size_m.z());
+      return round_form(physics::rounded_box(sizes.size_m, sizes.edge_m, density_kgpm3), "edge_mm",
+                        -0.5 * sizes.size_m.z());
     case ShapeKind::pin: {
       // Scale a pin of 1 kg, because its maker takes a mass.
-      FormResult pin = round_form(physics::bowling_pin(1), 1, "shape", 0);
+      FormResult pin = round_form(physics::bowling_pin(1), "shape", 0);
       if (!pin) return pin;
       BodyForm form = std::move(pin).value();
-      form.volume_m3 = pin_volume_m3();
       form.inertia = with_mass(form.inertia, density_kgpm3 * form.volume_m3);
       return form;
     }

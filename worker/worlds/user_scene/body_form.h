@@ -34,10 +34,13 @@ struct BodyForm {
 };
 
 /// Makes the form of a solid: any kind except plane, mesh, helix and ramp. `parts` are those of a
-/// compound.
+/// compound, at least one.
 base::Result<BodyForm, FormError> body_form(const ShapeSizes& sizes,
                                             std::span<const PartDescription> parts,
                                             double density_kgpm3);
+
+/// Makes a mesh, helix or ramp in the frame in which the shape's frame has this pose.
+base::Result<physics::TriangleMesh, FormError> mesh_form(const ShapeSizes& sizes, const Pose& pose);
 
 /// Scales mass and moments.
 physics::Inertia with_mass(physics::Inertia inertia, double mass_kg);
@@ -46,7 +49,5 @@ physics::Inertia with_mass(physics::Inertia inertia, double mass_kg);
 Pose composed(const Pose& outer, const Pose& inner);
 /// If `pose` is B's pose in A's frame, returns A's pose in B's frame.
 Pose inverse(const Pose& pose);
-/// Radius of a ball about the body's centre of mass that contains the body.
-double reach_m(const physics::Shape& shape);
 
 }  // namespace sleight::worlds::user_scene

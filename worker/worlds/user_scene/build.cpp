@@ -6,9 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "common/base/check.h"
-#include "worker/physics/distance/placed_pose.h"
-#include "worker/worlds/user_scene/channel.h"
 #include "worker/worlds/user_scene/copies.h"
 
 namespace sleight::worlds::user_scene {
@@ -23,12 +20,6 @@ physics::CollisionGroup group_id(std::uint32_t group) {
 
 bool is_mesh(ShapeKind kind) {
   return kind == ShapeKind::mesh || kind == ShapeKind::helix || kind == ShapeKind::ramp;
-}
-
-/// Makes an error of a mesh that names the points of the wrong triangle.
-FormError wrong_mesh(const physics::MeshError& error) {
-  const bool at_point = error.kind == physics::MeshError::Kind::vertex_not_finite;
-  return {at_point ? "points_mm" : "triangles", physics::describe(error)};
 }
 
 class Builder {
@@ -87,11 +78,8 @@ class Builder {
       if (kind_of(number_) != kind) continue;
       shape_ = {};
       for (const Copy& copy : copies_of(body())) {
-        built_.objects.push_back({.name = copy.name,
-                                  .kind = kind,
-                                  .description = number_,
-                                  .place = copy.place,
-                                  .volume_m3 = forms_[number_].volume_m3});
+        built_.objects.push_back(
+            {.name = copy.name, .kind = kind, .description = number_, .place = copy.place});
         add(copy);
       }
     }
@@ -161,15 +149,8 @@ class Builder {
   }
 
   void add_mesh(const Copy& copy) {
-    const ShapeSizes& sizes = body().sizes;
-    Channel drawn{.points_m = sizes.points_m, .triangles = sizes.triangles};
-    if (sizes.kind != ShapeKind::mesh) drawn = channel_of(sizes);
-    for (Vec3& point_m : drawn.points_m)
-      point_m = copy.place.position_m + math::rotated(copy.place.orientation, point_m);
-    auto mesh = physics::TriangleMesh::make(
-        drawn.points_m, drawn.triangles,
-        sizes.closed ? physics::MeshClosure::closed : physics::MeshClosure::may_be_open);
-    if (!mesh) return fail(wrong_mesh(mesh.error()));
+    auto mesh = mesh_form(body().sizes, copy.place);
+    if (!mesh) return fail(mesh.error());
     built_.objects.back().first = static_cast<std::uint32_t>(built_.scene.meshes.size());
     built_.scene.meshes.push_back(
         {.name = copy.name,
@@ -211,14 +192,6 @@ class Builder {
 
 }  // namespace
 
-std::uint32_t BuiltScene::owner(ObjectKind kind, std::uint32_t index) const {
-  for (std::uint32_t object = bodies; object < objects.size(); ++object) {
-    const Object& one = objects[object];
-    if (one.kind == kind && index >= one.first && index < one.first + one.count) return object;
-  }
-  base::check_failed("an object owns the static element", "");
-}
-
 physics::SurfaceLaw mean_law(const physics::SurfaceLaw& a, const physics::SurfaceLaw& b) {
   return {.restitution = 0.5 * (a.restitution + b.restitution),
           .friction = 0.5 * (a.friction + b.friction),
@@ -236,11 +209,6 @@ physics::ContactTable contact_table(const SceneDescription& description) {
   for (const PairLaw& pair : description.pairs)
     table.set(material_id(pair.materials[0]), material_id(pair.materials[1]), pair.law);
   return table;
-}
-
-std::size_t boundary_edges(const physics::TriangleMesh& mesh) {
-  return static_cast<std::size_t>(std::ranges::count(mesh.edges(), physics::EdgeKind::boundary,
-                                                     [](const auto& edge) { return edge.kind; }));
 }
 
 double least_width_m(const physics::Shape& shape) {

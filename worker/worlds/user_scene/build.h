@@ -32,7 +32,6 @@ struct Object {
   Pose place;                     ///< of the shape's frame at the start
   /// A body's frame in the shape's frame. Other objects: identity.
   Pose frame{};
-  double volume_m3 = 0;  ///< of solids; 0: a plane or a mesh
   /// Index of the first of `count` elements in Scene::planes, convexes or meshes.
   std::uint32_t first = 0;
   std::uint32_t count = 1;
@@ -51,15 +50,10 @@ struct BuiltScene {
   std::uint32_t bodies = 0;  ///< number of moving and fixed bodies
 
   const physics::Inertia& inertia(std::uint32_t body) const { return scene.bodies[body].inertia; }
-  /// Returns the object to which a plane, a static polyhedron or a mesh belongs.
-  std::uint32_t owner(ObjectKind kind, std::uint32_t index) const;
 };
 
 /// REQUIRES: the limits of description.h; names of objects are distinct.
 base::Result<BuiltScene, BuildError> build(const SceneDescription& description);
-
-/// Returns the number of edges without a second triangle. 0: the mesh is closed.
-std::size_t boundary_edges(const physics::TriangleMesh& mesh);
 
 /// Returns the laws of all pairs of materials.
 physics::ContactTable contact_table(const SceneDescription& description);

@@ -35,7 +35,7 @@ using physics::Vec3;
 /// Limits of a scene, copies included.
 inline constexpr std::size_t k_objects_max = 1000;
 inline constexpr std::size_t k_materials_max = 64;
-inline constexpr std::size_t k_groups_max = 32;
+using physics::k_groups_max;
 inline constexpr std::size_t k_parts_max = 64;
 /// Maximum triangles of all meshes and channels together.
 inline constexpr std::size_t k_mesh_triangles_max = 200'000;
@@ -57,7 +57,7 @@ enum class ShapeKind : std::uint8_t {
 };
 inline constexpr std::size_t k_shape_kinds = 13;
 
-/// The sizes of a shape. Each kind uses only some of them (request.cpp has the table).
+/// The sizes of a shape. Each kind uses only some of them (request_body.cpp has the table).
 struct ShapeSizes {
   ShapeKind kind = ShapeKind::sphere;
   double radius_m = 0;           ///< also the radius of a channel's cross-section

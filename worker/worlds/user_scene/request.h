@@ -10,7 +10,7 @@ namespace sleight::worlds::user_scene {
 
 /// Binds the world "scene". Its requests have SceneDescription as parameters
 /// (request::parameters_of). The binding makes every shape once, so that errors of shapes have
-/// places in the file: build() succeeds for a description without errors.
+/// places in the file. Then build() succeeds, unless a turned mesh has a sliver.
 request::WorldBinding request_binding();
 
 /// Returns the value of the key `shape`, such as "rounded_box".

@@ -11,7 +11,6 @@
 #include "common/math/elementary.h"
 #include "common/request/nearest.h"
 #include "common/request/text.h"
-#include "worker/physics/shape/triangle_mesh.h"
 #include "worker/worlds/user_scene/body_form.h"
 #include "worker/worlds/user_scene/copies.h"
 #include "worker/worlds/user_scene/request.h"
@@ -385,14 +384,8 @@ void check_body(Binder& table, BodyDescription& body, const SceneDescription& sc
   for (const Copy& copy : copies_of(body))
     names.objects.add(table, "name", copy.name);
   if (kind == mesh) {
-    std::vector<physics::Vec3> points_m = body.sizes.points_m;
-    const auto made = physics::TriangleMesh::make(
-        points_m, body.sizes.triangles,
-        body.sizes.closed ? physics::MeshClosure::closed : physics::MeshClosure::may_be_open);
-    if (!made)
-      table.error(made.error().kind == physics::MeshError::Kind::vertex_not_finite ? "points_mm"
-                                                                                   : "triangles",
-                  physics::describe(made.error()));
+    const auto made = mesh_form(body.sizes, {});
+    if (!made) table.error(made.error().key, made.error().message);
   } else if ((bits({kind}) & bits({plane, helix, ramp})) == 0) {
     const auto form =
         body_form(body.sizes, body.parts, scene.materials[body.material].density_kgpm3);

@@ -4,13 +4,14 @@
 #include <variant>
 
 #include "common/base/check.h"
+#include "worker/physics/scene/static_regions.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
 
 /// A sheet's triangles are two features each.
 std::size_t faces_of(const physics::TriangleMesh& mesh) {
-  return (boundary_edges(mesh) > 0 ? 2 : 1) * mesh.triangles().size();
+  return (physics::is_closed(mesh) ? 1 : 2) * mesh.triangles().size();
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "worker/physics/scene/static_regions.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::worlds::user_scene {
@@ -17,15 +18,10 @@ std::vector<Closedness> closedness_of(const BuiltScene& built) {
   for (std::uint32_t object = built.bodies; object < built.objects.size(); ++object) {
     if (built.objects[object].kind != ObjectKind::mesh) continue;
     const physics::TriangleMesh& mesh = *built.scene.meshes[built.objects[object].first].mesh;
-    Closedness one{.object = object, .boundary_edges = boundary_edges(mesh)};
-    if (one.boundary_edges == 0) {
-      // Add the tetrahedra between a point of the mesh and each triangle.
-      const Vec3 from_m = mesh.vertices_m()[mesh.triangles().front()[0]];
-      for (const auto& [a, b, c] : mesh.triangles()) {
-        const auto vertex_m = [&](std::uint32_t v) { return mesh.vertices_m()[v] - from_m; };
-        one.volume_m3 += math::dot(vertex_m(a), math::cross(vertex_m(b), vertex_m(c))) / 6;
-      }
-    }
+    Closedness one{.object = object};
+    for (const physics::MeshEdge& edge : mesh.edges())
+      one.boundary_edges += edge.kind == physics::EdgeKind::boundary ? 1 : 0;
+    if (one.boundary_edges == 0) one.volume_m3 = physics::enclosed_m3(mesh);
     all.push_back(one);
   }
   return all;

@@ -29,7 +29,7 @@ class Run {
   Run(const BuiltScene& built, const physics::Simulation& simulation)
       : built_(built), simulation_(simulation) {
     for (const physics::BodyDescription& body : built.scene.bodies) {
-      const Vec3 around_m = Vec3::Constant(reach_m(body.shape));
+      const Vec3 around_m = Vec3::Constant(physics::reach_m(body.shape));
       surround(body.start.pose.position_m - around_m);
       surround(body.start.pose.position_m + around_m);
     }

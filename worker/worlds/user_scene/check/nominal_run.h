@@ -54,7 +54,7 @@ struct NominalRun {
   std::shared_ptr<const physics::Recording> recording{};  ///< null if the simulation can't start
 };
 
-/// Maximum collisions and changes of lasting contacts in a run; they take some 6 s.
+/// Maximum collisions and changes of lasting contacts in a run.
 inline constexpr std::uint64_t k_run_events_max = 300'000;
 
 NominalRun nominal_run(const SceneDescription& description, const BuiltScene& built,

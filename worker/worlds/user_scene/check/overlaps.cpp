@@ -49,7 +49,7 @@ std::deque<Piece> pieces_of(const physics::BodyDescription& body) {
     piece.shape = {.view = &piece.view,
                    .radius_m = sphere == nullptr ? 0 : sphere->radius_m,
                    .pose = physics::placed(pose),
-                   .reach_m = user_scene::reach_m(body.shape)};
+                   .reach_m = physics::reach_m(body.shape)};
     Vec3 low_m, high_m;
     for (int axis = 0; axis < 3; ++axis) {
       low_m[axis] = -reach_m(piece.shape, -Vec3::Unit(axis));

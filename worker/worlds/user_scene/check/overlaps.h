@@ -8,8 +8,8 @@
 //
 // The depth is the length of the shortest shift that separates two convex pieces. If bodies have
 // several pieces, it is the greatest depth of a pair of pieces. A triangle of a mesh is a piece of
-// zero thickness. Where a round piece overlaps deeply, a search over directions finds the depth; it
-// may be too great by some percent. Thread safety: a pure function.
+// zero thickness. Where a round piece overlaps deeply, a search over directions finds the depth. It
+// may stop at a greater depth than the least. Thread safety: a pure function.
 #pragma once
 
 #include <cstdint>

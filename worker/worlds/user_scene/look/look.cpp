@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/math/elementary.h"
+#include "worker/physics/scene/static_regions.h"
 #include "worker/physics/shape/round_solids.h"
 #include "worker/worlds/scene_parts/scene_parts.h"
 #include "worker/worlds/segments/recorded_segments.h"
@@ -59,7 +60,6 @@ struct Rings {
 /// Returns the points, the lowest ring first. The normals of a convex shape are evenly spaced
 /// there.
 std::vector<Vec3> points_of(const Rings& all, const ShapeSizes& sizes, const BodyForm& form) {
-  constexpr double k_pin_height_m = 0.381;
   const double step_rad = 2 * pi / all.corners;
   // Polygons about the axis have the area of the circles.
   const bool is_round = sizes.kind != ShapeKind::hull && sizes.kind != ShapeKind::rounded_box;
@@ -70,7 +70,7 @@ std::vector<Vec3> points_of(const Rings& all, const ShapeSizes& sizes, const Bod
     const math::SinCos up = math::sincos(pi * ((i / all.corners + 0.5) / all.rings - 0.5));
     Vec3 point_m = furthest_m(form, {up.cos * turn.cos, up.cos * turn.sin, up.sin});
     if (sizes.kind == ShapeKind::pin) {  // it isn't convex
-      const double height_m = k_pin_height_m * 0.5 * (1 + up.sin);
+      const double height_m = physics::k_bowling_pin_height_m * 0.5 * (1 + up.sin);
       const double radius_m = physics::bowling_pin_radius_m(height_m);
       point_m = {radius_m * turn.cos, radius_m * turn.sin, height_m - form.frame.position_m.z()};
     }
@@ -119,7 +119,7 @@ class Painter {
     if (object.kind == ObjectKind::mesh) {
       const physics::TriangleMesh& mesh = *built_.scene.meshes[object.first].mesh;
       add_mesh(scene_, mesh, 0);
-      if (boundary_edges(mesh) > 0) add_back_sides(scene_.parts.back());
+      if (!physics::is_closed(mesh)) add_back_sides(scene_.parts.back());
       extend(scene_.parts.back(), {});
       return;
     }
@@ -197,7 +197,6 @@ class Painter {
     add_part(scene_, scene::Shape::box, scale * around.sizes(), around.center());
   }
 
-  /// Extends the range by a part of a feature at `pose`.
   /// Repeats a mesh's triangles with the other side outwards, because viewers show only outsides.
   void add_back_sides(scene::Part& part) {
     for (std::uint32_t i = 0; i < part.triangles; ++i) {
@@ -206,6 +205,8 @@ class Painter {
     }
     part.triangles *= 2;
   }
+
+  /// Extends the range by a part of a feature at `pose`.
   void extend(scene::Part part, const Pose& pose) {
     place(part, pose);
     const auto add = [&](const Vec3& offset_m) {
@@ -252,7 +253,7 @@ std::vector<motion::Segment> segments_of(const BuiltScene& built,
     bodies.push_back({.feature = body,
                       .frame = inverse(built.objects[body].frame),
                       .inertia = built.inertia(body),
-                      .reach_m = reach_m(built.scene.bodies[body].shape),
+                      .reach_m = physics::reach_m(built.scene.bodies[body].shape),
                       .moves = body < built.moving});
   const StaticOwners owners(built);
   return recorded_segments(recording, bodies, [&](std::uint32_t body, std::uint32_t met) {

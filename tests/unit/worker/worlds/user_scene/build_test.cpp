@@ -8,6 +8,7 @@
 #include "tests/unit/worker/worlds/user_scene/read_scene.h"
 #include "worker/physics/simulator/simulation.h"
 #include "worker/worlds/user_scene/body_form.h"
+#include "worker/worlds/user_scene/static_owners.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -109,6 +110,51 @@ spin_radps = [0, 0, 10]
   // A quarter turn about x leads z to -y.
   EXPECT_TRUE(pin.start.pose.position_m.isApprox(Vec3(0.1, -height_m, 0.02)));
   EXPECT_TRUE(pin.start.twist.velocity_mps.isApprox(Vec3(10 * height_m, 0, 1)));
+}
+
+TEST(Build, StaticElementsHaveTheirOwners) {
+  // Compares with the names in the simulator's static geometry, in which a sphere and a box meet
+  // features and pieces.
+  const BuiltScene built = built_scene(scene_of(R"(
+[[world.body]]
+name = "ball"
+radius_mm = 8
+at_mm = [0, 0, 400]
+[[world.body]]
+name = "die"
+shape = "box"
+size_mm = [16, 16, 16]
+at_mm = [99, 0, 400]
+[[world.body]]
+name = "sheet"
+shape = "ramp"
+radius_mm = 14
+length_mm = 300
+drop_mm = 20
+row = {count = 2, step_mm = [0, 90, 0]}
+[[world.body]]
+name = "block"
+shape = "compound"
+static = true
+part = [{shape = "box", size_mm = [9, 9, 9]}, {shape = "box", size_mm = [5, 5, 5], at_mm = [9, 0, 0]}]
+[[world.body]]
+name = "tent"
+shape = "mesh"
+points_mm = [[0, 0, 0], [30, 0, 0], [0, 30, 0], [0, 0, 30]]
+triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+[[world.body]]
+name = "floor"
+shape = "plane"
+)"));
+  const physics::StaticGeometry geometry(built.scene);
+  const StaticOwners owners(built);
+  const auto quoted = [&](std::uint32_t body, std::uint32_t met) {
+    return "'" + built.objects[owners.owner(body, {met})].name + "'";
+  };
+  for (std::uint32_t i = 0; i < geometry.feature_count(); ++i)
+    EXPECT_TRUE(geometry.name_of_feature({i}).ends_with(quoted(0, i))) << i;
+  for (std::uint32_t i = 0; i < geometry.piece_count(); ++i)
+    EXPECT_TRUE(geometry.name_of_piece({i}).ends_with(quoted(1, i))) << i;
 }
 
 TEST(Build, SlowContactsFollowFromTheSmallestBody) {

@@ -129,7 +129,6 @@ TEST(SceneRequest, EveryShapeIsReadAndBuilt) {
   EXPECT_EQ(built.scene.convexes.size(), 1U);
   ASSERT_EQ(built.scene.meshes.size(), 3U);
   EXPECT_EQ(built.scene.meshes[1].mesh->triangles().size(), 2U * 288 * 8);
-  EXPECT_EQ(built.objects[built.owner(ObjectKind::mesh, 2)].name, "ramp");
   // The third of four cylinders is opposite the first.
   EXPECT_TRUE(built.objects[10].place.position_m.isApprox(Vec3(-0.5, 0, 0)));
 
