@@ -379,4 +379,19 @@ PieceContact Predictions::static_contact_at(BodyId body, StaticId met, const Eve
   return statics_.contact_of_part(met, body, event.feature, event.tick);
 }
 
+double Predictions::approach_mps(const EventKey& event) {
+  const BodyId a = event.body();
+  if (event.is_with_static()) {
+    if (!bodies_.is_sphere(a)) return -static_contact_at(a, event.met(), event).rate_mps;
+    return -gap_between(statics_.geometry().feature({event.met()}),
+                        bodies_.centre_at(a, event.tick), bodies_.constants(a).reach_m)
+                .rate_mps;
+  }
+  const BodyId b = event.other_body();
+  if (!bodies_.is_sphere(a) || !bodies_.is_sphere(b)) return -contact_at(a, b, event).rate_mps;
+  const Vec3 relative_mps =
+      bodies_.centre_at(b, event.tick).velocity_mps - bodies_.centre_at(a, event.tick).velocity_mps;
+  return -gap_to_round(bodies_.between_at(a, b, event.tick), relative_mps, 0).rate_mps;
+}
+
 }  // namespace sleight::physics

@@ -73,6 +73,8 @@ class Predictions {
   // Contacts at a predicted event.
   PieceContact contact_at(BodyId a, BodyId b, const EventKey& event);
   PieceContact static_contact_at(BodyId body, StaticId met, const EventKey& event);
+  /// Speed at which the pair of a collision approaches along the contact normal (collision_rule.h).
+  double approach_mps(const EventKey& event);
 
   // Notifications about bodies.
   /// Call when a body has moved to another place or changed its motion.

@@ -31,6 +31,7 @@ class Simulation::Impl {
         replaying(world, std::move(history)) {
     if (options.keep_history)
       world.recorder().begin_history(options.history_bytes_max, options.record);
+    if (options.keep_impacts) world.keep_impacts();
   }
 
   std::optional<SceneError> run_until(Tick end) {
@@ -86,6 +87,10 @@ void Simulation::go_on_with(const SimulationOptions& options) {
 
 std::span<const SurfaceTouch> Simulation::surface_touches() const {
   return impl_->world.surface_touches();
+}
+
+std::span<const Impact> Simulation::impacts() const {
+  return impl_->world.impacts();
 }
 
 Tick Simulation::now() const {

@@ -35,6 +35,7 @@
 #include <span>
 
 #include "common/base/result.h"
+#include "worker/physics/contact/impacts.h"
 #include "worker/physics/contact/surface_touches.h"
 #include "worker/physics/reuse/history.h"
 #include "worker/physics/reuse/recording.h"
@@ -53,6 +54,7 @@ struct SimulationOptions {
   /// Memory limit for the history. If the history exceeds the limit, history() returns null. If
   /// `record` is set, a recording is still made.
   std::size_t history_bytes_max = std::size_t{1} << 30U;
+  bool keep_impacts = false;   ///< list the collisions for impacts()
   TickCount sample_every = 0;  ///< sampling events from tick 0 on; 0: none
   std::function<void(Tick)> on_sample{};
 };
@@ -84,8 +86,8 @@ class Simulation {
   std::optional<SceneError> run_until(Tick end);
 
   /// Continues with another algorithm, engine and sampling interval. Sampling events happen at
-  /// multiples of the interval. `record`, `segments_reserved`, `keep_history` and
-  /// `history_bytes_max` have no effect: recording continues as before. A failed simulation stays
+  /// multiples of the interval. `record`, `segments_reserved`, `keep_history`, `history_bytes_max`
+  /// and `keep_impacts` have no effect: recording continues as before. A failed simulation stays
   /// failed.
   void go_on_with(const SimulationOptions& options);
 
@@ -102,6 +104,9 @@ class Simulation {
   const Counts& counts() const;
   /// Collisions with the scene's surfaces up to now(), in order. Includes replayed collisions.
   std::span<const SurfaceTouch> surface_touches() const;
+  /// All collisions up to now(), in order. Includes replayed collisions, even if the history was
+  /// made without `keep_impacts`. Empty if `keep_impacts` is off.
+  std::span<const Impact> impacts() const;
   /// Recording up to now(); empty if not recorded. If the simulation stores a history, this call
   /// creates or completes the recording.
   const Recording& recording() const;

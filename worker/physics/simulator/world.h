@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "worker/physics/contact/contact_state.h"
+#include "worker/physics/contact/impacts.h"
 #include "worker/physics/contact/plane_stay.h"
 #include "worker/physics/contact/resting.h"
 #include "worker/physics/contact/surface_touches.h"
@@ -52,6 +53,9 @@ class World {
   const Resting& resting() const { return resting_; }
   ReplayedBodies& replayed() { return replayed_; }
   std::span<const SurfaceTouch> surface_touches() const { return surface_touches_; }
+  /// Lists impacts from now on.
+  void keep_impacts() { keeps_impacts_ = true; }
+  std::span<const Impact> impacts() const { return impacts_; }
   /// Returns what failed in a prediction or a collision. Empty if nothing failed.
   const std::optional<SceneError>& failure();
   bool has_failed() const { return failure_ || predictions_.gave_up(); }
@@ -81,8 +85,8 @@ class World {
   void change_mode(BodyId body, const EventKey& event);
   /// Replays an event of a history. REQUIRES: its participants are replayed.
   void happens_again(const HistoryEvent& event);
-  /// Replays an event without moving the bodies. After many such events, call is_by_now() to move
-  /// each body to its last segment.
+  /// Replays an event without moving the bodies, unless impacts are kept. After many such events,
+  /// call is_by_now() to move each body to its last segment.
   void passes(const HistoryEvent& event);
   void is_by_now(BodyId body, const Segment& segment);
   std::span<const BodyId> changed() const { return changed_; }
@@ -143,6 +147,9 @@ class World {
   void note_too_much(BodyId body, Tick tick);
   void note_failure(SceneError::Kind kind, const std::string& what, BodyId body, Tick tick);
   std::string message_of(const std::string& what, BodyId body, Tick tick) const;
+  /// If the event is a collision and impacts are kept, lists it. REQUIRES: the event hasn't changed
+  /// the bodies yet.
+  void note_impact(const EventKey& event);
   /// Records that a body touched a surface at centre_m + arm_m.
   void note_surface(BodyId body, StaticId met, Tick tick, const Vec3& centre_m, const Vec3& arm_m);
 
@@ -199,6 +206,8 @@ class World {
   std::vector<CollisionCount> collided_;  ///< by body
   std::vector<BodyId> changed_;
   std::vector<SurfaceTouch> surface_touches_;
+  bool keeps_impacts_ = false;
+  std::vector<Impact> impacts_;
   struct AtRest {
     std::vector<TouchRecord> touches;
     std::vector<BodyId> supporters;

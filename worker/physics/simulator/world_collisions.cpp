@@ -23,8 +23,17 @@ void World::note_too_much(BodyId body, Tick tick) {
                tick);
 }
 
+void World::note_impact(const EventKey& event) {
+  if (!keeps_impacts_ || event.kind != EventKind::collision) return;
+  impacts_.push_back({.tick = event.tick,
+                      .lower = event.lower,
+                      .higher = event.higher,
+                      .approach_mps = std::max(0.0, predictions_.approach_mps(event))});
+}
+
 void World::collide(BodyId a, BodyId b, const EventKey& event) {
   changed_.clear();
+  note_impact(event);
   replayed_.make_live(a);
   replayed_.make_live(b);
   if (!plain_inverse_masses_per_kg_.empty() && predictions_.free_spheres(a, b) &&
@@ -43,6 +52,7 @@ void World::collide(BodyId a, BodyId b, const EventKey& event) {
 }
 
 void World::collide_static(BodyId body, StaticId met, const EventKey& event) {
+  note_impact(event);
   const PieceContact contact = predictions_.static_contact_at(body, met, event);
   const bool plastic = count_at(body, event.tick).at_tick > k_elastic_at_a_tick;
   const SurfaceLaw law = statics_.law(body, met, contact.point_m);

@@ -77,11 +77,15 @@ void World::restore(const HistoryEvent& event) {
 }
 
 void World::passes(const HistoryEvent& event) {
+  note_impact(event.key);
   std::size_t segment = 0;
   for (const Participant& participant : event.participants) {
     if (!participant.begins()) continue;
+    const Segment& begun = event.segments[segment++];
+    // note_impact() reads the motion.
+    if (keeps_impacts_) place(participant.body(), begun);
     bodies_.stays_on_nothing(participant.body());
-    recorder_.takes_over(participant.body(), event.segments[segment++], event.key);
+    recorder_.takes_over(participant.body(), begun, event.key);
   }
   restore(event);
 }
@@ -93,6 +97,7 @@ void World::is_by_now(BodyId body, const Segment& segment) {
 
 void World::happens_again(const HistoryEvent& event) {
   changed_.clear();
+  note_impact(event.key);
   recorder_.give_up_if_full();
   std::size_t segment = 0;
   for (const Participant& participant : event.participants) {

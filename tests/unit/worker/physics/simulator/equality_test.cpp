@@ -24,10 +24,16 @@ struct Outcome {
   std::uint64_t digest = 0;
   std::uint64_t collisions = 0;
   std::string error;
+  std::vector<Impact> impacts{};
   bool operator==(const Outcome&) const = default;
 };
 
-Outcome outcome_of(const TestScene& scene, const SimulationOptions& options) {
+std::vector<Impact> impacts_of(const Simulation& simulation) {
+  return {simulation.impacts().begin(), simulation.impacts().end()};
+}
+
+Outcome outcome_of(const TestScene& scene, SimulationOptions options) {
+  options.keep_impacts = true;
   auto started = Simulation::start(scene.setting.scene, options);
   if (!started) return {.error = started.error().message};
   Simulation simulation = std::move(started).value();
@@ -35,7 +41,8 @@ Outcome outcome_of(const TestScene& scene, const SimulationOptions& options) {
   const Counts& counts = simulation.counts();
   return {.digest = simulation.recording().digest(),
           .collisions = counts.collisions + counts.static_collisions,
-          .error = error ? error->message : ""};
+          .error = error ? error->message : "",
+          .impacts = impacts_of(simulation)};
 }
 
 struct Way {
@@ -68,11 +75,13 @@ std::uint64_t compare_ways(const TestScene& scene) {
   const Outcome expected = outcome_of(
       scene, way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::tournament));
   EXPECT_EQ(expected.error, "");
+  EXPECT_EQ(expected.impacts.size(), expected.collisions);
   for (const Way& tried : ways()) {
     const Outcome outcome = outcome_of(scene, tried.options);
     EXPECT_EQ(outcome.error, expected.error) << tried.name;
     EXPECT_EQ(outcome.collisions, expected.collisions) << tried.name;
     EXPECT_EQ(outcome.digest, expected.digest) << tried.name;
+    EXPECT_TRUE(outcome.impacts == expected.impacts) << tried.name;
   }
   return expected.collisions;
 }
@@ -80,7 +89,7 @@ std::uint64_t compare_ways(const TestScene& scene) {
 /// Runs a scene in random portions, each with other options, and compares with one run.
 void compare_portions(const TestScene& scene, std::uint64_t n) {
   const Outcome expected = outcome_of(scene, {});
-  auto started = Simulation::start(scene.setting.scene, {});
+  auto started = Simulation::start(scene.setting.scene, {.keep_impacts = true});
   ASSERT_TRUE(started.ok());
   Simulation simulation = std::move(started).value();
   random::Stream stream = scenes::stream_of_scene(n, 2);
@@ -97,11 +106,13 @@ void compare_portions(const TestScene& scene, std::uint64_t n) {
   const Counts& counts = simulation.counts();
   EXPECT_EQ(counts.collisions + counts.static_collisions, expected.collisions) << scene.name;
   EXPECT_EQ(simulation.recording().digest(), expected.digest) << scene.name;
+  EXPECT_TRUE(impacts_of(simulation) == expected.impacts) << scene.name;
 }
 
 TEST(Equality, EveryWayGivesTheSameRecording) {
-  // Goal: the choice of algorithm, broad phase and queue changes no bit of the results. Method:
-  // record random scenes of every kind, and compare with a reference.
+  // Goal: the choice of algorithm, broad phase and queue changes no bit of the results,
+  // including the impacts. Method: record random scenes of every kind, and compare with a
+  // reference.
   std::uint64_t collisions = 0;
   for (const std::uint64_t n : property::cases(scene_count())) {
     const TestScene scene = testing::any_scene(n);

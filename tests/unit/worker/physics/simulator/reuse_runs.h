@@ -17,7 +17,7 @@
 
 namespace sleight::physics::testing {
 
-/// Random options for a run that keeps its history.
+/// Random options for a run that keeps its history, and mostly its impacts.
 inline SimulationOptions random_way(Dice& dice) {
   SimulationOptions options;
   options.keep_history = true;
@@ -34,6 +34,7 @@ inline SimulationOptions random_way(Dice& dice) {
   const BroadPhaseKind boxes =
       dice.one_in(6) ? BroadPhaseKind::sweep_and_prune : BroadPhaseKind::hierarchical_grid;
   const auto queue = dice.below(6);
+  options.keep_impacts = queue != 2;
   options.make_engine = engine_with(boxes, queue == 0   ? QueueKind::heap
                                            : queue == 1 ? QueueKind::calendar
                                                         : QueueKind::tournament);
@@ -58,6 +59,14 @@ inline ::testing::AssertionResult same_state(const Simulation& a, const Simulati
       return ::testing::AssertionFailure() << "body " << i << " differs";
   }
   return ::testing::AssertionSuccess();
+}
+
+inline ::testing::AssertionResult same_impacts(std::span<const Impact> a,
+                                               std::span<const Impact> b) {
+  const auto [i, j] = std::ranges::mismatch(a, b);
+  if (i == a.end() && j == b.end()) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure()
+         << fmt::format("they part at impact {} of {} and {}", i - a.begin(), a.size(), b.size());
 }
 
 inline std::uint64_t changes_of(const Counts& counts) {

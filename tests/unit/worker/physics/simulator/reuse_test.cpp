@@ -19,6 +19,7 @@ using testing::first_difference;
 using testing::random_way;
 using testing::run;
 using testing::RunResult;
+using testing::same_impacts;
 using testing::same_state;
 using testing::Subject;
 
@@ -51,7 +52,7 @@ void run_chain(const Subject& subject, Scene accepted, Dice& dice, Tally& tally)
         Tick{} + ticks_after(subject.duration_s * (0.4 + 0.1 * static_cast<double>(dice.below(7))));
     const SimulationOptions way = random_way(dice);
     ++tally.runs;
-    auto whole = Simulation::start(scene, {});
+    auto whole = Simulation::start(scene, {.keep_impacts = way.keep_impacts});
     auto reused = Simulation::start(scene, way, history);
     ASSERT_EQ(whole.ok(), reused.ok());
     if (!whole) {
@@ -71,6 +72,7 @@ void run_chain(const Subject& subject, Scene accepted, Dice& dice, Tally& tally)
       if (error) break;
       ASSERT_TRUE(same_state(expected, simulation, scene.bodies.size()))
           << first_difference(expected.recording(), simulation.recording());
+      ASSERT_TRUE(same_impacts(expected.impacts(), simulation.impacts()));
       if (dice.one_in(4)) simulation.go_on_with(random_way(dice));
       if (dice.one_in(8)) {
         ASSERT_EQ(simulation.recording().digest(), expected.recording().digest());

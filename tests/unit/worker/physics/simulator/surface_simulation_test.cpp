@@ -298,8 +298,9 @@ TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
       SCOPED_TRACE(fmt::format("step {}", step));
       Scene scene = accepted;
       if (step > 0 && !dice.one_in(10)) change_throw(scene, touches, dice);
-      auto whole = Simulation::start(scene, {});
-      auto reused = Simulation::start(scene, testing::random_way(dice), history);
+      const SimulationOptions way = testing::random_way(dice);
+      auto whole = Simulation::start(scene, {.keep_impacts = way.keep_impacts});
+      auto reused = Simulation::start(scene, way, history);
       ASSERT_EQ(whole.ok(), reused.ok());
       if (!whole) {
         EXPECT_EQ(whole.error().message, reused.error().message);
@@ -316,6 +317,7 @@ TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
         ASSERT_FALSE(error);
         ASSERT_TRUE(testing::same_state(expected, simulation, scene.bodies.size()));
         ASSERT_TRUE(same_touches(expected.surface_touches(), simulation.surface_touches()));
+        ASSERT_TRUE(testing::same_impacts(expected.impacts(), simulation.impacts()));
       }
       ASSERT_EQ(simulation.recording().digest(), expected.recording().digest())
           << testing::first_difference(expected.recording(), simulation.recording());
