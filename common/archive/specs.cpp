@@ -36,6 +36,19 @@ void write_coordinate(Sink& sink, std::string_view group, const Dimension& dim,
   column.flush();
 }
 
+namespace {
+
+void write_index_names(Sink& sink, std::string_view group, const Dimension& dim) {
+  CHECK_EQ(dim.names.size(), dim.size);
+  for (const std::string& name : dim.names) {
+    CHECK(!name.empty());
+    CHECK_LE(name.size(), k_index_name_bytes_max);
+  }
+  write_words(sink, group, dim.name, {dim}, "name of the " + dim.name, dim.names);
+}
+
+}  // namespace
+
 void write_own_coordinates(Sink& sink, std::string_view group,
                            const std::vector<Variable>& variables, Dims& written) {
   for (const Variable& variable : variables) {
@@ -43,10 +56,14 @@ void write_own_coordinates(Sink& sink, std::string_view group,
       const auto same = std::ranges::find(written, dim.name, &Dimension::name);
       if (same != written.end()) {
         CHECK_EQ(same->size, dim.size);
+        CHECK(same->names == dim.names);
         continue;
       }
       written.push_back(dim);
-      write_coordinate(sink, group, dim, "index of the " + dim.name);
+      if (dim.names.empty())
+        write_coordinate(sink, group, dim, "index of the " + dim.name);
+      else
+        write_index_names(sink, group, dim);
     }
   }
 }

@@ -26,8 +26,9 @@ DatasetSpec spec_of(std::string name, ElementType type, Dims dims, std::string l
 void write_coordinate(Sink& sink, std::string_view group, const Dimension& dim,
                       std::string long_name, std::uint64_t step = 1);
 
-/// Writes a coordinate 0, 1, ... for each dimension of a world's variables. Skips dimensions in
-/// `written`.
+/// Writes a coordinate for each dimension of a world's variables: the dimension's names, or 0, 1,
+/// ... if it has none. Skips dimensions in `written`, and adds the others to `written`. REQUIRES:
+/// dimensions of the same name, also those in `written`, have the same size and names.
 void write_own_coordinates(Sink& sink, std::string_view group,
                            const std::vector<Variable>& variables, Dims& written);
 

@@ -16,9 +16,16 @@
 
 namespace sleight::archive {
 
+/// Maximum bytes of one of Dimension::names.
+inline constexpr std::size_t k_index_name_bytes_max = 512;
+
 struct Dimension {
   std::string name;  ///< such as "collision"; one size per name within a group
   std::size_t size = 0;
+  /// In a WorldLayout: the dimension's coordinate, one distinct name per index. A name has 1 to
+  /// k_index_name_bytes_max bytes of UTF-8 without control characters. Empty: the coordinate is 0,
+  /// 1, ... Unused in a DatasetSpec, whose coordinate is a dataset (model.h).
+  std::vector<std::string> names = {};
 };
 
 /// A named array of doubles.

@@ -90,6 +90,16 @@ TEST_F(Csv, PosteriorHasARowForEachDraw) {
   }
 }
 
+TEST_F(Csv, ColumnsHaveTheNamesOfIndices) {
+  MemoryArchive named;
+  write_digested(named, testing::filler<testing::NamedReader>({.scans = 25}));
+  const std::string header = lines_of(named, "posterior")[0];
+  EXPECT_TRUE(
+      header.starts_with("chain,draw,height_m,normal_rad[first],"
+                         "\"normal_rad[a \"\"gro\xc3\x9f\"\", [b]]\",normal_rad[xxx"))
+      << header;
+}
+
 TEST_F(Csv, SampleStatsNameProposalKinds) {
   const auto lines = lines_of(archive_, "sample_stats");
   ASSERT_EQ(lines.size(), 1U + 3 * 25);

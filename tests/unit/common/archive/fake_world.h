@@ -149,9 +149,22 @@ class FakeReader : public StateReader {
     return *key;
   }
 
- private:
   WorldLayout layout_;
+
+ private:
   scene::Scene scene_;
+};
+
+/// A FakeReader whose collisions have names, as users may choose them.
+class NamedReader final : public FakeReader {
+ public:
+  NamedReader() {
+    for (const std::size_t i : {1, 2})
+      layout_.variables[i].dims[0].names = names();
+  }
+  static std::vector<std::string> names() {
+    return {"first", "a \"gro\xc3\x9f\", [b]", std::string(k_index_name_bytes_max, 'x')};
+  }
 };
 
 struct FakeRunOptions {
@@ -272,8 +285,9 @@ inline ArchiveOptions options_for(const FakeRunOptions& run) {
           .run_id = "fake run"};
 }
 
-inline std::function<void(Sink&)> filler(const FakeRunOptions& run) {
-  return [run](Sink& sink) { write_archive(FakeRun(run), FakeReader(), options_for(run), sink); };
+template <class Reader = FakeReader>
+std::function<void(Sink&)> filler(const FakeRunOptions& run) {
+  return [run](Sink& sink) { write_archive(FakeRun(run), Reader(), options_for(run), sink); };
 }
 
 }  // namespace sleight::archive::testing

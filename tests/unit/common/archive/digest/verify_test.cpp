@@ -134,6 +134,14 @@ TEST_F(Verify, NamesBrokenStructure) {
   broken([&] { lp().name = "lq"; }, "/sample_stats/lp is missing");
   broken([&] { lp().type = ElementType::i64; }, "/sample_stats/lp is i64 over (chain, draw)");
   broken([&] { lp().dims[1].name = "scan"; }, "no coordinate");
+  const auto retyped = [&](std::string_view group, std::string_view name, ElementType type) {
+    return [&, group, name, type] {
+      std::ranges::find(archive_.group(group).datasets, name, &DatasetSpec::name)->type = type;
+    };
+  };
+  broken(retyped(k_animations, "axis_xyz", ElementType::text), "/animations/axis_xyz is text");
+  broken(retyped(k_scene, "axis_xyz", ElementType::text), "/scene/axis_xyz is text, expected i64");
+  broken(retyped(k_posterior, "axis", ElementType::f64), "/posterior/axis is f64, expected i64");
   broken([&] { archive_.group(k_replicas).name = "/copies"; }, "/replicas is missing");
   broken([&] { archive_.group(k_root).attributes[1].value = std::int64_t{4}; }, "format_version");
   broken([&] { archive_.group(k_animations).attributes.clear(); }, "keep_per_lineage is missing");

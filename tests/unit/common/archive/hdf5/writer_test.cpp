@@ -29,6 +29,7 @@ namespace {
 
 using archive::testing::FakeRunOptions;
 using archive::testing::filler;
+using archive::testing::NamedReader;
 using base::testing::FaultyFileSystem;
 using base::testing::FileCall;
 using base::testing::name_of;
@@ -59,6 +60,22 @@ TEST_F(Writer, FilesAndMemoryHaveOneDigest) {
     EXPECT_THAT(verify(*source), ::testing::IsEmpty());
   }
   EXPECT_THAT(names(), ElementsAre("a.h5"));
+}
+
+TEST_F(Writer, NamesOfIndicesAreCoordinates) {
+  // Goal: if a world's dimension has names, its coordinate is these names in every group, and the
+  // archive passes all checks. Other coordinates stay numbers.
+  const FakeRunOptions run{.finds = 2};
+  MemoryArchive memory;
+  const std::string expected = write_digested(memory, filler<NamedReader>(run));
+  EXPECT_EQ(write_file(path("a.h5"), files_, filler<NamedReader>(run)), expected);
+  const auto source = open_file(path("a.h5"));
+  EXPECT_EQ(manifest(*source), manifest(memory));
+  EXPECT_THAT(verify(*source), ::testing::IsEmpty());
+  for (const char* group : {"/posterior", "/replicas", "/prior", "/animations", "/finds"}) {
+    EXPECT_EQ(source->read(group, "collision", 0, 3), Values(NamedReader::names())) << group;
+    EXPECT_EQ(source->read(group, "axis", 0, 2), Values(std::vector<std::int64_t>{0, 1})) << group;
+  }
 }
 
 TEST_F(Writer, ReadsAnyRangeOfElements) {
