@@ -61,14 +61,6 @@ inline ::testing::AssertionResult same_state(const Simulation& a, const Simulati
   return ::testing::AssertionSuccess();
 }
 
-inline ::testing::AssertionResult same_impacts(std::span<const Impact> a,
-                                               std::span<const Impact> b) {
-  const auto [i, j] = std::ranges::mismatch(a, b);
-  if (i == a.end() && j == b.end()) return ::testing::AssertionSuccess();
-  return ::testing::AssertionFailure()
-         << fmt::format("they part at impact {} of {} and {}", i - a.begin(), a.size(), b.size());
-}
-
 inline std::uint64_t changes_of(const Counts& counts) {
   return counts.collisions + counts.static_collisions + counts.controls + counts.starts +
          counts.modes + counts.rest_decisions;
