@@ -304,7 +304,7 @@ void settle_method(SectionBinders& sections, DirectionRequest& request, const Wo
   };
   const bool wants_finds = sections.stop.given("found") && !asks_for_more_than("found");
   const bool wants_takes = !asks_for_more_than("takes");
-  if (!world.acts_in_stages || !leaves_sampler_open(sections.sampler)) return;
+  if (!world.has_search || !leaves_sampler_open(sections.sampler)) return;
   if (!wants_finds && !(wants_takes && world.serve_best)) return;
   request.sampler.method = Method::search;
   sections.sampler.settle("method", "\"search\"");
@@ -433,20 +433,23 @@ void check_tours(SectionBinders& sections, const DirectionRequest& request) {
                         "instead");
 }
 
-/// If the request uses islands or a search, checks that the world acts in stages.
+/// If the request uses islands or a search, checks that the world has them.
 void check_stages(SectionBinders& sections, const DirectionRequest& request,
                   const WorldBinding& world, std::span<const WorldBinding> worlds) {
-  if (world.acts_in_stages) return;
-  std::vector<std::string_view> names;
-  for (const WorldBinding& other : worlds)
-    if (other.acts_in_stages) names.push_back(other.name);
-  const std::string which = names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "));
-  const std::string why =
-      fmt::format("requires a world that acts in stages{}; the world {} does not act in stages",
-                  which, world.name);
   const Method method = request.sampler.method;
-  if (sections.sampler.valid("method") &&
-      (method == Method::search || method == Method::sequential)) {
+  const auto why_not = [&](std::string_view what, bool WorldBinding::*has) {
+    std::vector<std::string_view> names;
+    for (const WorldBinding& other : worlds)
+      if (other.*has) names.push_back(other.name);
+    const std::string which = names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "));
+    return fmt::format("requires a world with {}{}; the world {} has none", what, which,
+                       world.name);
+  };
+  if (method == Method::sequential && !world.has_islands && sections.sampler.valid("method"))
+    sections.sampler.error("method", why_not("islands", &WorldBinding::has_islands));
+  if (world.has_search || method == Method::sequential) return;
+  const std::string why = why_not("a search", &WorldBinding::has_search);
+  if (sections.sampler.valid("method") && method == Method::search) {
     sections.sampler.error("method", why);
   } else if (sections.sampler.valid("start") && request.sampler.start == Start::search) {
     sections.sampler.error("start", why);

@@ -130,8 +130,8 @@ struct WorldBinding {
   std::string summary;  ///< one line for help
   /// Binds the world's keys and returns the parameters with the request's values.
   std::function<std::any(WorldSections& sections)> bind;
-  /// True if the world supports searches and islands (worker/sampling/stages.h).
-  bool acts_in_stages = false;
+  bool has_search = false;   ///< worker/sampling/stage_search.h
+  bool has_islands = false;  ///< worker/sampling/stages.h
   /// Called if the request has no key of [sampler] except perhaps the seed. Chooses the sampler:
   /// sets the parameters and settles their keys. The choice may depend on which stop rules are
   /// given. The choice must not depend on the rules' numbers, so that a longer run can resume a
@@ -154,14 +154,15 @@ WorldBinding bind_world(std::string name, std::string summary,
           }};
 }
 
-/// Like bind_world above, but for a world that acts in stages and chooses its sampler.
+/// Like bind_world above, but for a world that has a search and islands, and chooses its sampler.
 template <class Parameters>
 WorldBinding bind_world(std::string name, std::string summary,
                         void (*bind)(WorldSections& sections, Parameters& parameters),
                         void (*serve_best)(WorldSections& sections, SamplerParameters& sampler,
                                            const StopRule& stop, Parameters& parameters)) {
   WorldBinding binding = bind_world(std::move(name), std::move(summary), bind);
-  binding.acts_in_stages = true;
+  binding.has_search = true;
+  binding.has_islands = true;
   binding.serve_best = [serve_best](WorldSections& sections, SamplerParameters& sampler,
                                     const StopRule& stop, std::any& parameters) {
     serve_best(sections, sampler, stop, std::any_cast<Parameters&>(parameters));

@@ -259,7 +259,7 @@ bool can_be_relaxed(const Document& document, std::span<const WorldBinding> worl
   const Entry* name = world == nullptr ? nullptr : world->find("name");
   const auto* text = name == nullptr ? nullptr : std::get_if<std::string>(&name->value.held);
   return text != nullptr && std::ranges::any_of(worlds, [&](const WorldBinding& one) {
-           return one.name == *text && one.acts_in_stages && one.serve_best;
+           return one.name == *text && one.has_search && one.serve_best;
          });
 }
 

@@ -115,19 +115,19 @@ class ChainWorker final : public plan::UnitWorker {
   }
 
   /// Returns the world's guide. The first call computes it.
-  decltype(auto) guide(std::uint64_t seed) const requires StagedWorld<W> {
+  decltype(auto) guide(std::uint64_t seed) const requires SearchedWorld<W> {
     const std::scoped_lock lock(guide_.mutex);
     if (!guide_.learnt) guide_.learnt = world_.learn(seed);
     return (*guide_.learnt);
   }
 
   plan::UnitResult searched(const plan::Unit& unit) const {
-    if constexpr (StagedWorld<W>) {
+    if constexpr (SearchedWorld<W>) {
       // If chains use the guide, they report its failures; otherwise the first start does.
       const bool chains_tell = options_.particles > 0 || options_.starts_by_search;
       return search_unit(world_, guide(unit.seed), unit, !chains_tell);
     } else {
-      base::check_failed("the world has stages", "");
+      base::check_failed("the world has a search", "");
     }
   }
 
@@ -166,11 +166,12 @@ class ChainWorker final : public plan::UnitWorker {
     const bool by_search =
         options_.starts_by_search && (options_.is_judged || (scan == 0 && beta > 0));
     if (options_.particles == 0 && !by_search) return std::nullopt;
-    if constexpr (StagedWorld<W>) {
+    if constexpr (SearchedWorld<W>) {
       const auto& guide = this->guide(walk.streams.seed);
       const bool is_first = walk.streams.chain.value == 0 && scan == 0 && beta == 1;
       if (is_first) counts.add(world_.failures_of(guide));
-      if (options_.particles > 0) return islands(walk, counts).start(scan);
+      if constexpr (StagedWorld<W>)
+        if (options_.particles > 0) return islands(walk, counts).start(scan);
       for (std::uint64_t nth = 0; nth < k_starts_max; ++nth) {
         sampling::SearchEffort effort;
         auto find = search_start(world_, guide, walk.streams, scan * k_starts_max + nth, effort);
@@ -288,7 +289,7 @@ class ChainWorker final : public plan::UnitWorker {
   /// state must also satisfy the constraint at rest.
   bool is_satisfied(std::uint64_t scan, const Sample& sample, Counts& counts) const {
     if (!world_.satisfied(sample.outcome)) return false;
-    if constexpr (StagedWorld<W>) {
+    if constexpr (SearchedWorld<W>) {
       if (ends_relaxed(scan)) {
         const typename W::Outcome at_rest = world_.simulate_to_rest(sample.state);
         const auto report = sampling::report_of(world_, at_rest);
@@ -312,7 +313,7 @@ class ChainWorker final : public plan::UnitWorker {
                             : beta == 1              ? satisfied || is_thin
                                                      : is_hot_thin;
     std::vector<double> method_values = walk.method_values;
-    if constexpr (StagedWorld<W>)
+    if constexpr (SearchedWorld<W>)
       if (options_.is_judged)
         method_values = world_.burn_in_values_of(sample.state, sample.outcome);
     return {.log_prior = sample.log_prior,
@@ -329,10 +330,10 @@ class ChainWorker final : public plan::UnitWorker {
             .state = keep_state ? world_.encode(sample.state) : base::Bytes{}};
   }
 
-  /// The guide of a world that acts in stages. Its first use computes it.
+  /// The guide of a world that has a search. Its first use computes it.
   template <class V>
   struct Learnt {};
-  template <StagedWorld V>
+  template <SearchedWorld V>
   struct Learnt<V> {
     std::mutex mutex{};
     std::optional<typename V::Guide> learnt{};

@@ -21,9 +21,9 @@
 
 namespace sleight::run {
 
-/// A world that acts in stages and has a search. The guide depends only on the run's seed.
+/// A world that has a search. The guide depends only on the run's seed.
 template <class W>
-concept StagedWorld = sampling::ActsInStages<W> &&
+concept SearchedWorld = sampling::Target<W> &&
     requires(const W& world, std::uint64_t seed, const typename W::Guide& guide,
              const typename W::State& state, const typename W::Outcome& outcome) {
   { world.learn(seed) } -> std::same_as<typename W::Guide>;
@@ -37,16 +37,21 @@ concept StagedWorld = sampling::ActsInStages<W> &&
   /// (burn_in_judge.h). burn_in_values_of() returns their numbers for a state.
   { world.burn_in_values() } -> std::same_as<std::vector<sampling::BurnInValue>>;
   { world.burn_in_values_of(state, outcome) } -> std::same_as<std::vector<double>>;
+  { world.stages() } -> std::same_as<std::uint32_t>;
   /// Name for display, such as "ball 3 of 16".
   { world.stage_name(std::uint32_t{}) } -> std::same_as<std::string>;
 };
+
+/// A world that also has islands.
+template <class W>
+concept StagedWorld = SearchedWorld<W> && sampling::ActsInStages<W>;
 
 /// Maximum number of starts of one chain at one scan.
 inline constexpr std::uint64_t k_starts_max = 256;
 
 /// Makes the `number`-th search of a lane or chain. Returns the find, or nothing if the search gave
 /// up or the state fails at rest.
-template <StagedWorld W>
+template <SearchedWorld W>
 std::optional<sampling::Sample<W>> search_start(const W& world, const typename W::Guide& guide,
                                                 const sampling::ChainStreams& streams,
                                                 std::uint64_t number,
@@ -70,7 +75,7 @@ std::optional<sampling::Sample<W>> search_start(const W& world, const typename W
 }
 
 /// Returns a start's record. If there is no find, sets only the maximum number of accepted stages.
-template <StagedWorld W>
+template <SearchedWorld W>
 plan::ScanRecord start_record(const W& world, const std::optional<sampling::Sample<W>>& find,
                               std::uint64_t scan, std::uint32_t furthest,
                               const ScanCounts& counts) {
@@ -93,7 +98,7 @@ plan::ScanRecord start_record(const W& world, const std::optional<sampling::Samp
 
 /// Makes a lane's starts, one per scan. If `tells_guide` is set, start 0 reports the guide's
 /// failures. REQUIRES: unit.searches().
-template <StagedWorld W>
+template <SearchedWorld W>
 plan::UnitResult search_unit(const W& world, const typename W::Guide& guide, const plan::Unit& unit,
                              bool tells_guide) {
   plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};

@@ -53,7 +53,7 @@ class EntryOf final : public WorldEntry {
   }
   std::vector<sampling::BurnInValue> burn_in_values(
       const request::DirectionRequest& request) const override {
-    if constexpr (StagedWorld<World>) return world_of(request).burn_in_values();
+    if constexpr (SearchedWorld<World>) return world_of(request).burn_in_values();
     return {};
   }
   std::string past_effort(const request::DirectionRequest& request) const override {
@@ -63,7 +63,7 @@ class EntryOf final : public WorldEntry {
   }
   std::vector<std::string> stage_names(const request::DirectionRequest& request) const override {
     std::vector<std::string> names;
-    if constexpr (StagedWorld<World>) {
+    if constexpr (SearchedWorld<World>) {
       const World world = world_of(request);
       for (std::uint32_t stage = 0; stage < world.stages(); ++stage)
         names.push_back(world.stage_name(stage));

@@ -113,7 +113,8 @@ inline WorldBinding binding(std::string name = "toy") {
 
 inline WorldBinding staged_binding() {
   WorldBinding staged = binding("staged");
-  staged.acts_in_stages = true;
+  staged.has_search = true;
+  staged.has_islands = true;
   return staged;
 }
 
