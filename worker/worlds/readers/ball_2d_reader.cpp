@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "common/base/check.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/motion.h"
+#include "worker/worlds/readers/played_out.h"
 #include "worker/worlds/scene_parts/scene_parts.h"
 
 namespace sleight::worlds::ball_2d {
@@ -77,7 +76,7 @@ class Ball2dReader final : public archive::StateReader {
   const archive::WorldLayout& layout() const override { return layout_; }
 
   std::vector<double> variables(base::BytesView state) const override {
-    const NormalAngles normals = decoded(state);
+    const NormalAngles normals = decoded(ball_, state);
     return {normals.begin(), normals.begin() + collisions()};
   }
 
@@ -128,7 +127,7 @@ class Ball2dReader final : public archive::StateReader {
   /// The table's pieces. A piece has the tilt of its collision's normal.
   scene::Variation variation(base::BytesView state,
                              std::span<const motion::Segment> segments) const override {
-    const NormalAngles normals = decoded(state);
+    const NormalAngles normals = decoded(ball_, state);
     const double diameter_m = ball_.parameters().world.diameter_m;
     const double thickness_m = k_piece_thickness_diameters * diameter_m;
     const double side_m = k_piece_diameters * diameter_m;
@@ -153,14 +152,8 @@ class Ball2dReader final : public archive::StateReader {
  private:
   std::uint32_t collisions() const { return ball_.parameters().world.collisions; }
 
-  NormalAngles decoded(base::BytesView state) const {
-    const std::optional<NormalAngles> normals = ball_.decode(state);
-    CHECK(normals.has_value());
-    return *normals;
-  }
-
   Motion motion(base::BytesView state) const {
-    return simulate_motion(ball_.parameters().world, decoded(state));
+    return simulate_motion(ball_.parameters().world, decoded(ball_, state));
   }
 
   Ball2d ball_;

@@ -1,13 +1,10 @@
 #include "worker/worlds/readers/dice_reader.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,6 +15,8 @@
 #include "worker/physics/motion/segment.h"
 #include "worker/sampling/blind_throws.h"
 #include "worker/worlds/dice/dice.h"
+#include "worker/worlds/readers/last_animations.h"
+#include "worker/worlds/readers/places_likeness.h"
 #include "worker/worlds/readers/played_out.h"
 #include "worker/worlds/scene_parts/scene_parts.h"
 #include "worker/worlds/segments/recorded_segments.h"
@@ -234,106 +233,41 @@ scene::Scene make_scene(const Parameters& parameters) {
   return scene;
 }
 
-/// Caches the last requested animations. The choice of kept animations compares each new animation
-/// with the same few animations. Thread-safe.
-class LastAnimations {
- public:
-  std::shared_ptr<const Animation> of(const Dice& world, base::BytesView bytes) {
-    {
-      const std::lock_guard lock(mutex_);
-      for (const Held& held : held_) {
-        if (std::ranges::equal(held.bytes, bytes)) return held.animation;
-      }
-    }
-    const auto state = world.decode(bytes);
-    CHECK(state.has_value());
-    auto animation = std::make_shared<const Animation>(world.animate(*state));
-    const std::lock_guard lock(mutex_);
-    if (held_.size() < k_held) held_.emplace_back();
-    held_[next_] = {base::Bytes(bytes.begin(), bytes.end()), animation};
-    next_ = (next_ + 1) % k_held;
-    return animation;
-  }
-
- private:
-  /// Number of cached animations. This number is several times the number stored per lineage. The
-  /// cache uses a few megabytes for twenty dice.
-  static constexpr std::size_t k_held = 16;
-  struct Held {
-    base::Bytes bytes;
-    std::shared_ptr<const Animation> animation;
-  };
-  std::mutex mutex_;
-  std::vector<Held> held_;
-  std::size_t next_ = 0;
-};
-
-/// Named access to the values of DiceReader::likeness().
-class Likeness {
- public:
-  Likeness(std::span<const double> numbers, std::size_t dice) : numbers_(numbers), dice_(dice) {}
-
-  double touches() const { return numbers_[0]; }
-  /// Number of equally spaced times, not counting the end.
-  std::size_t times() const { return (numbers_.size() - 1) / (3 * dice_) - 1; }
-  /// The die's place at the nth time, or its last place after the end.
-  Eigen::Map<const Vec3> place_m(std::size_t nth, std::uint32_t die) const {
-    return Eigen::Map<const Vec3>(&numbers_[1 + 3 * (std::min(nth, times()) * dice_ + die)]);
-  }
-
- private:
-  std::span<const double> numbers_;
-  std::size_t dice_;
-};
-
 class DiceReader final : public archive::StateReader {
  public:
   explicit DiceReader(const Parameters& parameters)
       : world_(parameters),
         layout_(make_layout(world_)),
         scene_(make_scene(parameters)),
-        table_(scene_.find(k_table_name).value()) {}
+        table_(scene_.find(k_table_name).value()),
+        likeness_{.diameters_m = std::vector<double>(world_.dice(), parameters.world.side_m),
+                  .step = physics::ticks_after(k_likeness_every_s)} {}
 
   const archive::WorldLayout& layout() const override { return layout_; }
 
   std::vector<double> variables(base::BytesView bytes) const override {
-    return values_of(decoded(bytes));
+    return values_of(decoded(world_, bytes));
   }
 
-  /// First the number of collisions with the table, then all dice's places at each time and at the
-  /// end. Before a die starts, its place is NaN.
   std::vector<double> likeness(base::BytesView state) const override {
     const auto animation = animations_.of(world_, state);
     CHECK(animation->outcome.is_animation());
     const physics::Recording& recording = animation->recording;
-    const physics::TickCount step = physics::ticks_after(k_likeness_every_s);
-    std::vector<double> numbers{static_cast<double>(animation->outcome.collisions)};
-    for (physics::Tick t{}; t <= recording.end(); t = t + step)
-      append_places(recording, t, numbers);
-    append_places(recording, recording.end(), numbers);
-    return numbers;
+    return likeness_.numbers(
+        animation->outcome.collisions, recording.end(), [&](std::uint32_t die, physics::Tick tick) {
+          const physics::Segment* segment = recording.segment_at({die}, tick);
+          return segment == nullptr ? Vec3(Vec3::Constant(std::nan("")))
+                                    : Vec3(physics::position_at(segment->flight, tick));
+        });
   }
 
   double likeness_distance(std::span<const double> a, std::span<const double> b) const override {
-    const Likeness left(a, world_.dice());
-    const Likeness right(b, world_.dice());
-    double most_m = 0;
-    for (std::size_t i = 0; i < std::max(left.times(), right.times()); ++i)
-      most_m = std::max(most_m, most_apart_m(left, right, i));
-    return distance_of(left, right, most_m);
+    return likeness_.distance(a, b);
   }
 
   bool is_unlike(std::span<const double> a, std::span<const double> b,
                  double distance) const override {
-    // The distance is the maximum over the compared times, so the first times may suffice.
-    const Likeness left(a, world_.dice());
-    const Likeness right(b, world_.dice());
-    double most_m = 0;
-    for (std::size_t i = 0; i < std::max(left.times(), right.times()); ++i) {
-      most_m = std::max(most_m, most_apart_m(left, right, i));
-      if (distance_of(left, right, most_m) > distance) return true;
-    }
-    return false;
+    return likeness_.distance(a, b, distance) > distance;
   }
 
   archive::Motion play(base::BytesView state) const override {
@@ -356,7 +290,7 @@ class DiceReader final : public archive::StateReader {
   /// The table's control points near places where dice touch the table.
   scene::Variation variation(base::BytesView bytes,
                              std::span<const motion::Segment> segments) const override {
-    const State state = decoded(bytes);
+    const State state = decoded(world_, bytes);
     const WorldParameters& world = world_.parameters().world;
     std::vector<Vec3> touches_m;
     for (const motion::Segment& segment : segments) {
@@ -387,12 +321,6 @@ class DiceReader final : public archive::StateReader {
   }
 
  private:
-  State decoded(base::BytesView bytes) const {
-    auto state = world_.decode(bytes);
-    CHECK(state.has_value());
-    return *std::move(state);
-  }
-
   static std::vector<double> values_of(const State& state) {
     std::vector<double> values{static_cast<double>(state.table_key >> 32U),
                                static_cast<double>(state.table_key & 0xffffffffU),
@@ -408,38 +336,12 @@ class DiceReader final : public archive::StateReader {
     return values;
   }
 
-  void append_places(const physics::Recording& recording, physics::Tick tick,
-                     std::vector<double>& numbers) const {
-    for (std::uint32_t die = 0; die < world_.dice(); ++die) {
-      const physics::Segment* segment = recording.segment_at({die}, tick);
-      append_vector(segment == nullptr ? Vec3(Vec3::Constant(std::nan("")))
-                                       : Vec3(physics::position_at(segment->flight, tick)),
-                    numbers);
-    }
-  }
-
-  /// Greatest distance of a die at the nth time. If no die has started in both animations, the
-  /// distance is 0.
-  double most_apart_m(const Likeness& left, const Likeness& right, std::size_t nth) const {
-    double most_m = 0;
-    for (std::uint32_t die = 0; die < world_.dice(); ++die) {
-      const double apart_m = math::norm(Vec3(left.place_m(nth, die) - right.place_m(nth, die)));
-      if (apart_m > most_m) most_m = apart_m;
-    }
-    return most_m;
-  }
-
-  double distance_of(const Likeness& left, const Likeness& right, double most_m) const {
-    const double more = std::max({left.touches(), right.touches(), 1.0});
-    return most_m / world_.parameters().world.side_m +
-           std::fabs(left.touches() - right.touches()) / more;
-  }
-
   Dice world_;
   archive::WorldLayout layout_;
   scene::Scene scene_;
   std::uint32_t table_;  ///< number of the table's scene feature
-  mutable LastAnimations animations_;
+  PlacesLikeness likeness_;
+  mutable LastAnimations<Dice> animations_;
 };
 
 }  // namespace

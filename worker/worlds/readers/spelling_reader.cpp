@@ -141,12 +141,12 @@ class SpellingReader final : public archive::StateReader {
 
   std::vector<double> variables(base::BytesView state) const override {
     // The layout's variables are in the order of the bytes.
-    return values_of(decoded(state));
+    return values_of(decoded(world_, state));
   }
 
   /// For each designated bin, the ball that fills it.
   std::vector<double> likeness(base::BytesView state) const override {
-    const std::vector<int> balls = world_.balls_of_bins(decoded(state));
+    const std::vector<int> balls = world_.balls_of_bins(decoded(world_, state));
     return {balls.begin(), balls.end()};
   }
 
@@ -159,7 +159,7 @@ class SpellingReader final : public archive::StateReader {
   }
 
   archive::Motion play(base::BytesView bytes) const override {
-    const State state = decoded(bytes);
+    const State state = decoded(world_, bytes);
     const archive::PlaysOut ends = played_out(world_, world_.simulate_to_rest(state));
     if (ends != archive::PlaysOut::yes) return {.ends = ends};
     const Animation animation = world_.animate(state);
@@ -183,12 +183,6 @@ class SpellingReader final : public archive::StateReader {
   }
 
  private:
-  State decoded(base::BytesView bytes) const {
-    auto state = world_.decode(bytes);
-    CHECK(state.has_value());
-    return *std::move(state);
-  }
-
   Spelling world_;
   archive::WorldLayout layout_;
   scene::Scene scene_{};
