@@ -11,7 +11,6 @@
 #include "service/coordinator/local_crew.h"
 #include "service/coordinator/stop_signal.h"
 #include "worker/sampling/block_runner.h"
-#include "worker/worlds/user_scene/request.h"
 
 namespace sleight::programs {
 namespace {
@@ -59,10 +58,7 @@ int check_request(const std::string& path, const std::vector<std::string>& sets)
 }
 
 int print_keys(const std::string& world) {
-  std::vector<request::WorldBinding> bindings = worlds_of_program().bindings();
-  // Scenes of a user's own can be checked, but not yet directed (sleight scene check).
-  bindings.push_back(worlds::user_scene::request_binding());
-  for (const request::WorldBinding& binding : bindings) {
+  for (const request::WorldBinding& binding : worlds_of_program().bindings()) {
     if (world.empty()) {
       fmt::print("{}  {}\n", binding.name, binding.summary);
     } else if (binding.name == world) {

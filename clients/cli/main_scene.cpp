@@ -8,24 +8,34 @@
 
 #include "clients/cli/given_request.h"
 #include "clients/cli/main_run.h"
+#include "clients/pictures/animation_figures.h"
 #include "clients/pictures/strip_figure.h"
 #include "clients/plot/save.h"
 #include "clients/terminal/output.h"
+#include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
 #include "common/request/sets.h"
 #include "worker/worlds/user_scene/check/check.h"
 #include "worker/worlds/user_scene/look/look.h"
 #include "worker/worlds/user_scene/request.h"
+#include "worker/worlds/user_scene/user_scene.h"
 
 namespace sleight::programs {
 namespace {
 
 namespace user_scene = worlds::user_scene;
-using Scene = user_scene::SceneDescription;
+using user_scene::Parameters;
+
+/// Prior draws without --draws: at most so many, in at most this time.
+constexpr std::uint64_t k_draws_max = 1000;
+constexpr double k_draws_s = 0.5;
+/// With --draws, progress is printed at this interval.
+constexpr double k_progress_s = 5;
+constexpr std::size_t k_drawn_max = 9;
 
 /// Reads the request. Prints its errors and returns nothing if it has any.
-std::optional<Scene> read_scene(const SceneArguments& arguments) {
+std::optional<Parameters> read_scene(const SceneArguments& arguments) {
   if (arguments.path.empty())
     throw base::Error(base::ExitCode::usage,
                       "scene check: expected the name of a request, found an empty name");
@@ -34,25 +44,60 @@ std::optional<Scene> read_scene(const SceneArguments& arguments) {
   const auto sets = request::plain_sets(arguments.sets);
   const auto read = sets ? request::read_request_with(given.text, given.name, worlds, sets.value())
                          : std::move(sets).error();
-  if (read) return request::parameters_of<Scene>(read.value());
+  if (read) return request::parameters_of<Parameters>(read.value());
   for (const request::Diagnostic& error : read.error())
     terminal::complain(request::to_string(error));
   return std::nullopt;
 }
 
-/// Draws the scene's simulation as a strip.
-void draw(const Scene& description, const user_scene::BuiltScene& built,
-          const user_scene::NominalRun& run, const SceneArguments& arguments) {
-  const scene::Scene look = user_scene::look_of(description, built);
+pictures::ShownAnimation shown(const user_scene::BuiltScene& built, const scene::Scene& look,
+                               const physics::Recording& recording, std::string title) {
   auto motion =
-      motion::Animation::of(user_scene::segments_of(built, *run.recording), look.features.size());
+      motion::Animation::of(user_scene::segments_of(built, recording), look.features.size());
   if (!motion) throw base::Error(motion.error());
-  std::vector<pictures::ShownAnimation> strip(1);
-  strip.front().motion = std::move(motion).value();
+  return {.title = std::move(title), .motion = std::move(motion).value()};
+}
+
+/// Draws the scene's simulation as a strip. If something is uncertain, draws prior draws.
+void draw(const user_scene::UserScene& world, const user_scene::NominalRun& run,
+          const SceneArguments& arguments) {
+  const Parameters& parameters = world.parameters();
+  const user_scene::BuiltScene& built = *parameters.built;
+  const scene::Scene look = user_scene::look_of(parameters.scene, built);
+  std::vector<pictures::ShownAnimation> throws;
+  for (std::uint64_t nth = 0; throws.size() < k_drawn_max && nth < k_draws_max; ++nth) {
+    if (parameters.uncertain.empty()) break;
+    const user_scene::Animation one = world.animate(sampling::nth_prior_draw(world, nth));
+    if (!one.outcome.is_animation()) continue;
+    const bool met = world.satisfied(one.outcome) && !parameters.constraints.empty();
+    throws.push_back(shown(built, look, one.recording,
+                           fmt::format("prior draw {}{}", nth, met ? ", as requested" : "")));
+  }
+  if (!throws.empty())
+    return plot::save(pictures::animation_figure(arguments.path, look, throws), arguments.drawing);
+  std::vector<pictures::ShownAnimation> strip{shown(built, look, *run.recording, "")};
   const bool is_over = run.end == user_scene::RunEnd::all_ended;
   const double end_s = is_over ? strip.front().motion.end_s() : run.end_s;
   strip.front().title = fmt::format("simulated to {:.2f} s", end_s);
   plot::save(pictures::strip_figure(arguments.path, look, strip, end_s), arguments.drawing);
+}
+
+/// Simulates prior draws: as many as requested, or as many as fit into the time.
+user_scene::PriorDraws draw_prior(const user_scene::UserScene& world, std::uint64_t wanted) {
+  const base::SteadyClock clock;
+  const double start_s = clock.now_s();
+  double told_s = start_s;
+  return user_scene::prior_draws(world, wanted > 0 ? wanted : k_draws_max, [&](std::uint64_t done) {
+    const double now_s = clock.now_s();
+    if (wanted == 0) return now_s - start_s < k_draws_s;
+    if (now_s - told_s >= k_progress_s) {
+      told_s = now_s;
+      const double left_s =
+          (now_s - start_s) * static_cast<double>(wanted - done) / static_cast<double>(done);
+      fmt::print(stderr, "{} of {} prior draws, {:.0f} s left\n", done, wanted, left_s);
+    }
+    return true;
+  });
 }
 
 json::Value report_json(const user_scene::SceneReport& report) {
@@ -61,6 +106,12 @@ json::Value report_json(const user_scene::SceneReport& report) {
     json["run"] = {{"end", name_of(report.run->end)}, {"end_s", report.run->end_s}};
     if (report.run->error) json["run"]["error"] = report.run->error->message;
   }
+  if (report.draws)
+    json["prior_draws"] = {{"count", report.draws->count},
+                           {"overlap", report.draws->overlap},
+                           {"failed", report.draws->failed},
+                           {"not_settled", report.draws->not_settled},
+                           {"met", report.draws->met}};
   for (const user_scene::Table& table : tables_of(report)) {
     json::Value rows = json::Value::array();
     for (const auto& cells : table.rows) {
@@ -83,21 +134,16 @@ base::ExitCode exit_code(const user_scene::SceneReport& report) {
 }
 
 int check(const SceneArguments& arguments) {
-  const std::optional<Scene> description = read_scene(arguments);
-  if (!description) return static_cast<int>(base::ExitCode::bad_request);
-  const auto built = user_scene::build(*description);
-  if (!built) {
-    const user_scene::BuildError& error = built.error();
-    terminal::complain(fmt::format("{}:{}: '{}' in [[world.body]]: {}", arguments.path,
-                                   description->bodies[error.body].line, error.error.key,
-                                   error.error.message));
-    return static_cast<int>(base::ExitCode::bad_request);
-  }
-  const user_scene::SceneReport report = user_scene::check(*description, built.value());
+  const std::optional<Parameters> parameters = read_scene(arguments);
+  if (!parameters) return static_cast<int>(base::ExitCode::bad_request);
+  const user_scene::UserScene world(*parameters);
+  user_scene::SceneReport report = user_scene::check(parameters->scene, *parameters->built);
+  if (!parameters->uncertain.empty())
+    user_scene::add_draws(world, draw_prior(world, arguments.draws), report);
   if (!arguments.drawing.empty()) {
     terminal::refuse_same_file(arguments.path, arguments.drawing);
     if (exit_code(report) == base::ExitCode::ok) {
-      draw(*description, built.value(), *report.run, arguments);
+      draw(world, *report.run, arguments);
     } else {
       terminal::complain(
           fmt::format("{} isn't written, because the scene can't be simulated", arguments.drawing));
@@ -127,20 +173,26 @@ void add_scene_commands(CLI::App& app, SceneArguments& arguments, Action& action
       ->type_name("SCENE.toml");
   add_sets_option(*command, arguments.sets);
   command
-      ->add_option("--draw", arguments.drawing, "Picture to write: the simulation at eight times")
+      ->add_option("--draw", arguments.drawing,
+                   "Picture to write: nine prior draws, or the simulation at eight times")
       ->type_name("FILE.svg|FILE.png")
       ->check([](const std::string& name) {
         return name.empty() ? "expected a file name, found an empty one" : "";
       });
+  command
+      ->add_option("--draws", arguments.draws,
+                   "Number of prior draws to simulate; default: as many as fit into half a second")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000}));
   command->add_flag("--json", arguments.json, "Print JSON, in SI units");
   command->footer(
       "Lists bodies, static things, all overlaps at the start, and what each body does until\n"
-      "end_s. `sleight keys scene` lists the keys of a scene.\n\n"
+      "end_s, and what happens in draws from the prior. `sleight keys scene` lists the keys of a "
+      "scene.\n\n"
       "Exit codes: 0 the scene can be simulated; 3 it can't, because of its request or of "
       "overlaps;\n"
       "8 the simulator failed.\n\n"
       "Examples:\n  sleight scene check tray.toml\n"
-      "  sleight scene check tray.toml --draw tray.svg\n"
+      "  sleight scene check tray.toml --draw tray.svg --draws 1000\n"
       "  sleight scene check tray.toml --set world.end_s=3 --json");
   command->callback([&] { action = [&] { return check(arguments); }; });
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct SceneArguments {
   std::vector<std::string> sets;
   std::string drawing;  ///< .svg or .png file; empty: none
   bool json = false;
+  std::uint64_t draws = 0;  ///< prior draws; 0: as many as fit into half a second
 };
 
 void add_scene_commands(CLI::App& app, SceneArguments& arguments, Action& action);

@@ -25,9 +25,12 @@
 #include "worker/worlds/dice/throw_stages.h"
 #include "worker/worlds/readers/ball_2d_reader.h"
 #include "worker/worlds/readers/dice_reader.h"
+#include "worker/worlds/readers/scene_reader.h"
 #include "worker/worlds/readers/spelling_reader.h"
 #include "worker/worlds/spelling/pouring_stages.h"
 #include "worker/worlds/spelling/request.h"
+#include "worker/worlds/user_scene/request.h"
+#include "worker/worlds/user_scene/user_scene.h"
 
 namespace sleight::run {
 namespace {
@@ -43,12 +46,15 @@ static_assert(request::k_excursion_iterations_max <= sampling::k_excursion_steps
 namespace ball_2d = worlds::ball_2d;
 namespace dice = worlds::dice;
 namespace spelling = worlds::spelling;
+namespace user_scene = worlds::user_scene;
 using Ball2dEntry = EntryOf<ball_2d::Ball2d, ball_2d::Parameters, &ball_2d::request_binding,
                             &ball_2d::make_state_reader>;
 using DiceEntry =
     EntryOf<dice::StagedDice, dice::Parameters, &dice::request_binding, &dice::make_state_reader>;
 using SpellingEntry = EntryOf<spelling::StagedSpelling, spelling::Parameters,
                               &spelling::request_binding, &spelling::make_state_reader>;
+using SceneEntry = EntryOf<user_scene::UserScene, user_scene::Parameters,
+                           &user_scene::request_binding, &user_scene::make_state_reader>;
 
 }  // namespace
 
@@ -80,6 +86,7 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
 Catalogue::Catalogue() {
   worlds_.push_back(std::make_unique<Ball2dEntry>());
   worlds_.push_back(std::make_unique<DiceEntry>());
+  worlds_.push_back(std::make_unique<SceneEntry>());
   worlds_.push_back(std::make_unique<SpellingEntry>());
 }
 

@@ -27,7 +27,7 @@ class Builder {
   explicit Builder(const SceneDescription& description) : description_(description) {}
 
   base::Result<BuiltScene, BuildError> build() {
-    built_.scene.contacts = contact_table(description_);
+    built_.scene.contacts = contact_table(description_.materials, description_.pairs);
     built_.scene.gravity_mps2 = description_.gravity_mps2;
     for (const auto& [a, b] : description_.no_contact)
       built_.scene.filter.set_meet(group_id(a), group_id(b), false);
@@ -45,6 +45,7 @@ class Builder {
     for_each_copy(ObjectKind::mesh, [&](const Copy& copy) { add_mesh(copy); });
     if (error_) return std::move(*error_);
     built_.scene.slow = slow_contacts();
+    surround_all();
     return std::move(built_);
   }
 
@@ -89,18 +90,16 @@ class Builder {
     const BodyForm& form = forms_[number_];
     if (!shape_) shape_ = form.shape(body().sizes);
     built_.objects.back().frame = form.frame;
-    const Vec3 spin_radps = math::rotated(copy.turn, body().spin_radps);
-    const Vec3 centre_m = math::rotated(copy.place.orientation, form.frame.position_m);
-    const Vec3 velocity_mps =
-        math::rotated(copy.turn, body().velocity_mps) + math::cross(spin_radps, centre_m);
+    built_.objects.back().motion = {
+        .velocity_mps = math::rotated(copy.turn, body().velocity_mps),
+        .angular_velocity_radps = math::rotated(copy.turn, body().spin_radps)};
     built_.scene.bodies.push_back(
         {.name = copy.name,
          .shape = *shape_,
          .inertia = form.inertia,
          .material = material_id(body().material),
          .start_tick = physics::Tick{} + physics::ticks_after(body().start_s),
-         .start = {.pose = composed(copy.place, form.frame),
-                   .twist = {.velocity_mps = velocity_mps, .angular_velocity_radps = spin_radps}},
+         .start = start_of(built_.objects.back()),
          .rests = body().rests,
          .fixed = fixed,
          .group = group_id(body().group)});
@@ -163,6 +162,22 @@ class Builder {
     if (!error_) error_ = BuildError{number_, std::move(error)};
   }
 
+  void surround_all() {
+    const auto surround = [&](const Vec3& point_m) {
+      built_.low_m = built_.low_m.cwiseMin(point_m);
+      built_.high_m = built_.high_m.cwiseMax(point_m);
+    };
+    for (const physics::BodyDescription& body : built_.scene.bodies) {
+      const Vec3 around_m = Vec3::Constant(physics::reach_m(body.shape));
+      surround(body.start.pose.position_m - around_m);
+      surround(body.start.pose.position_m + around_m);
+    }
+    for (const physics::StaticConvex& convex : built_.scene.convexes)
+      std::ranges::for_each(convex.polyhedron->vertices_m(), surround);
+    for (const physics::StaticMesh& mesh : built_.scene.meshes)
+      std::ranges::for_each(mesh.mesh->vertices_m(), surround);
+  }
+
   physics::SlowContacts slow_contacts() const {
     double size_m = std::numeric_limits<double>::infinity();
     bool only_spheres = true;
@@ -198,15 +213,22 @@ physics::SurfaceLaw mean_law(const physics::SurfaceLaw& a, const physics::Surfac
           .rolling_friction = 0.5 * (a.rolling_friction + b.rolling_friction)};
 }
 
-physics::ContactTable contact_table(const SceneDescription& description) {
-  const auto count = static_cast<std::uint32_t>(description.materials.size());
+physics::StartState start_of(const Object& object) {
+  const Vec3 centre_m = math::rotated(object.place.orientation, object.frame.position_m);
+  physics::Twist twist = object.motion;
+  twist.velocity_mps += math::cross(twist.angular_velocity_radps, centre_m);
+  return {.pose = composed(object.place, object.frame), .twist = twist};
+}
+
+physics::ContactTable contact_table(std::span<const Material> materials,
+                                    std::span<const PairLaw> pairs) {
+  const auto count = static_cast<std::uint32_t>(materials.size());
   physics::ContactTable table(count);
   for (std::uint32_t a = 0; a < count; ++a) {
     for (std::uint32_t b = a; b < count; ++b)
-      table.set(material_id(a), material_id(b),
-                mean_law(description.materials[a].law, description.materials[b].law));
+      table.set(material_id(a), material_id(b), mean_law(materials[a].law, materials[b].law));
   }
-  for (const PairLaw& pair : description.pairs)
+  for (const PairLaw& pair : pairs)
     table.set(material_id(pair.materials[0]), material_id(pair.materials[1]), pair.law);
   return table;
 }

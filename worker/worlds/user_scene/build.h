@@ -13,6 +13,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,7 @@ struct Object {
   ObjectKind kind = ObjectKind::moving;
   std::uint32_t description = 0;  ///< index in SceneDescription::bodies
   Pose place;                     ///< of the shape's frame at the start
+  physics::Twist motion{};        ///< of the shape's frame, in the world
   /// A body's frame in the shape's frame. Other objects: identity.
   Pose frame{};
   /// Index of the first of `count` elements in Scene::planes, convexes or meshes.
@@ -48,6 +51,9 @@ struct BuiltScene {
   std::vector<Object> objects;
   std::uint32_t moving = 0;  ///< number of moving bodies
   std::uint32_t bodies = 0;  ///< number of moving and fixed bodies
+  // A box around everything at the start, except planes.
+  Vec3 low_m = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high_m = -low_m;
 
   const physics::Inertia& inertia(std::uint32_t body) const { return scene.bodies[body].inertia; }
 };
@@ -55,8 +61,12 @@ struct BuiltScene {
 /// REQUIRES: the limits of description.h; names of objects are distinct.
 base::Result<BuiltScene, BuildError> build(const SceneDescription& description);
 
+/// Returns the start of a body's frame.
+physics::StartState start_of(const Object& object);
+
 /// Returns the laws of all pairs of materials.
-physics::ContactTable contact_table(const SceneDescription& description);
+physics::ContactTable contact_table(std::span<const Material> materials,
+                                    std::span<const PairLaw> pairs);
 
 /// Returns the law of a pair of materials that has none of its own.
 physics::SurfaceLaw mean_law(const physics::SurfaceLaw& a, const physics::SurfaceLaw& b);

@@ -6,14 +6,17 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <map>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 
-#include "common/request/nearest.h"
+#include "common/request/settled.h"
 #include "common/request/text.h"
 #include "worker/worlds/user_scene/build.h"
 #include "worker/worlds/user_scene/request_body.h"
+#include "worker/worlds/user_scene/request_constraints.h"
+#include "worker/worlds/user_scene/request_uncertain.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -127,8 +130,7 @@ void bind_slow_contacts(Binder& world, SceneDescription& scene) {
                "the smallest body"});
 }
 
-void bind(request::WorldSections& sections, SceneDescription& scene) {
-  Binder& world = sections.world;
+void bind_scene(Binder& world, SceneDescription& scene, Names& names) {
   world.number("end_s", scene.end_s,
                {.minimum = 0.001,
                 .maximum = 3600,
@@ -142,18 +144,74 @@ void bind(request::WorldSections& sections, SceneDescription& scene) {
                  .help = "gravitational acceleration: x, y, z"});
   scene.gravity_mps2 = vector_of(gravity);
   bind_slow_contacts(world, scene);
-  Names names;
   bind_materials(world, scene, names);
   bind_bodies(world, scene, names);
   bind_filters(world, scene, names);
   scene.groups = names.groups.all();
 }
 
+/// Builds the scene. Null if it has errors.
+std::shared_ptr<const BuiltScene> built_of(Binder& world, const SceneDescription& scene) {
+  if (world.line() == 0 || !world.is_sound()) return nullptr;
+  auto built = build(scene);
+  if (built) return std::make_shared<const BuiltScene>(std::move(built).value());
+  const auto& [body, error] = built.error();
+  world.error("body",
+              fmt::format("{} (line {}): '{}': {}", request::toml_string(scene.bodies[body].name),
+                          scene.bodies[body].line, error.key, error.message));
+  return nullptr;
+}
+
+void bind(request::WorldSections& sections, Parameters& parameters) {
+  Names names;
+  bind_scene(sections.world, parameters.scene, names);
+  parameters.built = built_of(sections.world, parameters.scene);
+  std::optional<ObjectNames> objects;
+  if (parameters.built) objects.emplace(parameters.scene, *parameters.built);
+  const ObjectNames* const found = objects ? &*objects : nullptr;
+  bind_uncertain(sections.world, parameters, found, names.materials);
+  std::vector<NamedRegion> regions;
+  bind_regions(sections.world, regions);
+  bind_constraints(sections.constraint, parameters, regions, found);
+}
+
+/// A chain that relaxes a find makes as many proposals for each uncertain value.
+constexpr std::uint32_t k_relax_scans = 2;
+constexpr std::uint32_t k_relax_iterations = 10;
+constexpr std::uint32_t k_iterations_max = 100;
+
+void serve_best(request::WorldSections& sections, request::SamplerParameters& sampler,
+                const request::StopRule& stop, Parameters& parameters) {
+  request::Settled settled(sections.sampler);
+  std::uint32_t draws = 1;
+  if (parameters.built)
+    draws = std::max<std::uint32_t>(
+        1,
+        static_cast<std::uint32_t>(
+            Quantities(parameters.scene, *parameters.built, parameters.uncertain).draws().size()));
+  if (stop.takes) {
+    settled.count("iterations_per_scan", sampler.iterations_per_scan,
+                  std::min(k_iterations_max, k_relax_iterations * draws));
+    settled.count("relax_scans", sampler.relax_scans, k_relax_scans);
+    return;
+  }
+  sampler.method = request::Method::parallel_tempering;
+  settled.word("method", "parallel_tempering");
+  sampler.start = request::Start::search;
+  settled.word("start", "search");
+  settled.count("chains", sampler.chains, 2);
+  settled.count("round_scans", sampler.round_scans, 20);
+  settled.count("iterations_per_scan", sampler.iterations_per_scan,
+                std::min(k_iterations_max, draws));
+}
+
 }  // namespace
 
 request::WorldBinding request_binding() {
-  return request::bind_world<SceneDescription>(
-      "scene", "bodies of your own, for `sleight scene check`", &bind);
+  request::WorldBinding binding = request::bind_world<Parameters>(
+      "scene", "bodies of your own move and end as requested", &bind, &serve_best);
+  binding.has_islands = false;
+  return binding;
 }
 
 }  // namespace sleight::worlds::user_scene

@@ -4,13 +4,13 @@
 #include <string_view>
 
 #include "common/request/direction_request.h"
-#include "worker/worlds/user_scene/description.h"
+#include "worker/worlds/user_scene/parameters.h"
 
 namespace sleight::worlds::user_scene {
 
-/// Binds the world "scene". Its requests have SceneDescription as parameters
-/// (request::parameters_of). The binding makes every shape once, so that errors of shapes have
-/// places in the file. Then build() succeeds, unless a turned mesh has a sliver.
+/// Binds the world "scene". Its requests have Parameters (request::parameters_of). The binding
+/// makes every shape once, so that errors of shapes have places in the file, and then builds the
+/// scene.
 request::WorldBinding request_binding();
 
 /// Returns the value of the key `shape`, such as "rounded_box".

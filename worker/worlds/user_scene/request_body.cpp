@@ -21,7 +21,6 @@ namespace {
 using request::Binder;
 using request::NumberOptions;
 
-constexpr double k_far_mm = 1e6;
 constexpr double k_small_mm = 0.01;
 constexpr double k_mm_per_m = 1e3;
 /// If a request omits a cylinder's or cone's `edge_mm`: a share of the smaller of radius and

@@ -16,6 +16,7 @@ namespace sleight::worlds::user_scene {
 
 inline constexpr std::size_t k_name_characters_max = 64;
 inline constexpr double k_friction_max = 100;
+inline constexpr double k_far_mm = 1e6;
 
 inline Vec3 vector_of(const std::array<double, 3>& values) {
   return {values[0], values[1], values[2]};

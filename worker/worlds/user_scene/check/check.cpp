@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "worker/physics/scene/static_regions.h"
 #include "worker/physics/simulator/simulation.h"
@@ -81,6 +82,13 @@ SceneReport check(const SceneDescription& description, const BuiltScene& built) 
   if (report.overlaps.empty()) report.run = nominal_run(description, built);
   report.warnings = warnings_of(report);
   return report;
+}
+
+void add_draws(const UserScene& world, PriorDraws draws, SceneReport& report) {
+  for (std::string& warning : warnings_of(world, draws))
+    report.warnings.push_back(std::move(warning));
+  report.draws = std::move(draws);
+  report.world = &world;
 }
 
 }  // namespace sleight::worlds::user_scene

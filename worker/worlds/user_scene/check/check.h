@@ -16,6 +16,7 @@
 #include "worker/worlds/user_scene/build.h"
 #include "worker/worlds/user_scene/check/nominal_run.h"
 #include "worker/worlds/user_scene/check/overlaps.h"
+#include "worker/worlds/user_scene/check/prior_draws.h"
 
 namespace sleight::worlds::user_scene {
 
@@ -34,12 +35,17 @@ struct SceneReport {
   std::vector<Overlap> overlaps{};
   /// None if objects overlap: the simulator would refuse the scene.
   std::optional<NominalRun> run{};
+  std::optional<PriorDraws> draws{};  ///< none if nothing is uncertain
+  const UserScene* world = nullptr;   ///< of the draws
   /// Each is a sentence with the names of objects. The worst come first.
   std::vector<std::string> warnings{};
 };
 
 /// REQUIRES: `built` was made from `description`; both outlive the report.
 SceneReport check(const SceneDescription& description, const BuiltScene& built);
+
+/// Adds prior draws to the report of the same scene. REQUIRES: `world` outlives the report.
+void add_draws(const UserScene& world, PriorDraws draws, SceneReport& report);
 
 /// Returns words such as "time is over".
 const char* name_of(RunEnd end);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "worker/physics/reuse/recording.h"
-#include "worker/worlds/user_scene/build.h"
+#include "worker/worlds/user_scene/end_watch.h"
 
 namespace sleight::worlds::user_scene {
 
@@ -19,13 +19,6 @@ enum class RunEnd : std::uint8_t {
   time_over,   ///< some bodies still move at end_s
   work_limit,  ///< too many events
   error        ///< NominalRun::error
-};
-
-enum class BodyEnd : std::uint8_t {
-  waits,  ///< hasn't started
-  moves,
-  rests,
-  left  ///< is further below everything than the scene's size, and no plane is below
 };
 
 /// What a moving body did. Place and speed are those at the run's end.

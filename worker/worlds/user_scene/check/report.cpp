@@ -49,7 +49,7 @@ void add_contacts(const SceneDescription& description, Table& table) {
       if (!(a.is_static && b.is_static)) pairs.insert(std::minmax(a.material, b.material));
     }
   }
-  const physics::ContactTable laws = contact_table(description);
+  const physics::ContactTable laws = contact_table(description.materials, description.pairs);
   for (const auto& [a, b] : pairs) {
     const physics::SurfaceLaw& law =
         laws.between({static_cast<std::uint8_t>(a)}, {static_cast<std::uint8_t>(b)});
@@ -75,6 +75,21 @@ void add_run(const SceneReport& report, Table& bodies, Table& hits) {
   for (const Hits& one : report.run->hits)
     hits.rows.push_back({report.built.objects[one.a].name, report.built.objects[one.b].name,
                          one.count, one.first_s});
+}
+
+void add_prior_draws(const PriorDraws& draws, const UserScene& world, Table& uncertain,
+                     Table& constraints) {
+  const std::vector<std::string> names = world.quantities().value_names();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto& [least, mean, greatest] = draws.values[i];
+    uncertain.rows.push_back({names[i], least, mean, greatest});
+  }
+  for (std::size_t i = 0; i < draws.least_distances.size(); ++i) {
+    const Constraint& one = world.parameters().constraints[i];
+    const DistanceUnit unit = unit_of(one);
+    constraints.rows.push_back({one.name, draws.constraint_met[i],
+                                draws.least_distances[i] / unit.scale, std::string(unit.name)});
+  }
 }
 
 // ---- text ---------------------------------------------------------------------------------------
@@ -186,7 +201,9 @@ std::vector<Table> tables_of(const SceneReport& report) {
       {"Meshes", "meshes", false, {"name", "surface", "boundary_edges", "volume_m3"}},
       {"", "overlaps", false, {"a", "b", "depth_m", "a_is_inside"}},
       {"Run", "bodies", true, {"name", "end", "rests_since_s", "speed_mps", "place_m", "hits"}},
-      {"Hits", "hits", true, {"a", "b", "count", "first_s"}}};
+      {"Hits", "hits", true, {"a", "b", "count", "first_s"}},
+      {"Uncertain", "uncertain", false, {"name", "least", "mean", "greatest"}},
+      {"Constraints", "constraints", false, {"name", "met", "least_distance", "unit"}}};
   add_objects(report, tables[0]);
   add_contacts(report.description, tables[1]);
   for (const Closedness& mesh : report.meshes) {
@@ -197,6 +214,7 @@ std::vector<Table> tables_of(const SceneReport& report) {
   for (const Overlap& one : report.overlaps)
     tables[3].rows.push_back({name(one.a), name(one.b), one.depth_m, one.inside});
   if (report.run) add_run(report, tables[4], tables[5]);
+  if (report.draws) add_prior_draws(*report.draws, *report.world, tables[6], tables[7]);
   return tables;
 }
 
@@ -214,6 +232,9 @@ std::string report_text(const SceneReport& report) {
   text += report.run ? fmt::format("Run: {} after {:.3f} s\n\n", name_of(report.run->end),
                                    report.run->end_s)
                      : "Run: none, because objects overlap at the start\n\n";
+  if (report.draws)
+    text += fmt::format("Prior draws: {}; all constraints are met in {}\n\n", report.draws->count,
+                        report.draws->met);
   for (const Table& table : tables_of(report))
     text += text_of(table);
   return text;

@@ -21,7 +21,7 @@ inline base::Result<request::DirectionRequest, std::vector<request::Diagnostic>>
 inline SceneDescription scene_of(const std::string& text) {
   const auto request = read_scene("[world]\nname = \"scene\"\n" + text);
   if (!request) base::check_failed("the scene has no errors", to_string(request.error().front()));
-  return request::parameters_of<SceneDescription>(request.value());
+  return request::parameters_of<Parameters>(request.value()).scene;
 }
 
 inline BuiltScene built_scene(const SceneDescription& description) {

@@ -1,0 +1,280 @@
+#include "worker/worlds/user_scene/judge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/base/check.h"
+#include "common/math/elementary.h"
+
+namespace sleight::worlds::user_scene {
+namespace {
+
+/// Times at which the gap of a missed hit is measured.
+constexpr std::size_t k_gap_times = 100;
+
+physics::Tick tick_of(double time_s) {
+  return physics::Tick{} + physics::ticks_after(time_s);
+}
+
+/// Returns how far a shape reaches from the centre of its body along a direction of the body.
+double support_m(const physics::Shape& shape, const Vec3& direction) {
+  if (const auto* sphere = std::get_if<physics::Sphere>(&shape)) return sphere->radius_m;
+  const auto& compound = *std::get<std::shared_ptr<const physics::Compound>>(shape);
+  double most_m = -std::numeric_limits<double>::infinity();
+  for (const physics::ConvexPolyhedron& piece : compound.parts) {
+    for (const Vec3& vertex_m : piece.vertices_m())
+      most_m = std::max(most_m, math::dot(direction, vertex_m));
+  }
+  for (const physics::RoundPiece& piece : compound.round_parts)
+    most_m = std::max(most_m, piece.reach_m(direction));
+  return most_m;
+}
+
+/// Returns how far the interval [low - before, high + after] around a point is outside the region.
+double outside_m(const Region& region, const Vec3& point_m, const Vec3& before_m,
+                 const Vec3& after_m) {
+  const Vec3 beyond_m = (point_m + after_m - region.high_m)
+                            .cwiseMax(region.low_m - (point_m - before_m))
+                            .cwiseMax(Vec3::Zero());
+  return math::norm(beyond_m);
+}
+
+double whole_outside_m(const Region& region, const Pose& pose, const physics::Shape& shape) {
+  Vec3 before_m;
+  Vec3 after_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 direction = math::rotated(math::inverse(pose.orientation), Vec3::Unit(axis));
+    after_m[axis] = support_m(shape, direction);
+    before_m[axis] = support_m(shape, -direction);
+  }
+  return outside_m(region, pose.position_m, before_m, after_m);
+}
+
+}  // namespace
+
+Region box_of(const BuiltScene& built, const Object& object) {
+  Region box{.low_m = Vec3::Constant(std::numeric_limits<double>::infinity()),
+             .high_m = Vec3::Constant(-std::numeric_limits<double>::infinity())};
+  const auto add = [&](const Vec3& point_m) {
+    box.low_m = box.low_m.cwiseMin(point_m);
+    box.high_m = box.high_m.cwiseMax(point_m);
+  };
+  switch (object.kind) {
+    case ObjectKind::plane:
+      return {};
+    case ObjectKind::mesh:
+      std::ranges::for_each(built.scene.meshes[object.first].mesh->vertices_m(), add);
+      return box;
+    case ObjectKind::convex:
+      for (std::uint32_t i = 0; i < object.count; ++i)
+        std::ranges::for_each(built.scene.convexes[object.first + i].polyhedron->vertices_m(), add);
+      return box;
+    case ObjectKind::moving:
+    case ObjectKind::fixed:
+      break;
+  }
+  const auto number = static_cast<std::size_t>(&object - built.objects.data());
+  const Vec3 centre_m = composed(object.place, object.frame).position_m;
+  const Vec3 reach_m = Vec3::Constant(physics::reach_m(built.scene.bodies[number].shape));
+  return {.low_m = centre_m - reach_m, .high_m = centre_m + reach_m};
+}
+
+Vec3 upward(const SceneDescription& description) {
+  return physics::is_zero(description.gravity_mps2)
+             ? Vec3(Vec3::UnitZ())
+             : Vec3(-math::normalized(description.gravity_mps2));
+}
+
+Judge::Judge(const SceneDescription& description, const BuiltScene& built,
+             std::span<const Constraint> constraints)
+    : built_(built),
+      constraints_(constraints),
+      end_s_(description.end_s),
+      up_(upward(description)),
+      owners_(built) {
+  for (const Object& object : built.objects)
+    boxes_.push_back(box_of(built, object));
+  for (const Constraint& one : constraints) {
+    waits_for_rest_ = waits_for_rest_ || one.looks_at_rest();
+    if (one.looks_at_hits()) {
+      const double to_s = one.times_s.empty() ? one.to_s : one.times_s.back();
+      last_s_ = std::max(last_s_, one.asks == Asks::never ? end_s_ : to_s + one.window_s);
+    } else if (one.at_s) {
+      times_s_.push_back(*one.at_s);
+    }
+  }
+  std::ranges::sort(times_s_);
+  times_s_.erase(std::unique(times_s_.begin(), times_s_.end()), times_s_.end());
+  if (!times_s_.empty()) last_s_ = std::max(last_s_, times_s_.back());
+  last_s_ = std::min(last_s_, end_s_);
+  if (constraints.empty()) waits_for_rest_ = true;
+}
+
+const BodyView& Judge::view(const Constraint& constraint, std::uint32_t body,
+                            const Watched& watched) const {
+  if (!constraint.at_s) return watched.at_end[body];
+  const auto time = std::ranges::lower_bound(times_s_, *constraint.at_s);
+  return watched.at_times[static_cast<std::size_t>(time - times_s_.begin())][body];
+}
+
+Judge::Measured Judge::of_body(const Constraint& constraint, std::uint32_t body,
+                               const Watched& watched) const {
+  const BodyView& seen = view(constraint, body, watched);
+  if (!seen.takes_part) return {.distance = k_absent_z * constraint.sigma, .can_be_met = false};
+  Measured measured{.distance = 0, .can_be_met = constraint.at_s || seen.rests};
+  if (constraint.asks == Asks::region || constraint.asks == Asks::place) {
+    measured.distance =
+        constraint.whole
+            ? whole_outside_m(constraint.region, composed(seen.place, built_.objects[body].frame),
+                              watched.scene.bodies[body].shape)
+            : outside_m(constraint.region, seen.place.position_m, Vec3::Zero(), Vec3::Zero());
+    return measured;
+  }
+  const Vec3 upright =
+      constraint.asks == Asks::face
+          ? constraint.axis
+          : math::rotated(math::inverse(built_.objects[body].place.orientation), up_);
+  const Vec3 axis = math::rotated(seen.place.orientation, upright);
+  const double off_rad = math::atan2(math::norm(math::cross(axis, up_)), math::dot(axis, up_));
+  measured.distance = constraint.asks == Asks::face      ? off_rad
+                      : constraint.asks == Asks::topples ? std::max(0.0, k_topples_rad - off_rad)
+                                                         : std::max(0.0, off_rad - k_stands_rad);
+  return measured;
+}
+
+Judge::Measured Judge::of_count(const Constraint& constraint, const Watched& watched) const {
+  std::uint32_t there = 0;
+  for (const std::uint32_t body : constraint.bodies) {
+    const BodyView& seen = view(constraint, body, watched);
+    const bool counts = seen.takes_part && (constraint.at_s || seen.rests);
+    if (counts &&
+        outside_m(constraint.region, seen.place.position_m, Vec3::Zero(), Vec3::Zero()) == 0)
+      ++there;
+  }
+  return {.distance =
+              static_cast<double>(constraint.at_least - std::min(there, constraint.at_least))};
+}
+
+Judge::HitTime Judge::hit_time(const Constraint& constraint, std::uint32_t body,
+                               const Watched& watched) const {
+  std::uint32_t hits = 0;
+  for (const physics::Impact& impact : watched.impacts) {
+    const std::uint32_t other =
+        (impact.higher & physics::k_static) != 0
+            ? owners_.owner(impact.lower, {impact.higher & ~physics::k_static})
+            : impact.higher;
+    const bool is_wanted =
+        (impact.lower == body && std::ranges::count(constraint.hits, other) > 0) ||
+        (other == body && std::ranges::count(constraint.hits, impact.lower) > 0);
+    if (!is_wanted || impact.approach_mps < constraint.at_least_mps) continue;
+    if (++hits == constraint.nth) return physics::seconds(impact.tick - physics::Tick{});
+  }
+  return std::nullopt;
+}
+
+double Judge::least_gap_m(const Constraint& constraint, std::uint32_t body, double from_s,
+                          double to_s, const Watched& watched) const {
+  const auto centre_m = [&](std::uint32_t one, physics::Tick tick) {
+    const physics::Segment* segment = watched.recording.segment_at({one}, tick);
+    return segment == nullptr ? watched.scene.bodies[one].start.pose.position_m
+                              : physics::position_at(segment->flight, tick);
+  };
+  const auto reach_m = [&](std::uint32_t one) {
+    return physics::reach_m(watched.scene.bodies[one].shape);
+  };
+  double least_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < k_gap_times; ++i) {
+    const double share = static_cast<double>(i) / (k_gap_times - 1);
+    const physics::Tick tick =
+        std::min(tick_of(from_s + share * (to_s - from_s)), watched.recording.end());
+    for (const std::uint32_t other : constraint.hits) {
+      if (built_.objects[other].kind == ObjectKind::plane) {
+        const physics::HalfSpace& plane = built_.scene.planes[built_.objects[other].first].outside;
+        least_m = std::min(least_m, math::dot(plane.normal, centre_m(body, tick)) - plane.offset_m -
+                                        reach_m(body));
+        continue;
+      }
+      Region box = boxes_[other];
+      if (other < built_.moving) {
+        box.low_m = centre_m(other, tick) - Vec3::Constant(reach_m(other));
+        box.high_m = centre_m(other, tick) + Vec3::Constant(reach_m(other));
+      }
+      least_m = std::min(least_m, outside_m(box, centre_m(body, tick), Vec3::Zero(), Vec3::Zero()) -
+                                      reach_m(body));
+    }
+  }
+  return std::max(0.0, least_m);
+}
+
+Judge::Measured Judge::of_event(const Constraint& constraint, std::uint32_t body,
+                                const Watched& watched, HitTime& time) const {
+  time = hit_time(constraint, body, watched);
+  if (constraint.asks == Asks::never) {
+    if (!time) return {};
+    return {.distance = end_s_ - *time, .can_be_met = false};
+  }
+  // The wanted time that is nearest to the hit, or the first one.
+  double from_s = constraint.from_s;
+  double to_s = std::min(constraint.to_s, end_s_);
+  if (!constraint.times_s.empty()) {
+    from_s = constraint.times_s.front();
+    for (const double wanted_s : constraint.times_s) {
+      if (time && std::fabs(wanted_s - *time) < std::fabs(from_s - *time)) from_s = wanted_s;
+    }
+    to_s = from_s;
+  }
+  if (time) {
+    const double late_s = std::max({0.0, from_s - *time, *time - to_s});
+    if (late_s <= constraint.window_s) return {.distance = late_s};
+  }
+  const double gap_m = least_gap_m(constraint, body, std::max(0.0, from_s - constraint.window_s),
+                                   std::min(end_s_, to_s + constraint.window_s), watched);
+  return {.distance = constraint.window_s + constraint.sigma * gap_m / constraint.near_m,
+          .can_be_met = false};
+}
+
+Judge::Measured Judge::of_order(const Constraint& constraint,
+                                std::span<const HitTime> hit_times) const {
+  Measured measured;
+  double before_s = 0;
+  for (const std::uint32_t event : constraint.events) {
+    measured.can_be_met = measured.can_be_met && hit_times[event];
+    const double time_s = hit_times[event].value_or(end_s_);
+    measured.distance = std::max(measured.distance, before_s - time_s);
+    before_s = std::max(before_s, time_s);
+  }
+  return measured;
+}
+
+Judgement Judge::judge(const Watched& watched) const {
+  Judgement judgement;
+  std::vector<HitTime> hit_times(constraints_.size());
+  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    const Constraint& constraint = constraints_[i];
+    Measured best{.distance = std::numeric_limits<double>::infinity(), .can_be_met = false};
+    if (constraint.asks == Asks::order) {
+      best = of_order(constraint, hit_times);
+    } else if (constraint.asks == Asks::count) {
+      best = of_count(constraint, watched);
+    } else {
+      for (const std::uint32_t body : constraint.bodies) {
+        HitTime time;
+        const Measured one = constraint.looks_at_hits() ? of_event(constraint, body, watched, time)
+                                                        : of_body(constraint, body, watched);
+        const bool is_better =
+            one.can_be_met == best.can_be_met ? one.distance < best.distance : one.can_be_met;
+        if (!is_better) continue;
+        best = one;
+        hit_times[i] = time;
+      }
+    }
+    judgement.distances.push_back(best.distance);
+    judgement.all_met =
+        judgement.all_met && best.can_be_met && best.distance <= constraint.tolerance;
+    judgement.log_constraint += log_constraint_of(constraint, best.distance);
+  }
+  return judgement;
+}
+
+}  // namespace sleight::worlds::user_scene

@@ -1,0 +1,94 @@
+// Measures the constraints of a scene in a simulation (constraints.h).
+// Thread safety: const functions may be called from several threads at once.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "worker/physics/contact/impacts.h"
+#include "worker/physics/reuse/recording.h"
+#include "worker/worlds/user_scene/build.h"
+#include "worker/worlds/user_scene/constraints.h"
+#include "worker/worlds/user_scene/static_owners.h"
+
+namespace sleight::worlds::user_scene {
+
+/// A moving body at a point in time.
+struct BodyView {
+  bool takes_part = true;  ///< has started
+  bool rests = false;
+  Pose place{};  ///< of the shape's frame
+};
+using Views = std::vector<BodyView>;  ///< by moving body
+
+/// What constraints look at.
+struct Watched {
+  const physics::Scene& scene;         ///< as simulated
+  const std::vector<Views>& at_times;  ///< at Judge::times_s()
+  const Views& at_end;
+  std::span<const physics::Impact> impacts;
+  const physics::Recording& recording;  ///< only used if a constraint looks at hits
+};
+
+struct Judgement {
+  double log_constraint = 0;
+  bool all_met = true;
+  std::vector<double> distances{};  ///< by constraint, in SI units
+};
+
+class Judge {
+ public:
+  /// REQUIRES: all arguments outlive this object.
+  Judge(const SceneDescription& description, const BuiltScene& built,
+        std::span<const Constraint> constraints);
+
+  /// Times at which constraints look, in ascending order.
+  const std::vector<double>& times_s() const { return times_s_; }
+  /// When the last constraint has looked. If `waits_for_rest`, the simulation goes on until all
+  /// bodies have ended, but not beyond the scene's end_s.
+  double last_s() const { return last_s_; }
+  bool waits_for_rest() const { return waits_for_rest_; }
+
+  Judgement judge(const Watched& watched) const;
+
+ private:
+  struct Measured {
+    double distance = 0;
+    bool can_be_met = true;
+  };
+  /// A hit's time, or nothing if there was none.
+  using HitTime = std::optional<double>;
+
+  Measured of_body(const Constraint& constraint, std::uint32_t body, const Watched& watched) const;
+  Measured of_count(const Constraint& constraint, const Watched& watched) const;
+  Measured of_event(const Constraint& constraint, std::uint32_t body, const Watched& watched,
+                    HitTime& time) const;
+  Measured of_order(const Constraint& constraint, std::span<const HitTime> hit_times) const;
+  const BodyView& view(const Constraint& constraint, std::uint32_t body,
+                       const Watched& watched) const;
+  HitTime hit_time(const Constraint& constraint, std::uint32_t body, const Watched& watched) const;
+  double least_gap_m(const Constraint& constraint, std::uint32_t body, double from_s, double to_s,
+                     const Watched& watched) const;
+
+  const BuiltScene& built_;
+  std::span<const Constraint> constraints_;
+  double end_s_;
+  Vec3 up_;
+  StaticOwners owners_;
+  std::vector<Region> boxes_;  ///< by object
+  std::vector<double> times_s_;
+  double last_s_ = 0;
+  bool waits_for_rest_ = false;
+};
+
+/// Returns a box around an object at its start; infinite for a plane. For a moving body, the box of
+/// a sphere around its centre.
+Region box_of(const BuiltScene& built, const Object& object);
+
+/// Returns the direction against gravity; +z without gravity.
+Vec3 upward(const SceneDescription& description);
+
+}  // namespace sleight::worlds::user_scene

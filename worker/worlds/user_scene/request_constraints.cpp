@@ -1,0 +1,414 @@
+#include "worker/worlds/user_scene/request_constraints.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "common/request/nearest.h"
+#include "common/request/text.h"
+#include "worker/worlds/user_scene/judge.h"
+
+namespace sleight::worlds::user_scene {
+namespace {
+
+using request::Binder;
+using request::NumberOptions;
+
+constexpr std::size_t k_constraints_max = 1000;  ///< of one kind
+
+/// Directions of the faces 1 to 6 of a box, as pips are drawn on dice.
+const std::array<Vec3, 6> k_faces{Vec3::UnitX(),  Vec3::UnitY(),  Vec3::UnitZ(),
+                                  -Vec3::UnitZ(), -Vec3::UnitY(), -Vec3::UnitX()};
+
+constexpr const char* k_sigma_help =
+    "scale of the distance: a miss by this much divides p_c by 1.65";
+constexpr const char* k_tolerance_help = "greatest distance at which the constraint is met";
+constexpr const char* k_at_help = "time at which it must hold; default: at the end, at rest";
+
+/// A constraint's keys, besides those that its kind reads itself.
+struct ConstraintKeys {
+  Constraint made;
+  std::optional<std::string> name{};
+  std::vector<std::string> bodies{};
+  bool any = false;
+};
+
+class ConstraintBinder {
+ public:
+  ConstraintBinder(Binder& section, Parameters& parameters, const std::vector<NamedRegion>& regions,
+                   const ObjectNames* objects)
+      : section_(section), parameters_(parameters), regions_(regions), objects_(objects) {}
+
+  void bind_all() {
+    tables("region", Asks::region, "a body must be in a region", &ConstraintBinder::bind_region);
+    tables("place", Asks::place, "a body must be at a point", &ConstraintBinder::bind_place);
+    tables("face", Asks::face, "a face of a body must be on top", &ConstraintBinder::bind_face);
+    tables("topples", Asks::topples, "a body's upward axis must end more than 45 degrees off",
+           &ConstraintBinder::bind_tilt);
+    tables("stands", Asks::stands, "a body's upward axis must end within 5 degrees of upward",
+           &ConstraintBinder::bind_tilt);
+    tables("count", Asks::count, "bodies of a group must be in a region",
+           &ConstraintBinder::bind_count);
+    tables("event", Asks::event, "a body must hit another", &ConstraintBinder::bind_event);
+    tables("order", Asks::order, "events must come in this order", &ConstraintBinder::bind_order);
+    tables("never", Asks::never, "a body must not hit another", &ConstraintBinder::bind_never);
+  }
+
+ private:
+  using Bind = void (ConstraintBinder::*)(Binder&, ConstraintKeys&);
+  bool is_used(const Binder& table) const {
+    return table.line() > 0 && table.is_sound() && objects_ != nullptr;
+  }
+
+  void tables(const char* key, Asks asks, const char* help, Bind bind) {
+    std::vector<ConstraintKeys> all;
+    section_.tables<ConstraintKeys>(
+        key, all, {.count_max = k_constraints_max, .help = help},
+        [&](Binder& table, ConstraintKeys& keys) {
+          keys.made.asks = asks;
+          keys.made.line = table.line();
+          table.optional_text("name", keys.name,
+                              {.characters_max = k_name_characters_max,
+                               .help = "name in archives; default: bodies and kind"});
+          if (asks != Asks::count && asks != Asks::order) {
+            keys.bodies = ObjectNames::bind(table);
+            table.boolean("any", keys.any, "whether it suffices that one of the bodies meets it");
+          }
+          (this->*bind)(table, keys);
+          if (!is_used(table)) return;
+          if (asks != Asks::count && asks != Asks::order) {
+            if (keys.bodies.empty()) return table.error("body", "missing; set body or bodies");
+            keys.made.bodies = objects_->find_all(table, keys.bodies);
+          }
+          if (table.is_sound()) add(table, keys, key);
+        });
+  }
+
+  /// Adds a constraint for each body, or one for all.
+  void add(Binder& table, const ConstraintKeys& keys, const char* kind) {
+    if (keys.name) names_.add(table, "name", *keys.name);
+    if (!table.is_sound()) return;
+    const std::vector<std::uint32_t>& bodies = keys.made.bodies;
+    const bool each = !keys.any && bodies.size() > 1 && keys.made.asks != Asks::count;
+    const std::string name = keys.name.value_or(
+        fmt::format("{}{}{}", fmt::join(keys.bodies, ", "), keys.bodies.empty() ? "" : " ", kind));
+    for (std::size_t i = 0; i < (each ? bodies.size() : 1); ++i) {
+      Constraint made = keys.made;
+      if (each) made.bodies = {bodies[i]};
+      made.name = each ? fmt::format("{}: {}", name, objects_->object(bodies[i]).name) : name;
+      for (const Constraint& other : parameters_.constraints) {
+        const std::string why = contradiction_of(other, made);
+        if (why.empty()) continue;
+        return table.error(
+            table.given("body") ? "body" : "bodies",
+            fmt::format("contradicts the constraint in line {}: {}", other.line, why));
+      }
+      parameters_.constraints.push_back(std::move(made));
+    }
+  }
+
+  void bind_time(Binder& table, Constraint& made) {
+    table.optional_number("at_s", made.at_s,
+                          {.minimum = 0, .maximum = 3600, .unit = "s", .help = k_at_help});
+    if (made.at_s && *made.at_s > parameters_.scene.end_s)
+      table.error("at_s", fmt::format("is after end_s of [world], {} s", parameters_.scene.end_s));
+  }
+
+  void bind_scale(Binder& table, Constraint& made, const char* sigma, const char* tolerance,
+                  const char* unit, double scale) {
+    double given = 0;
+    table.required_number(
+        sigma, given, {.minimum = 1e-6, .maximum = k_far_mm, .unit = unit, .help = k_sigma_help});
+    made.sigma = scale * given;
+    double tolerance_given = 0;
+    table.number(tolerance, tolerance_given,
+                 {.minimum = 0, .maximum = k_far_mm, .unit = unit, .help = k_tolerance_help});
+    made.tolerance = scale * tolerance_given;
+  }
+
+  void bind_angles(Binder& table, Constraint& made, double tolerance_rad) {
+    made.sigma = 10 * k_rad_per_deg;
+    table.angle_deg("sigma_deg", made.sigma,
+                    {.minimum = 0.001, .maximum = 360, .help = k_sigma_help});
+    made.tolerance = tolerance_rad;
+    table.angle_deg("tolerance_deg", made.tolerance,
+                    {.minimum = 0, .maximum = 180, .help = k_tolerance_help});
+  }
+
+  void bind_named_region(Binder& table, Constraint& made) {
+    std::string name;
+    table.required_text("region", name,
+                        {.characters_max = k_name_characters_max,
+                         .help = "name of a [[world.region]], or of a static body: the box around "
+                                 "it"});
+    if (!is_used(table)) return;
+    std::vector<std::string> names;
+    for (const NamedRegion& region : regions_) {
+      if (region.name == name) made.region = region.region;
+      if (region.name == name) return;
+      names.push_back(region.name);
+    }
+    for (const Object& object : objects_->built().objects) {
+      if (object.kind == ObjectKind::moving || object.kind == ObjectKind::plane) continue;
+      if (object.name == name) made.region = box_of(objects_->built(), object);
+      if (object.name == name) return;
+      names.push_back(object.name);
+    }
+    const auto near = request::nearest(name, names);
+    table.error(
+        "region",
+        fmt::format("no region and no static body is named {}{}", request::toml_string(name),
+                    near ? fmt::format("; did you mean {}?", request::toml_string(*near)) : ""));
+  }
+
+  void bind_region(Binder& table, ConstraintKeys& keys) {
+    bind_named_region(table, keys.made);
+    table.boolean("whole", keys.made.whole,
+                  "whether all of the body must be inside, not only its origin");
+    bind_scale(table, keys.made, "sigma_mm", "tolerance_mm", "mm", k_m_per_mm);
+    bind_time(table, keys.made);
+  }
+
+  void bind_place(Binder& table, ConstraintKeys& keys) {
+    std::vector<double> place_mm;
+    table.numbers("at_mm", place_mm, {.count_min = 2, .count_max = 3, .required = true},
+                  {.minimum = -k_far_mm,
+                   .maximum = k_far_mm,
+                   .unit = "mm",
+                   .help = "place of the origin: x, y and perhaps z"});
+    for (std::size_t axis = 0; axis < place_mm.size(); ++axis) {
+      const auto i = static_cast<Eigen::Index>(axis);
+      keys.made.region.low_m[i] = keys.made.region.high_m[i] = k_m_per_mm * place_mm[axis];
+    }
+    bind_scale(table, keys.made, "sigma_mm", "tolerance_mm", "mm", k_m_per_mm);
+    bind_time(table, keys.made);
+  }
+
+  void bind_face(Binder& table, ConstraintKeys& keys) {
+    std::optional<std::uint32_t> up;
+    table.optional_integer("up", up,
+                           {.minimum = 1,
+                            .maximum = 6,
+                            .help = "face of a box, numbered as a die: 1 is x, 2 is y, 3 is z; "
+                                    "opposite faces add up to 7"});
+    std::optional<std::array<double, 3>> axis;
+    table.optional_numbers("axis", axis,
+                           {.minimum = -1,
+                            .maximum = 1,
+                            .help = "direction in the body that must point upward, instead of up"});
+    bind_angles(table, keys.made, 20 * k_rad_per_deg);
+    bind_time(table, keys.made);
+    if (!is_used(table)) return;
+    if (up.has_value() == axis.has_value()) {
+      table.error("up", "set either up or axis");
+    } else if (up) {
+      keys.made.axis = k_faces[*up - 1];
+    } else if (const Vec3 given = vector_of(*axis); math::norm(given) < 0.1) {
+      table.error("axis", "the numbers are too small to be a direction");
+    } else {
+      keys.made.axis = math::normalized(given);
+    }
+  }
+
+  void bind_tilt(Binder& table, ConstraintKeys& keys) {
+    bind_angles(table, keys.made, 0);
+    bind_time(table, keys.made);
+  }
+
+  void bind_count(Binder& table, ConstraintKeys& keys) {
+    std::string group;
+    table.required_text("group", group,
+                        {.characters_max = k_name_characters_max, .help = "the bodies' group"});
+    bind_named_region(table, keys.made);
+    table.integer(
+        "at_least", keys.made.at_least,
+        {.minimum = 0,
+         .maximum = k_objects_max,
+         .help = "number of bodies with their origin in the region; 0: all of the group"});
+    keys.made.log_lambda = 2.5;
+    table.number(
+        "log_lambda", keys.made.log_lambda,
+        {.minimum = 0, .maximum = 100, .help = "each missing body divides p_c by e to this power"});
+    bind_time(table, keys.made);
+    if (!is_used(table)) return;
+    for (std::uint32_t i = 0; i < objects_->built().moving; ++i) {
+      if (parameters_.scene.groups[objects_->described(i).group] == group)
+        keys.made.bodies.push_back(i);
+    }
+    const auto there = static_cast<std::uint32_t>(keys.made.bodies.size());
+    if (there == 0) {
+      table.error("group",
+                  fmt::format("no moving body has the group {}", request::toml_string(group)));
+    } else if (keys.made.at_least > there) {
+      table.error("at_least", fmt::format("the group has only {} moving bodies", there));
+    } else if (keys.made.at_least == 0) {
+      keys.made.at_least = there;
+    }
+  }
+
+  void bind_hits(Binder& table, Constraint& made) {
+    std::string hits;
+    table.required_text("hits", hits,
+                        {.characters_max = k_name_characters_max,
+                         .help = "name of what the body hits; a body with copies: any of them"});
+    table.number("at_least_mps", made.at_least_mps,
+                 {.minimum = 0,
+                  .maximum = 1000,
+                  .unit = "m/s",
+                  .help = "minimum speed of approach; slower hits don't count"});
+    if (is_used(table)) made.hits = objects_->find(table, "hits", hits, false);
+  }
+
+  void bind_event(Binder& table, ConstraintKeys& keys) {
+    Constraint& made = keys.made;
+    bind_hits(table, made);
+    table.integer("nth", made.nth,
+                  {.minimum = 1, .maximum = 10'000, .help = "which of the pair's hits"});
+    bind_event_time(table, made);
+    double near_mm = 10;
+    table.number("window_s", made.window_s,
+                 {.minimum = 0.001,
+                  .maximum = 3600,
+                  .unit = "s",
+                  .help = "greatest difference in time that is told by the hit itself"});
+    table.number("near_mm", near_mm,
+                 {.minimum = 0.001,
+                  .maximum = k_far_mm,
+                  .unit = "mm",
+                  .help = "scale of the gap by which a hit is missed in its window"});
+    made.near_m = k_m_per_mm * near_mm;
+  }
+
+  void bind_event_time(Binder& table, Constraint& made) {
+    const auto time = [&](const char* key, std::optional<double>& value, const char* help) {
+      table.optional_number(key, value, {.minimum = 0, .maximum = 3600, .unit = "s", .help = help});
+    };
+    std::optional<double> at_s;
+    std::optional<double> before_s;
+    std::optional<double> after_s;
+    std::optional<double> frame;
+    double frames_per_s = 24;
+    time("at_s", at_s, "time of the hit");
+    time("before_s", before_s, "latest time of the hit");
+    time("after_s", after_s, "earliest time of the hit");
+    table.optional_number("frame", frame,
+                          {.minimum = 0, .maximum = 1e6, .help = "frame of the hit, from 0"});
+    table.number("frames_per_s", frames_per_s,
+                 {.minimum = 1, .maximum = 10'000, .unit = "1/s", .help = "rate of frames"});
+    table.numbers("beats_s", made.times_s, {.count_min = 1, .count_max = 1000},
+                  {.minimum = 0,
+                   .maximum = 3600,
+                   .unit = "s",
+                   .help = "the hit must be on one of these times"});
+    std::optional<double> sigma_s;
+    time("sigma_s", sigma_s, k_sigma_help);
+    std::optional<double> tolerance_s;
+    time("tolerance_s", tolerance_s, k_tolerance_help);
+    if (!is_used(table)) return;
+    if (at_s) made.times_s.push_back(*at_s);
+    if (frame) made.times_s.push_back(*frame / frames_per_s);
+    std::ranges::sort(made.times_s);
+    const bool has_range = before_s || after_s;
+    const int given =
+        (at_s ? 1 : 0) + (frame ? 1 : 0) + (table.given("beats_s") ? 1 : 0) + (has_range ? 1 : 0);
+    const char* const key = at_s ? "at_s" : frame ? "frame" : before_s ? "before_s" : "after_s";
+    if (given > 1)
+      return table.error(key,
+                         "set only one of at_s, frame, beats_s, and the range before_s, after_s");
+    made.from_s = after_s.value_or(0);
+    made.to_s = before_s.value_or(made.to_s);
+    if (made.from_s > made.to_s) return table.error("before_s", "must be at least after_s");
+    const double latest_s = made.times_s.empty() ? made.from_s : made.times_s.back();
+    if (latest_s > parameters_.scene.end_s)
+      return table.error(table.given("beats_s") ? "beats_s" : key,
+                         fmt::format("is after end_s of [world], {} s", parameters_.scene.end_s));
+    if (given > 0 && !sigma_s)
+      return table.error("sigma_s", "missing; an event with a time needs it");
+    if (!made.times_s.empty() && !tolerance_s)
+      return table.error("tolerance_s", "missing; an event at a time needs it");
+    made.sigma = sigma_s.value_or(made.window_s);
+    made.tolerance = tolerance_s.value_or(0);
+    if (made.sigma <= 0) table.error("sigma_s", "must be above 0");
+  }
+
+  void bind_order(Binder& table, ConstraintKeys& keys) {
+    std::vector<std::string> events;
+    table.texts("events", events, {.count_min = 2, .count_max = 1000, .required = true},
+                {.characters_max = 2 * k_name_characters_max,
+                 .help = "names of [[constraint.event]], the first first"});
+    bind_scale(table, keys.made, "sigma_s", "tolerance_s", "s", 1);
+    if (!is_used(table)) return;
+    std::vector<std::string> names;
+    for (const Constraint& one : parameters_.constraints)
+      names.push_back(one.asks == Asks::event ? one.name : "");
+    for (const std::string& event : events) {
+      const auto at = std::ranges::find(names, event);
+      if (at != names.end() && !event.empty()) {
+        keys.made.events.push_back(static_cast<std::uint32_t>(at - names.begin()));
+        continue;
+      }
+      const auto near = request::nearest(event, names);
+      return table.error(
+          "events",
+          fmt::format("no event is named {}{}", request::toml_string(event),
+                      near ? fmt::format("; did you mean {}?", request::toml_string(*near)) : ""));
+    }
+  }
+
+  void bind_never(Binder& table, ConstraintKeys& keys) {
+    bind_hits(table, keys.made);
+    table.number("sigma_s", keys.made.sigma,
+                 {.minimum = 0.001,
+                  .maximum = 3600,
+                  .unit = "s",
+                  .help = "scale of the time between the hit and the scene's end"});
+  }
+
+  Binder& section_;
+  Parameters& parameters_;
+  const std::vector<NamedRegion>& regions_;
+  const ObjectNames* objects_;
+  NameList names_{"constraint"};
+};
+
+}  // namespace
+
+void bind_regions(Binder& world, std::vector<NamedRegion>& regions) {
+  NameList names("region");
+  world.tables<NamedRegion>(
+      "region", regions, {.count_max = k_constraints_max, .help = "boxes that constraints name"},
+      [&](Binder& table, NamedRegion& region) {
+        table.required_text("name", region.name,
+                            {.characters_max = k_name_characters_max, .help = "region's name"});
+        names.add(table, "name", region.name);
+        const auto corner = [&](const char* key, Vec3& corner_m, const char* help) {
+          std::optional<std::array<double, 3>> corner_mm;
+          table.optional_numbers(
+              key, corner_mm,
+              {.minimum = -k_far_mm, .maximum = k_far_mm, .unit = "mm", .help = help});
+          if (corner_mm) {
+            corner_m = k_m_per_mm * vector_of(*corner_mm);
+          } else if (table.line() > 0 && table.valid(key)) {
+            table.error(key, "missing; a region needs it");
+          }
+        };
+        corner("low_mm", region.region.low_m, "least x, y, z");
+        corner("high_mm", region.region.high_m, "greatest x, y, z");
+        if (table.line() > 0 && table.is_sound() &&
+            (region.region.high_m - region.region.low_m).minCoeff() < 0)
+          table.error("high_mm", "must be at least low_mm along each axis");
+      });
+}
+
+void bind_constraints(Binder& constraint, Parameters& parameters,
+                      const std::vector<NamedRegion>& regions, const ObjectNames* objects) {
+  ConstraintBinder(constraint, parameters, regions, objects).bind_all();
+}
+
+}  // namespace sleight::worlds::user_scene

@@ -1,0 +1,48 @@
+// Binds [[world.uncertain]] of a scene. Private to this folder.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/request/binder.h"
+#include "worker/worlds/user_scene/parameters.h"
+#include "worker/worlds/user_scene/request_body.h"
+
+namespace sleight::worlds::user_scene {
+
+/// Finds the objects of a built scene by name.
+class ObjectNames {
+ public:
+  /// REQUIRES: `scene` and `built` outlive this object.
+  ObjectNames(const SceneDescription& scene, const BuiltScene& built)
+      : scene_(scene), built_(built) {}
+
+  /// Returns the object with this name, or all copies of the body with this name. If there is
+  /// none, reports an error that suggests the nearest name. If `must_move`, reports an error if an
+  /// object doesn't move, and returns none.
+  std::vector<std::uint32_t> find(request::Binder& table, std::string_view key,
+                                  const std::string& name, bool must_move) const;
+  /// Binds `body` and `bodies`, of which a table must have one, and returns the moving bodies.
+  static std::vector<std::string> bind(request::Binder& table);
+  std::vector<std::uint32_t> find_all(request::Binder& table,
+                                      const std::vector<std::string>& names) const;
+
+  const SceneDescription& scene() const { return scene_; }
+  const BuiltScene& built() const { return built_; }
+  const Object& object(std::uint32_t number) const { return built_.objects[number]; }
+  const BodyDescription& described(std::uint32_t number) const {
+    return scene_.bodies[object(number).description];
+  }
+
+ private:
+  const SceneDescription& scene_;
+  const BuiltScene& built_;
+};
+
+/// `objects` is null if the scene has errors; then names aren't looked up.
+void bind_uncertain(request::Binder& world, Parameters& parameters, const ObjectNames* objects,
+                    const NameList& materials);
+
+}  // namespace sleight::worlds::user_scene
