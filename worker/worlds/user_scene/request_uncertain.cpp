@@ -51,7 +51,7 @@ void bind_keys(Binder& table, UncertainKeys& keys, Uncertain& one) {
       "quantity", one.quantity, names,
       "what is uncertain; a turn rotates the body about the world's axes, and an orientation is "
       "uniform among all rotations");
-  const request::NumberOptions size{.minimum = 0, .maximum = 1e6, .unit = "quantity's", .help = ""};
+  const request::NumberOptions size{.minimum = 0, .maximum = 1e6, .help = ""};
   const auto numbers = [&](const char* key, std::vector<double>& values, const char* help) {
     request::NumberOptions each = size;
     each.help = help;
@@ -65,7 +65,6 @@ void bind_keys(Binder& table, UncertainKeys& keys, Uncertain& one) {
   table.numbers("choices", keys.choices, {.count_min = 1, .count_max = k_choices_max},
                 {.minimum = -1e6,
                  .maximum = 1e6,
-                 .unit = "quantity's",
                  .help = "values to choose from; each vector takes three numbers"});
   table.numbers("shares", keys.shares, {.count_min = 1, .count_max = k_choices_max},
                 {.minimum = 0, .maximum = 1e6, .help = "shares of the choices; default: equal"});

@@ -18,10 +18,13 @@ inline base::Result<request::DirectionRequest, std::vector<request::Diagnostic>>
 }
 
 /// Reads the text behind the lines `[world]` and `name = "scene"`. REQUIRES: it has no errors.
-inline SceneDescription scene_of(const std::string& text) {
+inline Parameters parameters_of(const std::string& text) {
   const auto request = read_scene("[world]\nname = \"scene\"\n" + text);
   if (!request) base::check_failed("the scene has no errors", to_string(request.error().front()));
-  return request::parameters_of<Parameters>(request.value()).scene;
+  return request::parameters_of<Parameters>(request.value());
+}
+inline SceneDescription scene_of(const std::string& text) {
+  return parameters_of(text).scene;
 }
 
 inline BuiltScene built_scene(const SceneDescription& description) {

@@ -1,0 +1,263 @@
+// Tests that moves of users' scenes leave p_w p_c^beta invariant, that a chain has the proportions
+// of an enumeration, and that a die of a scene falls as one of world dice.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/request/direction_request.h"
+#include "tests/statistical/support/rank_tests.h"
+#include "tests/support/property.h"
+#include "worker/sampling/surrogate_transition.h"
+#include "worker/worlds/dice/dice.h"
+#include "worker/worlds/user_scene/request.h"
+#include "worker/worlds/user_scene/user_scene.h"
+
+namespace sleight::statistical::scene_invariance_test {
+
+using worlds::user_scene::Numbers;
+using worlds::user_scene::UserScene;
+using Outcome = worlds::user_scene::Outcome;
+
+UserScene scene_of(const std::string& text) {
+  const std::vector<request::WorldBinding> worlds{worlds::user_scene::request_binding()};
+  const auto request =
+      request::read_request("[world]\nname = \"scene\"\n" + text, "s.toml", worlds);
+  if (!request) base::check_failed("no errors", to_string(request.error().front()));
+  return UserScene(request::parameters_of<worlds::user_scene::Parameters>(request.value()));
+}
+
+/// Two balls that bounce and may hit each other, with every sort of number.
+const std::string k_balls = R"(end_s = 0.5
+[[world.material]]
+name = "rubber"
+restitution = 0.6
+[[world.body]]
+name = "floor"
+shape = "plane"
+[[world.body]]
+name = "ball"
+radius_mm = 10
+at_mm = [0, 0, 60]
+row = {count = 2, step_mm = [25, 0, 0]}
+[[world.uncertain]]
+body = "ball"
+quantity = "position_mm"
+normal_sd = [2, 2, 0]
+[[world.uncertain]]
+body = "ball"
+quantity = "velocity_mps"
+within = [0.2, 0.2, 0.2]
+[[world.uncertain]]
+body = "ball 2"
+quantity = "start_s"
+normal_sd = [0.05]
+within = [0.1]
+[[world.uncertain]]
+material = "rubber"
+quantity = "restitution"
+choices = [0.5, 0.6, 0.7]
+[[constraint.place]]
+body = "ball"
+at_mm = [20, 10]
+at_s = 0.4
+sigma_mm = 25
+)";
+
+/// Treats all moves as symmetric, so the chain forgets the prior of normals.
+struct Forgetful : UserScene {
+  using UserScene::UserScene;
+  explicit Forgetful(const UserScene& world) : UserScene(world) {}
+  sampling::Proposal<Numbers> propose(const Numbers& state, std::span<const double> scales,
+                                      random::Stream& stream) const {
+    auto proposal = UserScene::propose(state, scales, stream);
+    proposal.log_q_ratio = 0;
+    return proposal;
+  }
+  sampling::Proposal<Numbers> propose(const Numbers& state, random::Stream& stream) const {
+    return propose(state, {}, stream);
+  }
+};
+
+/// Draws from p_w p_c^beta by rejection: p_c <= 1.
+template <class World>
+sampling::Sample<World> exact_draw(const World& world, double beta, random::Stream& stream) {
+  for (;;) {
+    auto sample = sampling::evaluate(world, world.draw_prior(stream));
+    if (std::log(stream.uniform()) < beta * sample.log_constraint) return sample;
+  }
+}
+
+/// Compares exact draws after some steps with fresh exact draws. Returns the least p-value of any
+/// number or distance.
+template <class World>
+double least_p(const World& world, double beta, int steps) {
+  const std::size_t count = property::long_run() ? 4000 : 500;
+  random::Stream stream({.seed = 20261130, .purpose = random::Purpose::search}, 0);
+  const sampling::ChainStreams streams{.seed = 4711, .chain = {}, .replica = {}};
+  std::vector<std::vector<double>> moved;
+  std::vector<std::vector<double>> fresh;
+  const auto add = [&](const sampling::Sample<World>& sample, auto& to) {
+    std::vector<double> values = sample.state;
+    values.insert(values.end(), sample.outcome.judgement.distances.begin(),
+                  sample.outcome.judgement.distances.end());
+    values.push_back(world.log_prior(sample.state));
+    to.resize(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      to[i].push_back(values[i]);
+  };
+  for (std::size_t n = 0; n < count; ++n) {
+    auto sample = exact_draw(world, beta, stream);
+    for (int step = 0; step < steps; ++step)
+      sampling::iterate(world, beta, streams, n * 100 + static_cast<std::size_t>(step), sample, {},
+                        [](const sampling::StepReport&) {});
+    add(sample, moved);
+    add(exact_draw(world, beta, stream), fresh);
+  }
+  double least = 1;
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    least = std::min(least, kolmogorov_smirnov_p(moved[i], fresh[i]));
+  return least;
+}
+
+class SceneInvariance : public testing::TestWithParam<double> {};
+// 19 values are compared: 0.0005 each makes a false alarm rarer than 1%.
+TEST_P(SceneInvariance, TenStepsKeepExactDrawsExact) {
+  EXPECT_GT(least_p(scene_of(k_balls), GetParam(), 10), 0.0005);
+}
+INSTANTIATE_TEST_SUITE_P(Betas, SceneInvariance, testing::Values(0.3, 1.0));
+
+TEST(SceneInvarianceOfForgetfulMoves, IsRejected) {
+  EXPECT_LT(least_p(Forgetful(scene_of(k_balls)), 0.3, 10), 0.0005);
+}
+
+TEST(SceneProportions, AgreeWithAnEnumeration) {
+  // A ball falls into one of two bins: it starts at one of four places, and a wedge parts them.
+  const UserScene world = scene_of(R"(end_s = 2
+[[world.body]]
+name = "floor"
+shape = "plane"
+[[world.body]]
+name = "wedge"
+shape = "hull"
+points_mm = [[-20, -50, 0], [20, -50, 0], [0, -50, 40], [-20, 50, 0], [20, 50, 0], [0, 50, 40]]
+static = true
+[[world.body]]
+name = "ball"
+radius_mm = 5
+at_mm = [0, 0, 100]
+[[world.uncertain]]
+body = "ball"
+quantity = "position_mm"
+choices = [-12, 0, 100, -4, 0, 100, 3, 0, 100, 15, 0, 100]
+shares = [4, 3, 2, 1]
+[[world.region]]
+name = "right"
+low_mm = [0, -100, 0]
+high_mm = [500, 100, 100]
+[[constraint.region]]
+body = "ball"
+region = "right"
+at_s = 0.3
+sigma_mm = 20
+)");
+  const std::array<double, 4> shares{0.4, 0.3, 0.2, 0.1};
+  const std::array<double, 4> middles{0.2, 0.55, 0.8, 0.95};
+  std::array<double, 4> exact{};
+  double sum = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    sum += exact[i] = shares[i] * std::exp(world.log_constraint(world.simulate({middles[i]})));
+  EXPECT_EQ(world.simulate({middles[3]}).judgement.distances[0], 0);
+  EXPECT_GT(world.simulate({middles[0]}).judgement.distances[0], 0.01);
+  // Chains of independent starts; each series tells which choice is present.
+  constexpr std::size_t k_chains = 8;
+  const std::size_t scans = property::long_run() ? 20'000 : 2000;
+  for (std::size_t choice = 0; choice < 4; ++choice) {
+    std::vector<std::vector<double>> chains;
+    for (std::uint32_t chain = 0; chain < k_chains; ++chain) {
+      random::Stream stream({.seed = chain, .purpose = random::Purpose::search}, choice);
+      auto sample = exact_draw(world, 1, stream);
+      std::vector<double>& series = chains.emplace_back();
+      for (std::size_t scan = 0; scan < scans; ++scan) {
+        sampling::iterate(world, 1, {.seed = 1, .chain = base::ChainId{chain}, .replica = {}}, scan,
+                          sample, {}, [](const sampling::StepReport&) {});
+        const double u = sample.state[0];
+        const std::size_t now = u < 0.4 ? 0 : u < 0.7 ? 1 : u < 0.9 ? 2 : 3;
+        series.push_back(now == choice ? 1 : 0);
+      }
+    }
+    const MeanWithError mean = mean_over_independent_chains(chains);
+    EXPECT_NEAR(mean.mean, exact[choice] / sum, 4.5 * mean.standard_error + 1e-3) << choice;
+  }
+}
+
+TEST(SceneDie, FallsAsADieOfWorldDice) {
+  // World dice, flat table: laws between die and table are those of the table.
+  worlds::dice::Parameters parameters;
+  parameters.world.table.height_sd_m = 0;
+  const worlds::dice::Dice dice(parameters);
+  const UserScene scene = scene_of(R"(end_s = 6
+[[world.material]]
+name = "die"
+density_kgpm3 = 1200
+restitution = 0.5
+friction = 0.4
+[[world.body]]
+name = "table"
+shape = "plane"
+[[world.body]]
+name = "die"
+shape = "box"
+size_mm = [16, 16, 16]
+at_mm = [-150, 0, 100]
+velocity_mps = [0.7, 0, 0]
+[[world.uncertain]]
+body = "die"
+quantity = "position_mm"
+normal_sd = [5, 5, 0]
+[[world.uncertain]]
+body = "die"
+quantity = "orientation"
+[[world.uncertain]]
+body = "die"
+quantity = "velocity_mps"
+normal_sd = [0.1, 0.1, 0]
+[[world.uncertain]]
+body = "die"
+quantity = "spin_radps"
+normal_sd = [20, 20, 20]
+[[constraint.face]]
+body = "die"
+up = 6
+)");
+  const bool is_long = property::long_run();
+  const int throws = is_long ? 60'000 : 1000;
+  random::Stream stream({.seed = 31, .purpose = random::Purpose::search}, 0);
+  struct Sums {
+    int sixes = 0;
+    math::Vec3 place_m = math::Vec3::Zero();
+  };
+  Sums of_dice;
+  Sums of_scene;
+  for (int n = 0; n < throws; ++n) {
+    const auto thrown = dice.simulate(dice.draw_prior(stream));
+    ASSERT_EQ(thrown.end, worlds::dice::End::settled);
+    const auto& end = thrown.at_end.front();
+    of_dice.sixes += math::matrix_of(end.orientation)(2, 0) < -0.99 ? 1 : 0;
+    of_dice.place_m += end.position_m;
+    const auto animation = scene.animate(scene.draw_prior(stream));
+    ASSERT_EQ(animation.outcome.end, worlds::user_scene::End::settled);
+    of_scene.sixes += animation.outcome.judgement.all_met ? 1 : 0;
+    const auto& last = animation.recording.segments({0}).back().segment;
+    of_scene.place_m += physics::position_at(last.flight, animation.recording.end());
+  }
+  const double share = (of_scene.sixes - of_dice.sixes) / static_cast<double>(throws);
+  const math::Vec3 apart_m = (of_scene.place_m - of_dice.place_m) / throws;
+  EXPECT_LT(std::fabs(share), is_long ? 0.01 : 0.07);
+  EXPECT_LT(math::norm(apart_m), is_long ? 0.002 : 0.02);
+}
+
+}  // namespace sleight::statistical::scene_invariance_test
