@@ -5,6 +5,7 @@ import json
 import pathlib
 import re
 
+import h5py
 import harness
 from harness import ProgramTest, sleight
 
@@ -38,9 +39,39 @@ class Scene(ProgramTest):
             self.assertEqual(body["end"], "rests", body)
             self.assertLess(abs(body["place_m"][0]), 0.1, body)
 
+    def test_from_nothing_to_the_first_take(self):
+        path = self.tray()
+        blocks = re.findall(r"```toml\n(.*?)```", self.page(), re.S)
+        path.write_text(path.read_text() + blocks[1])
+        report = json.loads(self.succeed(self.check(path, "--draws", 60, "--json")).stdout)
+        self.assertEqual(report["prior_draws"]["count"], 60)
+        self.assertEqual([one["name"] for one in report["constraints"]], [f"die face: die {i}" for i in range(1, 6)])
+        drawing = self.path("draws.svg")
+        self.succeed(self.check(path, "--draw", drawing))
+        self.assertEqual(len(set(re.findall(r"prior draw (\d+)", drawing.read_text()))), 9)
+        # The commands of the page, but not the gallery.
+        direct, gallery = re.findall(r"^sleight (?:direct|gallery) .*", self.page(), re.M)[:2]
+        self.assertEqual(gallery, "sleight gallery tray.h5")
+        archive = self.path("tray.h5")
+        self.assertEqual(direct, "sleight direct tray.toml -o tray.h5")
+        self.succeed(sleight("direct", path, "-o", archive))
+        self.succeed(sleight("archive", "verify", archive))
+        with h5py.File(archive) as file:
+            self.assertEqual(len(file["finds/animation"]), 5)
+            names = [b"".join(name).decode().rstrip("\0") for name in file["sample_stats/constraint"][:]]
+            self.assertEqual(names, [f"die face: die {i}" for i in range(1, 6)])
+        for command in [("find",), ("groups",), ("export", "--together", "-o", self.path("takes.glb"))]:
+            self.succeed(sleight(command[0], archive, *command[1:]))
+        # Chains that start from a search give the model's proportions.
+        path.write_text(path.read_text().replace("count = 5", "count = 1"))
+        self.succeed(sleight("direct", path, "-o", self.path("one.h5"), "--in-proportion"))
+
     def test_the_pages_helix(self):
         path = self.path("helix.toml")
-        path.write_text(re.findall(r"```toml\n(\[world\].*?)```", self.page(), re.S)[1])
+        blocks = re.findall(r"```toml\n(.*?)```", self.page(), re.S)
+        helix = next(block for block in blocks if 'shape = "helix"' in block)
+        note = next(block for block in blocks if "first note" in block)
+        path.write_text(helix + note)
         report = json.loads(self.succeed(self.check(path, "--json")).stdout)
         self.assertAlmostEqual(report["run"]["bodies"][0]["place_m"][2], -0.192, 3)
 

@@ -19,6 +19,7 @@
 #include "worker/worlds/ball_2d/request.h"
 #include "worker/worlds/dice/request.h"
 #include "worker/worlds/spelling/request.h"
+#include "worker/worlds/user_scene/request.h"
 
 namespace sleight {
 namespace {
@@ -114,9 +115,9 @@ TEST(Corpus, CheckFailsWhereItShould) {
 TEST(ShippedRequests, AreReadWithoutErrors) {
   const auto files = files_with(SLEIGHT_REQUESTS, ".toml");
   EXPECT_FALSE(files.empty());
-  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding(),
-                                                 worlds::dice::request_binding(),
-                                                 worlds::spelling::request_binding()};
+  const std::vector<request::WorldBinding> known{
+      worlds::ball_2d::request_binding(), worlds::dice::request_binding(),
+      worlds::spelling::request_binding(), worlds::user_scene::request_binding()};
   for (const fs::path& file : files) {
     const auto request = request::read_request(contents(file), file.filename().string(), known);
     EXPECT_TRUE(request) << file << ": " << (request ? "" : to_string(request.error().front()));

@@ -1,5 +1,6 @@
-// Tests that moves of users' scenes leave p_w p_c^beta invariant, that a chain has the proportions
-// of an enumeration, and that a die of a scene falls as one of world dice.
+// Goal: moves of users' scenes leave p_w p_c^beta invariant, a chain has the right proportions, and
+// a die of a scene falls as one of world dice. Method: compare exact draws after some steps with
+// fresh ones, a chain with an enumeration, and throws of both worlds.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "worker/physics/motion/segment.h"
+#include "worker/sampling/blind_throws.h"
 #include "worker/worlds/readers/last_animations.h"
 #include "worker/worlds/readers/places_likeness.h"
 #include "worker/worlds/readers/played_out.h"
@@ -186,6 +187,11 @@ class SceneReader final : public archive::StateReader {
 
   std::vector<double> prior_draw(std::uint64_t nth) const override {
     return archive::prior_values(layout_, values_of(sampling::nth_prior_draw(world_, nth)));
+  }
+
+  std::vector<double> log_priors_of_throws(std::size_t count) const override {
+    return sampling::log_priors_of_throws(
+        world_, count, [&](random::Stream& stream) { return world_.draw_prior(stream); });
   }
 
  private:

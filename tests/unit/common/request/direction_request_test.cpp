@@ -148,7 +148,7 @@ TEST(ReadRequest, ASearchHasFewKeys) {
   std::string other = least;
   other.replace(other.find("staged"), 6, "toy");
   EXPECT_THAT(staged_errors(other),
-              ElementsAre(tests::HasFacts("'method' in [sampler]: |stages|staged|toy")));
+              ElementsAre(tests::HasFacts("'method' in [sampler]: |search|staged|toy")));
 }
 
 TEST(ReadRequest, OddsAreARuleOfIslands) {

@@ -125,27 +125,34 @@ TEST(Catalogue, WhatItChoosesReadsBack) {
   // Goal: if a request has no sampler, it may combine stop rules in every way that its world
   // allows. Reading the normalised request again gives the same request. Method: try every
   // combination of the rules for a short word, a long word and the other worlds. A request is
-  // invalid only in two cases. In one case, the world has no stages, and the request has `found` or
-  // `odds`. In the other case, `odds` is combined with `rounds` or `independent_solutions`.
+  // invalid only in three cases: it has `found`, and the world has no search; it has `odds`, and
+  // the world has no islands; `odds` is combined with `rounds` or `independent_solutions`.
   const Catalogue catalogue;
-  const std::vector<std::pair<std::string, bool>> worlds{
-      {"name = \"spelling\"\nword = \"HI\"", true},
-      {"name = \"spelling\"\nword = \"ACM\"", true},
-      {"name = \"ball_2d\"", false},
-      {"name = \"dice\"\n[[world.die]]", true}};
+  struct World {
+    std::string keys;
+    bool has_search = true;
+    bool has_islands = true;
+  };
+  const std::vector<World> worlds{
+      {"name = \"spelling\"\nword = \"HI\""},
+      {"name = \"spelling\"\nword = \"ACM\""},
+      {"name = \"ball_2d\"", false, false},
+      {"name = \"dice\"\n[[world.die]]"},
+      {"name = \"scene\"\n[[world.body]]\nname = \"a\"\nradius_mm = 5", true, false}};
   const std::vector<std::string> rules{"scans = 1000", "rounds = 3", "independent_solutions = 4",
                                        "found = 2", "odds = 0.5"};
-  for (const auto& [world, acts_in_stages] : worlds) {
+  for (const auto& [world, has_search, has_islands] : worlds) {
     for (unsigned subset = 0; subset < 1U << rules.size(); ++subset) {
       std::string text = "[world]\n" + world + "\n[stop]\n";
       for (unsigned rule = 0; rule < rules.size(); ++rule) {
         if ((subset >> rule) % 2 == 1) text += rules[rule] + "\n";
       }
       const auto request = request::read_request(text, "r.toml", catalogue.bindings());
-      const bool needs_stages = (subset >> 3U) != 0;
+      const bool has_found = (subset >> 3U) % 2 == 1;
       const bool has_odds = (subset >> 4U) != 0;
       const bool goes_with_odds = (subset & 0b110U) == 0;
-      ASSERT_EQ(request.ok(), (acts_in_stages || !needs_stages) && (!has_odds || goes_with_odds))
+      ASSERT_EQ(request.ok(),
+                (has_search || !has_found) && (!has_odds || (has_islands && goes_with_odds)))
           << text;
       if (!request.ok()) continue;
       const std::string normal = request::normalised_text(request.value());

@@ -1,5 +1,6 @@
-// A directed scene: values of uncertain quantities as functions of the state, distances of
-// constraints in motions that are known in closed form, replays, the search, and the reader.
+// Goal: a directed scene has the values and distances that its request describes, and replays have
+// the same outcomes. Method: compare values with formulas, distances with motions in closed form,
+// and replays with fresh simulations; search a tray of dice, and read the find.
 #include <gtest/gtest.h>
 
 #include <algorithm>
