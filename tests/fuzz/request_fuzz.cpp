@@ -22,7 +22,6 @@
 #include "worker/worlds/ball_2d/request.h"
 #include "worker/worlds/dice/request.h"
 #include "worker/worlds/spelling/request.h"
-#include "worker/worlds/user_scene/build.h"
 #include "worker/worlds/user_scene/request.h"
 
 namespace sleight {
@@ -58,13 +57,18 @@ void check_parameters(const request::DirectionRequest& again,
   are_same.operator()<worlds::spelling::Parameters>("spelling");
   are_same.operator()<worlds::dice::Parameters>("dice");
   if (given.world == "scene") {
-    // A scene that was read can be built, except that a mesh with slivers may fail when it is
-    // turned.
-    using Scene = worlds::user_scene::SceneDescription;
-    const auto first = build(request::parameters_of<Scene>(given));
-    const auto second = build(request::parameters_of<Scene>(again));
-    CHECK_EQ(first.ok(), second.ok());
-    CHECK(!first.ok() || first.value().objects.size() == second.value().objects.size());
+    using worlds::user_scene::Parameters;
+    const auto& first = request::parameters_of<Parameters>(given);
+    const auto& second = request::parameters_of<Parameters>(again);
+    CHECK(first.built != nullptr && second.built != nullptr);
+    CHECK_EQ(first.built->objects.size(), second.built->objects.size());
+    CHECK_EQ(first.constraints.size(), second.constraints.size());
+    const worlds::user_scene::Quantities one(first.scene, *first.built, first.uncertain);
+    const worlds::user_scene::Quantities two(second.scene, *second.built, second.uncertain);
+    CHECK_EQ(one.size(), two.size());
+    const worlds::user_scene::Numbers state(one.size(), 0.25);
+    CHECK(one.values(state) == two.values(state));
+    CHECK_EQ(one.scene(state).bodies.size(), two.scene(state).bodies.size());
   }
   if (given.world == "toy") {
     CHECK(request::parameters_of<request::toy::Parameters>(again) ==

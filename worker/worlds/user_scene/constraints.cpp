@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "common/math/elementary.h"
@@ -16,6 +17,33 @@ bool is_place(const Constraint& constraint) {
 }
 
 }  // namespace
+
+Region box_of(const BuiltScene& built, const Object& object) {
+  Region box{.low_m = Vec3::Constant(std::numeric_limits<double>::infinity()),
+             .high_m = Vec3::Constant(-std::numeric_limits<double>::infinity())};
+  const auto add = [&](const Vec3& point_m) {
+    box.low_m = box.low_m.cwiseMin(point_m);
+    box.high_m = box.high_m.cwiseMax(point_m);
+  };
+  switch (object.kind) {
+    case ObjectKind::plane:
+      return {};
+    case ObjectKind::mesh:
+      std::ranges::for_each(built.scene.meshes[object.first].mesh->vertices_m(), add);
+      return box;
+    case ObjectKind::convex:
+      for (std::uint32_t i = 0; i < object.count; ++i)
+        std::ranges::for_each(built.scene.convexes[object.first + i].polyhedron->vertices_m(), add);
+      return box;
+    case ObjectKind::moving:
+    case ObjectKind::fixed:
+      break;
+  }
+  const auto number = static_cast<std::size_t>(&object - built.objects.data());
+  const Vec3 centre_m = composed(object.place, object.frame).position_m;
+  const Vec3 reach_m = Vec3::Constant(physics::reach_m(built.scene.bodies[number].shape));
+  return {.low_m = centre_m - reach_m, .high_m = centre_m + reach_m};
+}
 
 DistanceUnit unit_of(const Constraint& constraint) {
   if (is_place(constraint)) return {"mm", 1e-3};

@@ -30,7 +30,7 @@
 #include <string>
 #include <vector>
 
-#include "worker/worlds/user_scene/description.h"
+#include "worker/worlds/user_scene/build.h"
 
 namespace sleight::worlds::user_scene {
 
@@ -77,6 +77,10 @@ struct Constraint {
   bool looks_at_hits() const { return asks == Asks::event || asks == Asks::never; }
   bool looks_at_rest() const { return asks <= Asks::count && !at_s; }
 };
+
+/// Returns a box around an object at its start; infinite for a plane. For a body that is round or
+/// moves, the box of a sphere around its centre.
+Region box_of(const BuiltScene& built, const Object& object);
 
 /// The unit of a constraint's distances for people: its name, and its size in SI units.
 struct DistanceUnit {

@@ -84,10 +84,6 @@ class Judge {
   bool waits_for_rest_ = false;
 };
 
-/// Returns a box around an object at its start; infinite for a plane. For a moving body, the box of
-/// a sphere around its centre.
-Region box_of(const BuiltScene& built, const Object& object);
-
 /// Returns the direction against gravity; +z without gravity.
 Vec3 upward(const SceneDescription& description);
 

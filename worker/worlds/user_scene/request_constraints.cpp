@@ -12,7 +12,6 @@
 
 #include "common/request/nearest.h"
 #include "common/request/text.h"
-#include "worker/worlds/user_scene/judge.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
