@@ -27,7 +27,7 @@ namespace {
 namespace user_scene = worlds::user_scene;
 using user_scene::Parameters;
 
-/// Prior draws without --draws: at most so many, in at most this time.
+/// Without --draws: maximum number of prior draws, and maximum time for them.
 constexpr std::uint64_t k_draws_max = 1000;
 constexpr double k_draws_s = 0.5;
 /// With --draws, progress is printed at this interval.
@@ -58,15 +58,16 @@ pictures::ShownAnimation shown(const user_scene::BuiltScene& built, const scene:
   return {.title = std::move(title), .motion = std::move(motion).value()};
 }
 
-/// Draws the scene's simulation as a strip. If something is uncertain, draws prior draws.
-void draw(const user_scene::UserScene& world, const user_scene::NominalRun& run,
+/// Draws the scene's simulation as a strip. If something is uncertain, draws prior draws. REQUIRES:
+/// the report has a simulation, or prior draws that can be simulated.
+void draw(const user_scene::UserScene& world, const user_scene::SceneReport& report,
           const SceneArguments& arguments) {
   const Parameters& parameters = world.parameters();
   const user_scene::BuiltScene& built = *parameters.built;
   const scene::Scene look = user_scene::look_of(parameters.scene, built);
   std::vector<pictures::ShownAnimation> throws;
-  for (std::uint64_t nth = 0; throws.size() < k_drawn_max && nth < k_draws_max; ++nth) {
-    if (parameters.uncertain.empty()) break;
+  const std::uint64_t draws = report.draws ? report.draws->count : 0;
+  for (std::uint64_t nth = 0; throws.size() < k_drawn_max && nth < draws; ++nth) {
     const user_scene::Animation one = world.animate(sampling::nth_prior_draw(world, nth));
     if (!one.outcome.is_animation()) continue;
     const bool met = world.satisfied(one.outcome) && !parameters.constraints.empty();
@@ -75,6 +76,7 @@ void draw(const user_scene::UserScene& world, const user_scene::NominalRun& run,
   }
   if (!throws.empty())
     return plot::save(pictures::animation_figure(arguments.path, look, throws), arguments.drawing);
+  const user_scene::NominalRun& run = report.run.value();
   std::vector<pictures::ShownAnimation> strip{shown(built, look, *run.recording, "")};
   const bool is_over = run.end == user_scene::RunEnd::all_ended;
   const double end_s = is_over ? strip.front().motion.end_s() : run.end_s;
@@ -127,6 +129,9 @@ json::Value report_json(const user_scene::SceneReport& report) {
 }
 
 base::ExitCode exit_code(const user_scene::SceneReport& report) {
+  // If draws can be simulated, the described scene itself needn't.
+  if (report.draws && report.draws->count > report.draws->overlap + report.draws->failed)
+    return base::ExitCode::ok;
   if (!report.run) return base::ExitCode::bad_request;
   if (!report.run->error) return base::ExitCode::ok;
   return physics::is_failure(report.run->error->kind) ? base::ExitCode::simulation_failed
@@ -143,7 +148,7 @@ int check(const SceneArguments& arguments) {
   if (!arguments.drawing.empty()) {
     terminal::refuse_same_file(arguments.path, arguments.drawing);
     if (exit_code(report) == base::ExitCode::ok) {
-      draw(world, *report.run, arguments);
+      draw(world, report, arguments);
     } else {
       terminal::complain(
           fmt::format("{} isn't written, because the scene can't be simulated", arguments.drawing));

@@ -92,6 +92,7 @@ class ConstraintBinder {
   /// Adds a constraint for each body, or one for all.
   void add(Binder& table, const ConstraintKeys& keys, const char* kind) {
     if (keys.name) names_.add(table, "name", *keys.name);
+    if (hits_itself(keys.made)) table.error("hits", "a body can't hit itself; name another body");
     if (!table.is_sound()) return;
     const std::vector<std::uint32_t>& bodies = keys.made.bodies;
     const bool each = !keys.any && bodies.size() > 1 && keys.made.asks != Asks::count;
@@ -262,6 +263,12 @@ class ConstraintBinder {
                   .unit = "m/s",
                   .help = "minimum speed of approach; slower hits don't count"});
     if (is_used(table)) made.hits = objects_->find(table, "hits", hits, false);
+  }
+
+  /// Whether a body would have to hit itself.
+  static bool hits_itself(const Constraint& made) {
+    return std::ranges::any_of(
+        made.bodies, [&](std::uint32_t body) { return std::ranges::count(made.hits, body) > 0; });
   }
 
   void bind_event(Binder& table, ConstraintKeys& keys) {

@@ -47,7 +47,9 @@ TEST(Catalogue, ListsItsWorldsInOrder) {
                              [](const auto& a, const auto& b) { return a.name < b.name; }));
   for (const request::WorldBinding& world : worlds) {
     EXPECT_FALSE(world.summary.empty());
-    const auto request = read(catalogue, "[world]\nname = \"" + world.name + "\"\n");
+    std::string text = "[world]\nname = \"" + world.name + "\"\n";
+    if (world.name == "scene") text += "[[world.body]]\nname = \"a\"\nradius_mm = 5\n";
+    const auto request = read(catalogue, text);
     EXPECT_EQ(catalogue.world_of(request).make_reader(request)->layout().world, world.name);
   }
 }
