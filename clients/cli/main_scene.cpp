@@ -64,7 +64,7 @@ void draw(const user_scene::UserScene& world, const user_scene::SceneReport& rep
           const SceneArguments& arguments) {
   const Parameters& parameters = world.parameters();
   const user_scene::BuiltScene& built = *parameters.built;
-  const scene::Scene look = user_scene::look_of(parameters.scene, built);
+  const scene::Scene look = user_scene::look_of(parameters);
   std::vector<pictures::ShownAnimation> throws;
   const std::uint64_t draws = report.draws ? report.draws->count : 0;
   for (std::uint64_t nth = 0; throws.size() < k_drawn_max && nth < draws; ++nth) {

@@ -130,7 +130,7 @@ void extend_view(const UserScene& world, scene::Scene& scene) {
 
 scene::Scene make_scene(const UserScene& world) {
   const Parameters& parameters = world.parameters();
-  scene::Scene scene = look_of(parameters.scene, *parameters.built);
+  scene::Scene scene = look_of(parameters);
   set_twins(parameters, scene);
   extend_view(world, scene);
   return scene;

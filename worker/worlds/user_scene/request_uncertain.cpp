@@ -10,6 +10,7 @@
 
 #include "common/request/nearest.h"
 #include "common/request/text.h"
+#include "worker/worlds/user_scene/request.h"
 
 namespace sleight::worlds::user_scene {
 namespace {

@@ -246,6 +246,21 @@ scene::Scene look_of(const SceneDescription& description, const BuiltScene& buil
   return Painter(description, built).scene();
 }
 
+scene::Scene look_of(const Parameters& parameters) {
+  scene::Scene scene = look_of(parameters.scene, *parameters.built);
+  for (const Constraint& one : parameters.constraints) {
+    if (one.asks != Asks::face) continue;
+    for (scene::Part& part : scene.parts) {
+      const std::uint32_t body = part.feature;
+      const Object& object = parameters.built->objects[body];
+      const bool is_box = object.kind == ObjectKind::moving &&
+                          parameters.scene.bodies[object.description].sizes.kind == ShapeKind::box;
+      if (is_box && std::ranges::count(one.bodies, body) > 0) part.shape = scene::Shape::die;
+    }
+  }
+  return scene;
+}
+
 std::vector<motion::Segment> segments_of(const BuiltScene& built,
                                          const physics::Recording& recording) {
   std::vector<RecordedBody> bodies;

@@ -419,6 +419,7 @@ TEST(UserScene, SearchFindsAndTheReaderShowsIt) {
   // Die 1 has an event, and die 3 starts late, so no two dice are interchangeable.
   for (std::uint32_t die = 0; die < 3; ++die)
     EXPECT_EQ(reader->scene().features[die].twin_of, die);
+  EXPECT_EQ(reader->scene().parts.front().shape, scene::Shape::die);
   const auto likeness = reader->likeness(bytes);
   EXPECT_EQ(reader->likeness_distance(likeness, likeness), 0);
 }
