@@ -24,8 +24,9 @@ class ObjectNames {
   /// object doesn't move, and returns none.
   std::vector<std::uint32_t> find(request::Binder& table, std::string_view key,
                                   const std::string& name, bool must_move) const;
-  /// Binds `body` and `bodies`, of which a table must have one, and returns the moving bodies.
+  /// Binds the keys `body` and `bodies`, and returns the names. The table must not have both.
   static std::vector<std::string> bind(request::Binder& table);
+  /// Returns the moving bodies with these names. Reports an error if one is named twice.
   std::vector<std::uint32_t> find_all(request::Binder& table,
                                       const std::vector<std::string>& names) const;
 
