@@ -216,5 +216,37 @@ TEST(Report, WarnsOfWhatIsWrong) {
   expect_parts(report_text(check(scene, meeting)), {"'heavy' and 'light' meet", "2e+04"});
 }
 
+// Draws from the prior tell how often bodies overlap or still move, and what no draw comes near.
+TEST(PriorDraws, TellWhatUsuallyHappens) {
+  Parameters parameters{
+      .scene = scene_of({body("ball", k_ball, {0, 0, 0.02}), fixed("floor", k_plane, {0, 0, 0})}),
+      .built = {},
+      .uncertain = {{.name = "height", .targets = {0}, .sd = {0, 0, 0}, .within = {0, 0, 0.015}}},
+      .constraints = {{.name = "far",
+                       .asks = Asks::place,
+                       .bodies = {0},
+                       .region = {.low_m = {1, 0, 0.01}, .high_m = {1, 0, 0.01}},
+                       .sigma = 0.1}}};
+  parameters.scene.materials[0].law.restitution = 0.999;
+  parameters.scene.end_s = 0.5;
+  parameters.built = std::make_shared<const BuiltScene>(build(parameters.scene).value());
+  const UserScene world(parameters);
+  const PriorDraws draws = prior_draws(world, 600, [](std::uint64_t) { return true; });
+  ASSERT_EQ(draws.count, 600U);
+  // The ball touches the floor below 10 mm: a sixth of 5 to 35 mm. 5 standard errors are 46.
+  EXPECT_NEAR(static_cast<double>(draws.overlap), 100, 46);
+  EXPECT_EQ(draws.not_settled, 600 - draws.overlap);
+  EXPECT_EQ(draws.met + draws.failed, 0U);
+  EXPECT_NEAR(draws.values[2][0], 5, 0.3);
+  EXPECT_NEAR(draws.values[2][2], 35, 0.3);
+  EXPECT_NEAR(draws.least_distances[0], 1, 0.03);
+  SceneReport report = check(parameters.scene, *parameters.built);
+  add_draws(world, draws, report);
+  expect_parts(report_text(report),
+               {"of 600 prior draws, bodies overlap", "of 600 prior draws, a body still moves",
+                "None of 600 prior draws comes near constraint 'far': the least distance is",
+                "Prior draws: 600", "height z"});
+}
+
 }  // namespace
 }  // namespace sleight::worlds::user_scene
