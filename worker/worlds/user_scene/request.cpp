@@ -57,8 +57,7 @@ void bind_materials(Binder& world, SceneDescription& scene, Names& names) {
       {.count_max = k_materials_max,
        .help = "materials; default: one material with the defaults of these keys"},
       [&](Binder& table, Material& material) {
-        table.required_text("name", material.name,
-                            {.characters_max = k_name_characters_max, .help = "material's name"});
+        table.required_text("name", material.name, a_name("material's name"));
         table.number("density_kgpm3", material.density_kgpm3,
                      {.minimum = 0.001,
                       .maximum = 1e6,
@@ -77,8 +76,7 @@ void bind_materials(Binder& world, SceneDescription& scene, Names& names) {
       [&](Binder& table, PairLaw& pair) {
         std::vector<std::string> two;
         table.texts("materials", two, {.count_min = 2, .count_max = 2, .required = true},
-                    {.characters_max = k_name_characters_max,
-                     .help = "names of the two materials, which may be the same"});
+                    a_name("names of the two materials, which may be the same"));
         for (std::size_t i = 0; i < two.size() && table.valid("materials"); ++i)
           pair.materials[i] = names.materials.find(table, "materials", two[i]);
         if (table.valid("materials"))
@@ -99,9 +97,8 @@ void bind_filters(Binder& world, SceneDescription& scene, Names& names) {
       [&](Binder& table, std::array<std::uint32_t, 2>& pair) {
         std::vector<std::string> two;
         table.texts("groups", two, {.count_min = 2, .count_max = 2, .required = true},
-                    {.characters_max = k_name_characters_max,
-                     .help = "names of the two groups; the same name twice: members of the group "
-                             "pass through each other"});
+                    a_name("names of the two groups; the same name twice: members of the group "
+                           "pass through each other"));
         for (std::size_t i = 0; i < two.size() && table.valid("groups"); ++i)
           pair[i] = names.groups.find(table, "groups", two[i]);
       });
@@ -131,11 +128,7 @@ void bind_slow_contacts(Binder& world, SceneDescription& scene) {
 }
 
 void bind_scene(Binder& world, SceneDescription& scene, Names& names) {
-  world.number("end_s", scene.end_s,
-               {.minimum = 0.001,
-                .maximum = 3600,
-                .unit = "s",
-                .help = "time at which a simulation ends, at the latest"});
+  world.number("end_s", scene.end_s, in_s("time at which a simulation ends, at the latest", 0.001));
   std::array<double, 3> gravity{0, 0, -9.81};
   world.numbers("gravity_mps2", gravity,
                 {.minimum = -1000,

@@ -128,10 +128,6 @@ bool check_proportions(Binder& table, const ShapeSizes& sizes) {
   return false;
 }
 
-NumberOptions length_options(std::string_view help, double minimum_mm = k_small_mm) {
-  return {.minimum = minimum_mm, .maximum = k_far_mm, .unit = "mm", .help = help};
-}
-
 /// Reads an optional length. Leaves `value_m` unchanged if the file omits it.
 void length_mm(Binder& table, std::string_view key, double& value_m, const NumberOptions& options) {
   std::optional<double> value_mm;
@@ -141,8 +137,7 @@ void length_mm(Binder& table, std::string_view key, double& value_m, const Numbe
 
 void place_mm(Binder& table, std::string_view key, Vec3& place_m, std::string_view help) {
   std::array<double, 3> place_mm{};
-  table.numbers(key, place_mm,
-                {.minimum = -k_far_mm, .maximum = k_far_mm, .unit = "mm", .help = help});
+  table.numbers(key, place_mm, in_mm(help));
   place_m = vector_of(place_mm) / k_mm_per_m;
 }
 
@@ -150,24 +145,21 @@ void bind_sizes(Binder& table, ShapeSizes& sizes,
                 std::span<const request::Named<ShapeKind>> shapes) {
   table.choice<ShapeKind>("shape", sizes.kind, shapes, "kind of shape");
   length_mm(table, "radius_mm", sizes.radius_m,
-            length_options("radius; of a helix or ramp: radius of the half pipe"));
+            in_mm("radius; of a helix or ramp: radius of the half pipe", k_small_mm));
   length_mm(table, "length_mm", sizes.length_m,
-            length_options("length along the axis z, ends included; of a ramp: along x"));
+            in_mm("length along the axis z, ends included; of a ramp: along x", k_small_mm));
   std::optional<std::array<double, 3>> size_mm;
-  table.optional_numbers("size_mm", size_mm, length_options("sides of a box: x, y, z"));
+  table.optional_numbers("size_mm", size_mm, in_mm("sides of a box: x, y, z", k_small_mm));
   if (size_mm) sizes.size_m = vector_of(*size_mm) / k_mm_per_m;
   length_mm(table, "edge_mm", sizes.edge_m,
-            length_options("radius of rounded edges; default for cylinders and cones: 2% of the "
-                           "smaller of radius and length",
-                           1e-4));
+            in_mm("radius of rounded edges; default for cylinders and cones: 2% of the "
+                  "smaller of radius and length",
+                  1e-4));
   if (sizes.edge_m == 0) sizes.edge_m = k_edge_share * std::min(sizes.radius_m, sizes.length_m);
   std::vector<std::array<double, 3>> points_mm;
   table.rows("points_mm", points_mm,
              {.count_min = 3, .count_max = request::k_array_numbers_max / 3},
-             {.minimum = -k_far_mm,
-              .maximum = k_far_mm,
-              .unit = "mm",
-              .help = "points of a hull (4 to 1024) or mesh: [[x, y, z], ...]"});
+             in_mm("points of a hull (4 to 1024) or mesh: [[x, y, z], ...]"));
   for (const auto& point_mm : points_mm)
     sizes.points_m.push_back(vector_of(point_mm) / k_mm_per_m);
 }
@@ -182,9 +174,9 @@ void bind_static_sizes(Binder& table, ShapeSizes& sizes) {
                       "outside"});
   table.boolean("closed", sizes.closed, "whether a mesh must enclose a solid");
   length_mm(table, "path_radius_mm", sizes.path_radius_m,
-            length_options("of a helix: distance of the channel's middle from the axis"));
+            in_mm("of a helix: distance of the channel's middle from the axis", k_small_mm));
   length_mm(table, "drop_mm", sizes.drop_m,
-            length_options("of a helix or ramp: height of its start above its end", -k_far_mm));
+            in_mm("of a helix or ramp: height of its start above its end", -k_far_mm));
   std::optional<double> turns;
   table.optional_number("turns", turns,
                         {.minimum = -1000,
@@ -283,11 +275,7 @@ void bind_ring(Binder& table, Copies& copies) {
   table.integer("count", copies.count[0],
                 {.minimum = 1, .maximum = k_objects_max, .help = "number of copies"});
   double radius_mm = 0;
-  table.number("radius_mm", radius_mm,
-               {.minimum = 0,
-                .maximum = k_far_mm,
-                .unit = "mm",
-                .help = "distance of the copies from at_mm"});
+  table.number("radius_mm", radius_mm, in_mm("distance of the copies from at_mm", 0));
   copies.radius_m = radius_mm / k_mm_per_m;
   table.angle_deg("from_deg", copies.from_rad,
                   {.minimum = -360, .maximum = 360, .help = "angle of the first copy, from x"});
@@ -321,11 +309,7 @@ void bind_copies(Binder& body, Copies& copies) {
 void bind_friction_patch(Binder& table, FrictionPatch& patch) {
   const auto range = [&](std::string_view key, std::array<double, 2>& range_m) {
     std::array<double, 2> range_mm{};
-    table.numbers(key, range_mm,
-                  {.minimum = -k_far_mm,
-                   .maximum = k_far_mm,
-                   .unit = "mm",
-                   .help = "from and to, in the plane's frame"});
+    table.numbers(key, range_mm, in_mm("from and to, in the plane's frame"));
     range_m = {range_mm[0] / k_mm_per_m, range_mm[1] / k_mm_per_m};
     if (table.line() > 0 && table.valid(key) && !(range_m[0] < range_m[1]))
       table.error(key, "the first number must be less than the second");
@@ -394,7 +378,7 @@ void check_body(Binder& table, BodyDescription& body, const SceneDescription& sc
 
 void bind_body(Binder& table, BodyDescription& body, const SceneDescription& scene, Names& names) {
   body.line = table.line();
-  table.required_text("name", body.name, {.characters_max = k_name_characters_max, .help = "name"});
+  table.required_text("name", body.name, a_name("name"));
   bind_sizes(table, body.sizes, k_shape_names);
   bind_static_sizes(table, body.sizes);
   table.tables<PartDescription>(
@@ -402,13 +386,11 @@ void bind_body(Binder& table, BodyDescription& body, const SceneDescription& sce
   table.boolean("static", body.is_static, "whether the body never moves");
   std::optional<std::string> material;
   table.optional_text("material", material,
-                      {.characters_max = k_name_characters_max,
-                       .help = "name of a [[world.material]]; default: the first"});
+                      a_name("name of a [[world.material]]; default: the first"));
   if (material) body.material = names.materials.find(table, "material", *material);
   std::optional<std::string> group;
   table.optional_text("group", group,
-                      {.characters_max = k_name_characters_max,
-                       .help = "group for [[world.no_contact]]; default: \"default\""});
+                      a_name("group for [[world.no_contact]]; default: \"default\""));
   body.group = names.groups.number(group.value_or("default"));
   if (names.groups.all().size() > k_groups_max) {
     table.error("group", fmt::format("the scene has more than {} groups", k_groups_max));
@@ -435,11 +417,7 @@ void bind_body(Binder& table, BodyDescription& body, const SceneDescription& sce
                  .unit = "rad/s",
                  .help = "angular velocity at the start"});
   body.spin_radps = vector_of(spin);
-  table.number("start_s", body.start_s,
-               {.minimum = 0,
-                .maximum = 3600,
-                .unit = "s",
-                .help = "time at which the body appears and starts"});
+  table.number("start_s", body.start_s, in_s("time at which the body appears and starts"));
   table.boolean("rests", body.rests,
                 "whether the body starts at rest on what it touches, like a bowling pin");
   bind_copies(table, body.copies);

@@ -18,6 +18,17 @@ inline constexpr std::size_t k_name_characters_max = 64;
 inline constexpr double k_friction_max = 100;
 inline constexpr double k_far_mm = 1e6;
 
+/// Options of lengths, times and names.
+inline request::NumberOptions in_mm(std::string_view help, double minimum_mm = -k_far_mm) {
+  return {.minimum = minimum_mm, .maximum = k_far_mm, .unit = "mm", .help = help};
+}
+inline request::NumberOptions in_s(std::string_view help, double minimum_s = 0) {
+  return {.minimum = minimum_s, .maximum = 3600, .unit = "s", .help = help};
+}
+inline request::TextOptions a_name(std::string_view help) {
+  return {.characters_max = k_name_characters_max, .help = help};
+}
+
 inline Vec3 vector_of(const std::array<double, 3>& values) {
   return {values[0], values[1], values[2]};
 }

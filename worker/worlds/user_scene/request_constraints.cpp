@@ -73,8 +73,7 @@ class ConstraintBinder {
           keys.made.asks = asks;
           keys.made.line = table.line();
           table.optional_text("name", keys.name,
-                              {.characters_max = k_name_characters_max,
-                               .help = "name in archives; default: bodies and kind"});
+                              a_name("name in archives; default: bodies and kind"));
           if (asks != Asks::count && asks != Asks::order) {
             keys.bodies = ObjectNames::bind(table);
             table.boolean("any", keys.any, "whether it suffices that one of the bodies meets it");
@@ -114,8 +113,7 @@ class ConstraintBinder {
   }
 
   void bind_time(Binder& table, Constraint& made) {
-    table.optional_number("at_s", made.at_s,
-                          {.minimum = 0, .maximum = 3600, .unit = "s", .help = k_at_help});
+    table.optional_number("at_s", made.at_s, in_s(k_at_help));
     if (made.at_s && *made.at_s > parameters_.scene.end_s)
       table.error("at_s", fmt::format("is after end_s of [world], {} s", parameters_.scene.end_s));
   }
@@ -144,9 +142,8 @@ class ConstraintBinder {
   void bind_named_region(Binder& table, Constraint& made) {
     std::string name;
     table.required_text("region", name,
-                        {.characters_max = k_name_characters_max,
-                         .help = "name of a [[world.region]], or of a static body: the box around "
-                                 "it"});
+                        a_name("name of a [[world.region]], or of a static body: the box around "
+                               "it"));
     if (!is_used(table)) return;
     std::vector<std::string> names;
     for (const NamedRegion& region : regions_) {
@@ -178,10 +175,7 @@ class ConstraintBinder {
   void bind_place(Binder& table, ConstraintKeys& keys) {
     std::vector<double> place_mm;
     table.numbers("at_mm", place_mm, {.count_min = 2, .count_max = 3, .required = true},
-                  {.minimum = -k_far_mm,
-                   .maximum = k_far_mm,
-                   .unit = "mm",
-                   .help = "place of the origin: x, y and perhaps z"});
+                  in_mm("place of the origin: x, y and perhaps z"));
     for (std::size_t axis = 0; axis < place_mm.size(); ++axis) {
       const auto i = static_cast<Eigen::Index>(axis);
       keys.made.region.low_m[i] = keys.made.region.high_m[i] = k_m_per_mm * place_mm[axis];
@@ -223,8 +217,7 @@ class ConstraintBinder {
 
   void bind_count(Binder& table, ConstraintKeys& keys) {
     std::string group;
-    table.required_text("group", group,
-                        {.characters_max = k_name_characters_max, .help = "the bodies' group"});
+    table.required_text("group", group, a_name("the bodies' group"));
     bind_named_region(table, keys.made);
     table.integer(
         "at_least", keys.made.at_least,
@@ -255,8 +248,7 @@ class ConstraintBinder {
   void bind_hits(Binder& table, Constraint& made) {
     std::string hits;
     table.required_text("hits", hits,
-                        {.characters_max = k_name_characters_max,
-                         .help = "name of what the body hits; a body with copies: any of them"});
+                        a_name("name of what the body hits; a body with copies: any of them"));
     table.number("at_least_mps", made.at_least_mps,
                  {.minimum = 0,
                   .maximum = 1000,
@@ -279,10 +271,7 @@ class ConstraintBinder {
     bind_event_time(table, made);
     double near_mm = 10;
     table.number("window_s", made.window_s,
-                 {.minimum = 0.001,
-                  .maximum = 3600,
-                  .unit = "s",
-                  .help = "greatest difference in time that is told by the hit itself"});
+                 in_s("greatest difference in time that is told by the hit itself", 0.001));
     table.number("near_mm", near_mm,
                  {.minimum = 0.001,
                   .maximum = k_far_mm,
@@ -293,7 +282,7 @@ class ConstraintBinder {
 
   void bind_event_time(Binder& table, Constraint& made) {
     const auto time = [&](const char* key, std::optional<double>& value, const char* help) {
-      table.optional_number(key, value, {.minimum = 0, .maximum = 3600, .unit = "s", .help = help});
+      table.optional_number(key, value, in_s(help));
     };
     std::optional<double> at_s;
     std::optional<double> before_s;
@@ -308,10 +297,7 @@ class ConstraintBinder {
     table.number("frames_per_s", frames_per_s,
                  {.minimum = 1, .maximum = 10'000, .unit = "1/s", .help = "rate of frames"});
     table.numbers("beats_s", made.times_s, {.count_min = 1, .count_max = 1000},
-                  {.minimum = 0,
-                   .maximum = 3600,
-                   .unit = "s",
-                   .help = "the hit must be on one of these times"});
+                  in_s("the hit must be on one of these times"));
     std::optional<double> sigma_s;
     time("sigma_s", sigma_s, k_sigma_help);
     std::optional<double> tolerance_s;
@@ -370,10 +356,7 @@ class ConstraintBinder {
   void bind_never(Binder& table, ConstraintKeys& keys) {
     bind_hits(table, keys.made);
     table.number("sigma_s", keys.made.sigma,
-                 {.minimum = 0.001,
-                  .maximum = 3600,
-                  .unit = "s",
-                  .help = "scale of the time between the hit and the scene's end"});
+                 in_s("scale of the time between the hit and the scene's end", 0.001));
   }
 
   Binder& section_;
@@ -390,14 +373,11 @@ void bind_regions(Binder& world, std::vector<NamedRegion>& regions) {
   world.tables<NamedRegion>(
       "region", regions, {.count_max = k_constraints_max, .help = "boxes that constraints name"},
       [&](Binder& table, NamedRegion& region) {
-        table.required_text("name", region.name,
-                            {.characters_max = k_name_characters_max, .help = "region's name"});
+        table.required_text("name", region.name, a_name("region's name"));
         names.add(table, "name", region.name);
         const auto corner = [&](const char* key, Vec3& corner_m, const char* help) {
           std::optional<std::array<double, 3>> corner_mm;
-          table.optional_numbers(
-              key, corner_mm,
-              {.minimum = -k_far_mm, .maximum = k_far_mm, .unit = "mm", .help = help});
+          table.optional_numbers(key, corner_mm, in_mm(help));
           if (corner_mm) {
             corner_m = k_m_per_mm * vector_of(*corner_mm);
           } else if (table.line() > 0 && table.valid(key)) {

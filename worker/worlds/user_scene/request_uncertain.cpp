@@ -41,12 +41,10 @@ struct UncertainKeys {
 
 void bind_keys(Binder& table, UncertainKeys& keys, Uncertain& one) {
   table.optional_text("name", keys.name,
-                      {.characters_max = k_name_characters_max,
-                       .help = "name in archives; default: the body's name and the quantity"});
+                      a_name("name in archives; default: the body's name and the quantity"));
   keys.bodies = ObjectNames::bind(table);
   table.optional_text("material", keys.material,
-                      {.characters_max = k_name_characters_max,
-                       .help = "name of a [[world.material]], instead of a body"});
+                      a_name("name of a [[world.material]], instead of a body"));
   const std::vector<request::Named<Quantity>> names = quantity_names();
   table.required_choice<Quantity>(
       "quantity", one.quantity, names,
@@ -184,12 +182,10 @@ void check_bodies(Binder& table, const Uncertain& one, const ObjectNames& object
 
 std::vector<std::string> ObjectNames::bind(Binder& table) {
   std::optional<std::string> body;
-  table.optional_text("body", body,
-                      {.characters_max = k_name_characters_max,
-                       .help = "name of a body; a body with copies: all copies"});
+  table.optional_text("body", body, a_name("name of a body; a body with copies: all copies"));
   std::vector<std::string> bodies;
   table.texts("bodies", bodies, {.count_min = 1, .count_max = k_objects_max},
-              {.characters_max = k_name_characters_max, .help = "names of several bodies"});
+              a_name("names of several bodies"));
   if (body && !bodies.empty()) table.error("bodies", "set either body or bodies, not both");
   if (body) bodies = {*body};
   return bodies;
