@@ -29,7 +29,7 @@ using user_scene::Parameters;
 
 /// Without --draws: maximum number of prior draws, and maximum time for them.
 constexpr std::uint64_t k_draws_max = 1000;
-constexpr double k_draws_s = 0.5;
+constexpr double k_draws_s = 0.3;
 /// With --draws, progress is printed at this interval.
 constexpr double k_progress_s = 5;
 constexpr std::size_t k_drawn_max = 9;
@@ -186,7 +186,7 @@ void add_scene_commands(CLI::App& app, SceneArguments& arguments, Action& action
       });
   command
       ->add_option("--draws", arguments.draws,
-                   "Number of prior draws to simulate; default: as many as fit into half a second")
+                   "Number of prior draws to simulate; default: as many as fit into 0.3 s")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000}));
   command->add_flag("--json", arguments.json, "Print JSON, in SI units");
   command->footer(

@@ -15,7 +15,7 @@ struct SceneArguments {
   std::vector<std::string> sets;
   std::string drawing;  ///< .svg or .png file; empty: none
   bool json = false;
-  std::uint64_t draws = 0;  ///< prior draws; 0: as many as fit into half a second
+  std::uint64_t draws = 0;  ///< prior draws; 0: as many as fit into 0.3 s
 };
 
 void add_scene_commands(CLI::App& app, SceneArguments& arguments, Action& action);
