@@ -48,7 +48,7 @@ enum class Method {
   tempered_transitions,
   annealed_importance,
   sequential,  ///< islands of particles, for worlds that act in stages
-  search       ///< builds solutions, but not in proportion; for worlds that act in stages
+  search       ///< builds solutions, but not in proportion; for worlds that have a search
 };
 
 /// Initial states of metropolis_hastings chains.
@@ -105,7 +105,7 @@ struct StopRule {
   /// Number of lineages, in all chains together, in which an animation satisfies the constraint.
   /// Lineages are counted at the ends of rounds.
   std::optional<std::uint32_t> independent_solutions;
-  /// A search ends when it has this number of finds. If the world acts in stages, such a search may
+  /// A search ends when it has this number of finds. If the world has a search, such a search may
   /// also precede the chains.
   std::optional<std::uint32_t> found{};
   /// For sequential: free islands estimate log P(satisfied), and this is the estimate's required

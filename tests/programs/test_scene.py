@@ -64,7 +64,9 @@ class Scene(ProgramTest):
             self.succeed(sleight(command[0], archive, *command[1:]))
         # Chains that start from a search give the model's proportions.
         path.write_text(path.read_text().replace("count = 5", "count = 1"))
-        self.succeed(sleight("direct", path, "-o", self.path("one.h5"), "--in-proportion"))
+        one = self.path("one.h5")
+        self.succeed(sleight("direct", path, "-o", one, "--in-proportion"))
+        self.succeed(sleight("export", one, "--together", "-o", self.path("one.glb")))
 
     def test_the_pages_helix(self):
         path = self.path("helix.toml")

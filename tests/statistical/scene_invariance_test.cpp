@@ -125,7 +125,7 @@ double least_p(const World& world, double beta, int steps) {
 }
 
 class SceneInvariance : public testing::TestWithParam<double> {};
-// 19 values are compared: 0.0005 each makes a false alarm rarer than 1%.
+// 15 values are compared: 0.0005 each makes a false alarm rarer than 1%.
 TEST_P(SceneInvariance, TenStepsKeepExactDrawsExact) {
   EXPECT_GT(least_p(scene_of(k_balls), GetParam(), 10), 0.0005);
 }

@@ -253,12 +253,7 @@ class DiceReader final : public archive::StateReader {
     const auto animation = animations_.of(world_, state);
     CHECK(animation->outcome.is_animation());
     const physics::Recording& recording = animation->recording;
-    return likeness_.numbers(
-        animation->outcome.collisions, recording.end(), [&](std::uint32_t die, physics::Tick tick) {
-          const physics::Segment* segment = recording.segment_at({die}, tick);
-          return segment == nullptr ? Vec3(Vec3::Constant(std::nan("")))
-                                    : Vec3(physics::position_at(segment->flight, tick));
-        });
+    return likeness_.numbers(animation->outcome.collisions, recording.end(), centres_of(recording));
   }
 
   double likeness_distance(std::span<const double> a, std::span<const double> b) const override {

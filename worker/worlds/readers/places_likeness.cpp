@@ -5,6 +5,14 @@
 
 namespace sleight::worlds {
 
+PlaceOf centres_of(const physics::Recording& recording) {
+  return [&recording](std::uint32_t body, physics::Tick tick) {
+    const physics::Segment* segment = recording.segment_at({body}, tick);
+    return segment == nullptr ? math::Vec3(math::Vec3::Constant(std::nan("")))
+                              : math::Vec3(physics::position_at(segment->flight, tick));
+  };
+}
+
 std::vector<double> PlacesLikeness::numbers(double events, physics::Tick end,
                                             const PlaceOf& place_m) const {
   std::vector<double> numbers{events};

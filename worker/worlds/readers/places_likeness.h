@@ -15,12 +15,14 @@
 #include <vector>
 
 #include "common/math/vector.h"
-#include "worker/physics/event/tick.h"
+#include "worker/physics/reuse/recording.h"
 
 namespace sleight::worlds {
 
-/// Returns where a body is shown at a tick; NaN if it hasn't started.
+/// Returns a body's place at a tick; NaN if it hasn't started.
 using PlaceOf = std::function<math::Vec3(std::uint32_t body, physics::Tick tick)>;
+/// The places of bodies' centres. REQUIRES: the recording outlives the result.
+PlaceOf centres_of(const physics::Recording& recording);
 
 struct PlacesLikeness {
   std::vector<double> diameters_m{};  ///< by body; at least one, all above 0

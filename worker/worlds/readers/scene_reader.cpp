@@ -58,8 +58,8 @@ archive::WorldLayout make_layout(const UserScene& world) {
             .dims = {},
             .unit = "1",
             .meaning = "how the simulation ended: 0 all bodies rest or have left, or no "
-                       "constraint waits for this, 1 at the time limit, 2 bodies overlap "
-                       "where one starts, 3 the simulator failed"},
+                       "constraint waits for this, 1 at the time limit, 2 it can't start "
+                       "(for example, bodies overlap), 3 the simulator failed"},
            {.name = "end_s", .dims = {}, .unit = "s", .meaning = "end of the simulation"},
            {.name = "collisions", .dims = {}, .unit = "1", .meaning = "number of collisions"}},
       .proposal_kinds = {"redraw_all", "redraw_body", "redraw_quantity", "step_all", "step_body",
@@ -160,13 +160,7 @@ class SceneReader final : public archive::StateReader {
   std::vector<double> likeness(base::BytesView state) const override {
     const auto animation = animations_.of(world_, state);
     const physics::Recording& recording = animation->recording;
-    return likeness_.numbers(animation->outcome.collisions, recording.end(),
-                             [&](std::uint32_t body, physics::Tick tick) {
-                               const physics::Segment* segment = recording.segment_at({body}, tick);
-                               return segment == nullptr
-                                          ? Vec3(Vec3::Constant(std::nan("")))
-                                          : Vec3(physics::position_at(segment->flight, tick));
-                             });
+    return likeness_.numbers(animation->outcome.collisions, recording.end(), centres_of(recording));
   }
   double likeness_distance(std::span<const double> a, std::span<const double> b) const override {
     return likeness_.distance(a, b);

@@ -233,25 +233,24 @@ physics::ContactTable contact_table(std::span<const Material> materials,
   return table;
 }
 
-double least_width_m(const physics::Shape& shape) {
-  if (const auto* sphere = std::get_if<physics::Sphere>(&shape)) return 2 * sphere->radius_m;
+double support_m(const physics::Shape& shape, const Vec3& direction) {
+  if (const auto* sphere = std::get_if<physics::Sphere>(&shape)) return sphere->radius_m;
   const auto& compound = *std::get<std::shared_ptr<const physics::Compound>>(shape);
-  double least_m = std::numeric_limits<double>::infinity();
-  for (int axis = 0; axis < 3; ++axis) {
-    double low_m = std::numeric_limits<double>::infinity();
-    double high_m = -low_m;
-    for (const physics::ConvexPolyhedron& piece : compound.parts) {
-      for (const Vec3& vertex_m : piece.vertices_m()) {
-        low_m = std::min(low_m, vertex_m[axis]);
-        high_m = std::max(high_m, vertex_m[axis]);
-      }
-    }
-    for (const physics::RoundPiece& piece : compound.round_parts) {
-      low_m = std::min(low_m, -piece.reach_m(-Vec3::Unit(axis)));
-      high_m = std::max(high_m, piece.reach_m(Vec3::Unit(axis)));
-    }
-    least_m = std::min(least_m, high_m - low_m);
+  double most_m = -std::numeric_limits<double>::infinity();
+  for (const physics::ConvexPolyhedron& piece : compound.parts) {
+    for (const Vec3& vertex_m : piece.vertices_m())
+      most_m = std::max(most_m, math::dot(direction, vertex_m));
   }
+  for (const physics::RoundPiece& piece : compound.round_parts)
+    most_m = std::max(most_m, piece.reach_m(direction));
+  return most_m;
+}
+
+double least_width_m(const physics::Shape& shape) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis)
+    least_m =
+        std::min(least_m, support_m(shape, Vec3::Unit(axis)) + support_m(shape, -Vec3::Unit(axis)));
   return least_m;
 }
 

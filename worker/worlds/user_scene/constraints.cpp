@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 
 #include "common/math/elementary.h"
-#include "common/math/vector.h"
+#include "common/math/rotation.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -18,31 +17,36 @@ bool is_place(const Constraint& constraint) {
 
 }  // namespace
 
-Region box_of(const BuiltScene& built, const Object& object) {
-  Region box{.low_m = Vec3::Constant(std::numeric_limits<double>::infinity()),
-             .high_m = Vec3::Constant(-std::numeric_limits<double>::infinity())};
+Region box_of(const physics::Shape& shape, const Pose& pose) {
+  Region box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 direction = math::rotated(math::inverse(pose.orientation), Vec3::Unit(axis));
+    box.low_m[axis] = pose.position_m[axis] - support_m(shape, -direction);
+    box.high_m[axis] = pose.position_m[axis] + support_m(shape, direction);
+  }
+  return box;
+}
+
+Region box_of(const BuiltScene& built, std::uint32_t object) {
+  const Object& one = built.objects[object];
+  if (object < built.bodies)
+    return box_of(built.scene.bodies[object].shape, built.scene.bodies[object].start.pose);
+  Region box{.low_m = Region{}.high_m, .high_m = Region{}.low_m};
   const auto add = [&](const Vec3& point_m) {
     box.low_m = box.low_m.cwiseMin(point_m);
     box.high_m = box.high_m.cwiseMax(point_m);
   };
-  switch (object.kind) {
-    case ObjectKind::plane:
-      return {};
-    case ObjectKind::mesh:
-      std::ranges::for_each(built.scene.meshes[object.first].mesh->vertices_m(), add);
-      return box;
-    case ObjectKind::convex:
-      for (std::uint32_t i = 0; i < object.count; ++i)
-        std::ranges::for_each(built.scene.convexes[object.first + i].polyhedron->vertices_m(), add);
-      return box;
-    case ObjectKind::moving:
-    case ObjectKind::fixed:
-      break;
-  }
-  const auto number = static_cast<std::size_t>(&object - built.objects.data());
-  const Vec3 centre_m = composed(object.place, object.frame).position_m;
-  const Vec3 reach_m = Vec3::Constant(physics::reach_m(built.scene.bodies[number].shape));
-  return {.low_m = centre_m - reach_m, .high_m = centre_m + reach_m};
+  if (one.kind == ObjectKind::mesh)
+    std::ranges::for_each(built.scene.meshes[one.first].mesh->vertices_m(), add);
+  for (std::uint32_t i = 0; one.kind == ObjectKind::convex && i < one.count; ++i)
+    std::ranges::for_each(built.scene.convexes[one.first + i].polyhedron->vertices_m(), add);
+  return box;
+}
+
+double outside_m(const Region& region, const Region& box) {
+  const Vec3 beyond_m =
+      (box.high_m - region.high_m).cwiseMax(region.low_m - box.low_m).cwiseMax(Vec3::Zero());
+  return math::norm(beyond_m);
 }
 
 DistanceUnit unit_of(const Constraint& constraint) {

@@ -40,7 +40,7 @@ inline constexpr double k_absent_z = 30;
 inline constexpr double k_topples_rad = std::numbers::pi / 4;
 inline constexpr double k_stands_rad = std::numbers::pi / 36;
 
-/// An axis-aligned box. For a place, both corners are equal; an axis of no interest is infinite.
+/// An axis-aligned box. For a place, both corners are equal, except on an axis of no interest.
 struct Region {
   Vec3 low_m = Vec3::Constant(-std::numeric_limits<double>::infinity());
   Vec3 high_m = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -78,9 +78,16 @@ struct Constraint {
   bool looks_at_rest() const { return asks <= Asks::count && !at_s; }
 };
 
-/// Returns a box around an object at its start; infinite for a plane. For a body that is round or
-/// moves, the box of a sphere around its centre.
-Region box_of(const BuiltScene& built, const Object& object);
+/// Returns the box around a shape whose body's frame has this pose.
+Region box_of(const physics::Shape& shape, const Pose& pose);
+/// Returns the box around an object at its start. REQUIRES: it is no plane.
+Region box_of(const BuiltScene& built, std::uint32_t object);
+/// Returns how far a box reaches out of a region; 0 if it is inside.
+double outside_m(const Region& region, const Region& box);
+/// Returns the distance of a point from a region; 0 inside.
+inline double outside_m(const Region& region, const Vec3& point_m) {
+  return outside_m(region, Region{.low_m = point_m, .high_m = point_m});
+}
 
 /// The unit of a constraint's distances for people: its name, and its size in SI units.
 struct DistanceUnit {

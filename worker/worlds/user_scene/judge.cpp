@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "common/base/check.h"
 #include "common/math/elementary.h"
 
 namespace sleight::worlds::user_scene {
@@ -13,51 +11,14 @@ namespace {
 /// Times at which the gap of a missed hit is measured.
 constexpr std::size_t k_gap_times = 100;
 
-physics::Tick tick_of(double time_s) {
-  return physics::Tick{} + physics::ticks_after(time_s);
-}
-
-/// Returns how far a shape reaches from the centre of its body along a direction of the body.
-double support_m(const physics::Shape& shape, const Vec3& direction) {
-  if (const auto* sphere = std::get_if<physics::Sphere>(&shape)) return sphere->radius_m;
-  const auto& compound = *std::get<std::shared_ptr<const physics::Compound>>(shape);
-  double most_m = -std::numeric_limits<double>::infinity();
-  for (const physics::ConvexPolyhedron& piece : compound.parts) {
-    for (const Vec3& vertex_m : piece.vertices_m())
-      most_m = std::max(most_m, math::dot(direction, vertex_m));
-  }
-  for (const physics::RoundPiece& piece : compound.round_parts)
-    most_m = std::max(most_m, piece.reach_m(direction));
-  return most_m;
-}
-
-/// Returns how far the interval [low - before, high + after] around a point is outside the region.
-double outside_m(const Region& region, const Vec3& point_m, const Vec3& before_m,
-                 const Vec3& after_m) {
-  const Vec3 beyond_m = (point_m + after_m - region.high_m)
-                            .cwiseMax(region.low_m - (point_m - before_m))
-                            .cwiseMax(Vec3::Zero());
-  return math::norm(beyond_m);
-}
-
-double whole_outside_m(const Region& region, const Pose& pose, const physics::Shape& shape) {
-  Vec3 before_m;
-  Vec3 after_m;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 direction = math::rotated(math::inverse(pose.orientation), Vec3::Unit(axis));
-    after_m[axis] = support_m(shape, direction);
-    before_m[axis] = support_m(shape, -direction);
-  }
-  return outside_m(region, pose.position_m, before_m, after_m);
-}
-
-}  // namespace
-
+/// Returns the direction against gravity; +z without gravity.
 Vec3 upward(const SceneDescription& description) {
   return physics::is_zero(description.gravity_mps2)
              ? Vec3(Vec3::UnitZ())
              : Vec3(-math::normalized(description.gravity_mps2));
 }
+
+}  // namespace
 
 Judge::Judge(const SceneDescription& description, const BuiltScene& built,
              std::span<const Constraint> constraints)
@@ -66,11 +27,13 @@ Judge::Judge(const SceneDescription& description, const BuiltScene& built,
       end_s_(description.end_s),
       up_(upward(description)),
       owners_(built) {
-  for (const Object& object : built.objects)
-    boxes_.push_back(box_of(built, object));
+  for (std::uint32_t object = 0; object < built.objects.size(); ++object)
+    boxes_.push_back(built.objects[object].kind == ObjectKind::plane ? Region{}
+                                                                     : box_of(built, object));
   for (const Constraint& one : constraints) {
     waits_for_rest_ = waits_for_rest_ || one.looks_at_rest();
     if (one.looks_at_hits()) {
+      needs_recording_ = true;
       const double to_s = one.times_s.empty() ? one.to_s : one.times_s.back();
       last_s_ = std::max(last_s_, one.asks == Asks::never ? end_s_ : to_s + one.window_s);
     } else if (one.at_s) {
@@ -99,9 +62,9 @@ Judge::Measured Judge::of_body(const Constraint& constraint, std::uint32_t body,
   if (constraint.asks == Asks::region || constraint.asks == Asks::place) {
     measured.distance =
         constraint.whole
-            ? whole_outside_m(constraint.region, composed(seen.place, built_.objects[body].frame),
-                              watched.scene.bodies[body].shape)
-            : outside_m(constraint.region, seen.place.position_m, Vec3::Zero(), Vec3::Zero());
+            ? outside_m(constraint.region, box_of(watched.scene.bodies[body].shape,
+                                                  composed(seen.place, built_.objects[body].frame)))
+            : outside_m(constraint.region, seen.place.position_m);
     return measured;
   }
   const Vec3 upright =
@@ -121,9 +84,7 @@ Judge::Measured Judge::of_count(const Constraint& constraint, const Watched& wat
   for (const std::uint32_t body : constraint.bodies) {
     const BodyView& seen = view(constraint, body, watched);
     const bool counts = seen.takes_part && (constraint.at_s || seen.rests);
-    if (counts &&
-        outside_m(constraint.region, seen.place.position_m, Vec3::Zero(), Vec3::Zero()) == 0)
-      ++there;
+    if (counts && outside_m(constraint.region, seen.place.position_m) == 0) ++there;
   }
   return {.distance =
               static_cast<double>(constraint.at_least - std::min(there, constraint.at_least))};
@@ -133,10 +94,7 @@ Judge::HitTime Judge::hit_time(const Constraint& constraint, std::uint32_t body,
                                const Watched& watched) const {
   std::uint32_t hits = 0;
   for (const physics::Impact& impact : watched.impacts) {
-    const std::uint32_t other =
-        (impact.higher & physics::k_static) != 0
-            ? owners_.owner(impact.lower, {impact.higher & ~physics::k_static})
-            : impact.higher;
+    const std::uint32_t other = owners_.met_by(impact);
     const bool is_wanted =
         (impact.lower == body && std::ranges::count(constraint.hits, other) > 0) ||
         (other == body && std::ranges::count(constraint.hits, impact.lower) > 0);
@@ -149,7 +107,7 @@ Judge::HitTime Judge::hit_time(const Constraint& constraint, std::uint32_t body,
 double Judge::least_gap_m(const Constraint& constraint, std::uint32_t body, double from_s,
                           double to_s, const Watched& watched) const {
   const auto centre_m = [&](std::uint32_t one, physics::Tick tick) {
-    const physics::Segment* segment = watched.recording.segment_at({one}, tick);
+    const physics::Segment* segment = watched.recording->segment_at({one}, tick);
     return segment == nullptr ? watched.scene.bodies[one].start.pose.position_m
                               : physics::position_at(segment->flight, tick);
   };
@@ -160,7 +118,8 @@ double Judge::least_gap_m(const Constraint& constraint, std::uint32_t body, doub
   for (std::size_t i = 0; i < k_gap_times; ++i) {
     const double share = static_cast<double>(i) / (k_gap_times - 1);
     const physics::Tick tick =
-        std::min(tick_of(from_s + share * (to_s - from_s)), watched.recording.end());
+        std::min(physics::Tick{} + physics::ticks_after(from_s + share * (to_s - from_s)),
+                 watched.recording->end());
     for (const std::uint32_t other : constraint.hits) {
       if (built_.objects[other].kind == ObjectKind::plane) {
         const physics::HalfSpace& plane = built_.scene.planes[built_.objects[other].first].outside;
@@ -173,8 +132,7 @@ double Judge::least_gap_m(const Constraint& constraint, std::uint32_t body, doub
         box.low_m = centre_m(other, tick) - Vec3::Constant(reach_m(other));
         box.high_m = centre_m(other, tick) + Vec3::Constant(reach_m(other));
       }
-      least_m = std::min(least_m, outside_m(box, centre_m(body, tick), Vec3::Zero(), Vec3::Zero()) -
-                                      reach_m(body));
+      least_m = std::min(least_m, outside_m(box, centre_m(body, tick)) - reach_m(body));
     }
   }
   return std::max(0.0, least_m);
@@ -242,9 +200,10 @@ Judgement Judge::judge(const Watched& watched) const {
         hit_times[i] = time;
       }
     }
+    const bool is_met = best.can_be_met && best.distance <= constraint.tolerance;
     judgement.distances.push_back(best.distance);
-    judgement.all_met =
-        judgement.all_met && best.can_be_met && best.distance <= constraint.tolerance;
+    judgement.met.push_back(is_met);
+    judgement.all_met = judgement.all_met && is_met;
     judgement.log_constraint += log_constraint_of(constraint, best.distance);
   }
   return judgement;

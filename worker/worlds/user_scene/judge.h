@@ -30,13 +30,15 @@ struct Watched {
   const std::vector<Views>& at_times;  ///< at Judge::times_s()
   const Views& at_end;
   std::span<const physics::Impact> impacts;
-  const physics::Recording& recording;  ///< only used if a constraint looks at hits
+  const physics::Recording* recording = nullptr;  ///< if Judge::needs_recording()
 };
 
 struct Judgement {
   double log_constraint = 0;
   bool all_met = true;
-  std::vector<double> distances{};  ///< by constraint, in SI units
+  // By constraint.
+  std::vector<double> distances{};  ///< in SI units
+  std::vector<bool> met{};
 };
 
 class Judge {
@@ -51,6 +53,7 @@ class Judge {
   /// bodies have ended, but not beyond the scene's end_s.
   double last_s() const { return last_s_; }
   bool waits_for_rest() const { return waits_for_rest_; }
+  bool needs_recording() const { return needs_recording_; }
 
   Judgement judge(const Watched& watched) const;
 
@@ -82,9 +85,7 @@ class Judge {
   std::vector<double> times_s_;
   double last_s_ = 0;
   bool waits_for_rest_ = false;
+  bool needs_recording_ = false;
 };
-
-/// Returns the direction against gravity; +z without gravity.
-Vec3 upward(const SceneDescription& description);
 
 }  // namespace sleight::worlds::user_scene

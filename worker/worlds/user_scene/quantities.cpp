@@ -69,7 +69,6 @@ std::span<const QuantityKind> all_quantities() {
 Quantities::Quantities(const SceneDescription& scene, const BuiltScene& built,
                        std::span<const Uncertain> uncertain)
     : scene_(scene), built_(built), uncertain_(uncertain), of_bodies_(built.moving) {
-  std::size_t values = 0;
   for (std::uint32_t i = 0; i < uncertain.size(); ++i) {
     const Uncertain& one = uncertain[i];
     const QuantityKind& kind = kind_of(one.quantity);
@@ -78,8 +77,7 @@ Quantities::Quantities(const SceneDescription& scene, const BuiltScene& built,
     for (std::size_t first = 0; first < all.size(); first += together) {
       Draw draw{.uncertain = i,
                 .targets = all.subspan(first, together),
-                .first_number = is_normal_.size(),
-                .first_value = values};
+                .first_number = is_normal_.size()};
       if (one.quantity == Quantity::orientation) {
         is_normal_.insert(is_normal_.end(), 4, true);
       } else if (one.quantity == Quantity::presence || !one.choices.empty()) {
@@ -90,7 +88,6 @@ Quantities::Quantities(const SceneDescription& scene, const BuiltScene& built,
         }
       }
       draw.numbers = is_normal_.size() - draw.first_number;
-      values += kind.width;
       for (const std::uint32_t target : draw.targets) {
         if (!kind.of_material) of_bodies_[target].push_back(draws_.size());
       }
@@ -235,7 +232,7 @@ std::vector<std::array<double, 2>> Quantities::normal_values() const {
   return all;
 }
 
-void Quantities::change_body(std::uint32_t number, const Numbers& numbers,
+bool Quantities::change_body(std::uint32_t number, const Numbers& numbers,
                              physics::Scene& scene) const {
   Object object = built_.objects[number];
   const BodyDescription& described = scene_.bodies[object.description];
@@ -279,12 +276,14 @@ void Quantities::change_body(std::uint32_t number, const Numbers& numbers,
     }
   }
   if (is_resized) {
-    const BodyForm form =
-        body_form(sizes, {}, scene_.materials[described.material].density_kgpm3).value();
-    body.shape = form.shape(sizes);
-    body.inertia = described.mass_kg ? with_mass(form.inertia, *described.mass_kg) : form.inertia;
+    const auto form = body_form(sizes, {}, scene_.materials[described.material].density_kgpm3);
+    if (!form) return false;
+    body.shape = form.value().shape(sizes);
+    body.inertia = form.value().inertia;
+    if (described.mass_kg) body.inertia = with_mass(body.inertia, *described.mass_kg);
   }
   body.start = start_of(object);
+  return true;
 }
 
 void Quantities::change_materials(const Numbers& numbers, physics::Scene& scene) const {
@@ -315,11 +314,11 @@ void Quantities::change_materials(const Numbers& numbers, physics::Scene& scene)
   }
 }
 
-physics::Scene Quantities::scene(const Numbers& numbers) const {
+std::optional<physics::Scene> Quantities::scene(const Numbers& numbers) const {
   CHECK_EQ(numbers.size(), size());
   physics::Scene scene = built_.scene;
   for (std::uint32_t body = 0; body < built_.moving; ++body)
-    if (!of_bodies_[body].empty()) change_body(body, numbers, scene);
+    if (!of_bodies_[body].empty() && !change_body(body, numbers, scene)) return std::nullopt;
   change_materials(numbers, scene);
   return scene;
 }

@@ -25,6 +25,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -39,7 +40,8 @@ namespace sleight::worlds::user_scene {
 inline constexpr double k_m_per_mm = 1e-3;
 inline constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
-/// What an Uncertain changes; the first eight belong to moving bodies, the others to materials.
+/// What an Uncertain changes; those from `density` on belong to materials, the others to moving
+/// bodies.
 enum class Quantity : std::uint8_t {
   position,
   velocity,  ///< of the shape's origin
@@ -82,13 +84,12 @@ struct Uncertain {
   double probability = 1;                      ///< of presence
 };
 
-/// The numbers of a draw in a state, and its values in the list of all values.
+/// The numbers of a draw in a state.
 struct Draw {
   std::uint32_t uncertain = 0;
   std::span<const std::uint32_t> targets;
   std::size_t first_number = 0;
   std::size_t numbers = 0;
-  std::size_t first_value = 0;
 };
 
 using Numbers = std::vector<double>;
@@ -102,7 +103,7 @@ class Quantities {
   std::size_t size() const { return is_normal_.size(); }
   bool is_normal(std::size_t number) const { return is_normal_[number]; }
   std::span<const Draw> draws() const { return draws_; }
-  /// Draws whose targets don't include this body don't affect it. Materials aren't listed.
+  /// By moving body: indices of the draws that have it as a target.
   const std::vector<std::vector<std::size_t>>& draws_of_bodies() const { return of_bodies_; }
 
   Numbers draw_prior(random::Stream& stream) const;
@@ -118,8 +119,9 @@ class Quantities {
   /// Returns the mean and standard deviation of each value that is normal, otherwise NaN and NaN.
   std::vector<std::array<double, 2>> normal_values() const;
 
-  /// Returns the scene with the state's values.
-  physics::Scene scene(const Numbers& numbers) const;
+  /// Returns the scene with the state's values. Empty if the sizes of a box make no shape, because
+  /// the box is too flat.
+  std::optional<physics::Scene> scene(const Numbers& numbers) const;
   /// Whether two states may have bodies that start alike in the same scene, so that a replay can
   /// save time.
   bool resemble(const Numbers& a, const Numbers& b) const;
@@ -131,7 +133,8 @@ class Quantities {
   double nominal(Quantity quantity, std::uint32_t target, std::size_t component) const;
   /// Returns a draw's values for a target; an orientation has four, w first.
   Values values_of(const Draw& draw, std::uint32_t target, const Numbers& numbers) const;
-  void change_body(std::uint32_t body, const Numbers& numbers, physics::Scene& scene) const;
+  /// Returns whether the body has a shape.
+  bool change_body(std::uint32_t body, const Numbers& numbers, physics::Scene& scene) const;
   void change_materials(const Numbers& numbers, physics::Scene& scene) const;
 
   const SceneDescription& scene_;

@@ -434,6 +434,17 @@ std::string_view name_of(ShapeKind kind) {
   return k_shape_names[static_cast<std::size_t>(kind)].name;
 }
 
+std::string unknown(std::string_view what, const std::string& name,
+                    const std::vector<std::string>& names) {
+  constexpr std::size_t k_listed_max = 10;
+  std::string text = fmt::format("no {} is named {}", what, request::toml_string(name));
+  if (const auto near = request::nearest(name, names))
+    return text + fmt::format("; did you mean {}?", request::toml_string(*near));
+  if (!names.empty() && names.size() <= k_listed_max)
+    text += fmt::format("; the names are \"{}\"", fmt::join(names, "\", \""));
+  return text;
+}
+
 void NameList::add(Binder& table, std::string_view key, const std::string& name) {
   if (table.line() == 0 || !table.valid(key)) return;
   if (name.empty()) {
@@ -451,11 +462,7 @@ void NameList::add(Binder& table, std::string_view key, const std::string& name)
 std::uint32_t NameList::find(Binder& table, std::string_view key, const std::string& name) const {
   const auto at = std::ranges::find(names_, name);
   if (at != names_.end()) return static_cast<std::uint32_t>(at - names_.begin());
-  const auto near = request::nearest(name, names_);
-  table.error(key,
-              fmt::format("no {} is named {}; {}", what_, request::toml_string(name),
-                          near ? fmt::format("did you mean {}?", request::toml_string(*near))
-                               : fmt::format("the names are \"{}\"", fmt::join(names_, "\", \""))));
+  table.error(key, unknown(what_, name, names_));
   return 0;
 }
 

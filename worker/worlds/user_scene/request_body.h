@@ -33,6 +33,10 @@ inline Vec3 vector_of(const std::array<double, 3>& values) {
   return {values[0], values[1], values[2]};
 }
 
+/// Says that no `what` has this name, and suggests the nearest one, or lists all if they are few.
+std::string unknown(std::string_view what, const std::string& name,
+                    const std::vector<std::string>& names);
+
 /// Distinct names, and their numbers in the order in which they were added.
 class NameList {
  public:

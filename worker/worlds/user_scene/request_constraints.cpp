@@ -10,8 +10,8 @@
 #include <optional>
 #include <utility>
 
-#include "common/request/nearest.h"
 #include "common/request/text.h"
+#include "worker/worlds/user_scene/request.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -84,8 +84,18 @@ class ConstraintBinder {
             if (keys.bodies.empty()) return table.error("body", "missing; set body or bodies");
             keys.made.bodies = objects_->find_all(table, keys.bodies);
           }
+          if (asks == Asks::face && table.given("up")) check_boxes(table, keys.made);
           if (table.is_sound()) add(table, keys, key);
         });
+  }
+
+  void check_boxes(Binder& table, const Constraint& made) const {
+    for (const std::uint32_t body : made.bodies) {
+      if (objects_->described(body).sizes.kind == ShapeKind::box) continue;
+      return table.error("up", fmt::format("is for boxes, but {} is a {}; set axis",
+                                           request::toml_string(objects_->object(body).name),
+                                           name_of(objects_->described(body).sizes.kind)));
+    }
   }
 
   /// Adds a constraint for each body, or one for all.
@@ -147,21 +157,23 @@ class ConstraintBinder {
     if (!is_used(table)) return;
     std::vector<std::string> names;
     for (const NamedRegion& region : regions_) {
-      if (region.name == name) made.region = region.region;
-      if (region.name == name) return;
       names.push_back(region.name);
+      if (region.name != name) continue;
+      made.region = region.region;
+      return;
     }
-    for (const Object& object : objects_->built().objects) {
-      if (object.kind == ObjectKind::moving || object.kind == ObjectKind::plane) continue;
-      if (object.name == name) made.region = box_of(objects_->built(), object);
-      if (object.name == name) return;
-      names.push_back(object.name);
+    const BuiltScene& built = objects_->built();
+    for (std::uint32_t i = built.moving; i < built.objects.size(); ++i) {
+      names.push_back(built.objects[i].name);
+      if (names.back() != name) continue;
+      if (built.objects[i].kind == ObjectKind::plane)
+        return table.error("region", fmt::format("{} is a plane, which has no box around it; name "
+                                                 "a [[world.region]]",
+                                                 request::toml_string(name)));
+      made.region = box_of(built, i);
+      return;
     }
-    const auto near = request::nearest(name, names);
-    table.error(
-        "region",
-        fmt::format("no region and no static body is named {}{}", request::toml_string(name),
-                    near ? fmt::format("; did you mean {}?", request::toml_string(*near)) : ""));
+    table.error("region", unknown("region or static body", name, names));
   }
 
   void bind_region(Binder& table, ConstraintKeys& keys) {
@@ -337,19 +349,19 @@ class ConstraintBinder {
     bind_scale(table, keys.made, "sigma_s", "tolerance_s", "s", 1);
     if (!is_used(table)) return;
     std::vector<std::string> names;
-    for (const Constraint& one : parameters_.constraints)
-      names.push_back(one.asks == Asks::event ? one.name : "");
+    std::vector<std::uint32_t> numbers;
+    for (std::uint32_t i = 0; i < parameters_.constraints.size(); ++i) {
+      if (parameters_.constraints[i].asks != Asks::event) continue;
+      names.push_back(parameters_.constraints[i].name);
+      numbers.push_back(i);
+    }
     for (const std::string& event : events) {
       const auto at = std::ranges::find(names, event);
-      if (at != names.end() && !event.empty()) {
-        keys.made.events.push_back(static_cast<std::uint32_t>(at - names.begin()));
-        continue;
-      }
-      const auto near = request::nearest(event, names);
-      return table.error(
-          "events",
-          fmt::format("no event is named {}{}", request::toml_string(event),
-                      near ? fmt::format("; did you mean {}?", request::toml_string(*near)) : ""));
+      if (at == names.end()) return table.error("events", unknown("event", event, names));
+      const std::uint32_t number = numbers[static_cast<std::size_t>(at - names.begin())];
+      if (std::ranges::count(keys.made.events, number) > 0)
+        return table.error("events", fmt::format("{} is named twice", request::toml_string(event)));
+      keys.made.events.push_back(number);
     }
   }
 

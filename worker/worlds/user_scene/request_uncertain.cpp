@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "common/request/nearest.h"
 #include "common/request/text.h"
 #include "worker/worlds/user_scene/request.h"
 
@@ -50,11 +49,9 @@ void bind_keys(Binder& table, UncertainKeys& keys, Uncertain& one) {
       "quantity", one.quantity, names,
       "what is uncertain; a turn rotates the body about the world's axes, and an orientation is "
       "uniform among all rotations");
-  const request::NumberOptions size{.minimum = 0, .maximum = 1e6, .help = ""};
   const auto numbers = [&](const char* key, std::vector<double>& values, const char* help) {
-    request::NumberOptions each = size;
-    each.help = help;
-    table.numbers(key, values, {.count_min = 1, .count_max = 3}, each);
+    table.numbers(key, values, {.count_min = 1, .count_max = 3},
+                  {.minimum = 0, .maximum = 1e6, .help = help});
   };
   numbers("normal_sd", keys.normal_sd,
           "standard deviation of each component around the described value; 0: fixed");
@@ -67,9 +64,11 @@ void bind_keys(Binder& table, UncertainKeys& keys, Uncertain& one) {
                  .help = "values to choose from; each vector takes three numbers"});
   table.numbers("shares", keys.shares, {.count_min = 1, .count_max = k_choices_max},
                 {.minimum = 0, .maximum = 1e6, .help = "shares of the choices; default: equal"});
-  table.optional_number(
-      "probability", keys.probability,
-      {.minimum = 0, .maximum = 1, .help = "probability that the body takes part (presence)"});
+  table.optional_number("probability", keys.probability,
+                        {.minimum = 0,
+                         .above_minimum = true,
+                         .maximum = 1,
+                         .help = "probability that the body takes part (presence)"});
   table.boolean("shared", one.shared, "whether one draw serves all bodies instead of one for each");
 }
 
@@ -79,7 +78,6 @@ bool read_components(Binder& table, const UncertainKeys& keys, const QuantityKin
   bool any = false;
   for (const auto& [key, given, values] : {std::tuple{"normal_sd", &keys.normal_sd, &one.sd},
                                            std::tuple{"within", &keys.within, &one.within}}) {
-    values->assign(kind.width, 0);
     if (given->empty()) continue;
     if (given->size() != kind.width) {
       table.error(key,
@@ -92,9 +90,10 @@ bool read_components(Binder& table, const UncertainKeys& keys, const QuantityKin
     any = any || std::ranges::any_of(*values, [](double value) { return value > 0; });
   }
   if (any) return true;
-  table.error("normal_sd", fmt::format("missing or 0; give normal_sd, within or choices, so that "
-                                       "{} is uncertain",
-                                       kind.key));
+  const bool is_given = !keys.normal_sd.empty() || !keys.within.empty();
+  table.error(keys.normal_sd.empty() && is_given ? "within" : "normal_sd",
+              fmt::format("{}; give normal_sd, within or choices, so that {} is uncertain",
+                          is_given ? "must not be all 0" : "missing", kind.key));
   return false;
 }
 
@@ -120,14 +119,13 @@ bool read_choices(Binder& table, const UncertainKeys& keys, const QuantityKind& 
       return false;
     }
   }
-  one.sd.assign(kind.width, 0);
-  one.within.assign(kind.width, 0);
   one.shares = keys.shares.empty() ? std::vector<double>(count, 1) : keys.shares;
   const double sum = std::accumulate(one.shares.begin(), one.shares.end(), 0.0);
   if (one.shares.size() != count || !(sum > 0)) {
-    table.error("shares",
-                fmt::format("expected {} shares, not all 0, one for each choice, found {}", count,
-                            one.shares.size()));
+    table.error("shares", one.shares.size() == count
+                              ? "must not be all 0"
+                              : fmt::format("expected {} shares, one for each choice, found {}",
+                                            count, one.shares.size()));
     return false;
   }
   for (double& share : one.shares)
@@ -135,26 +133,32 @@ bool read_choices(Binder& table, const UncertainKeys& keys, const QuantityKind& 
   return true;
 }
 
-bool read_distribution(Binder& table, const UncertainKeys& keys, Uncertain& one) {
-  const QuantityKind& kind = kind_of(one.quantity);
-  const bool is_presence = one.quantity == Quantity::presence;
-  if (keys.probability.has_value() != is_presence) {
-    table.error("probability", is_presence
-                                   ? "missing; presence needs it"
-                                   : fmt::format("{} has no such key; remove it", kind.key));
+/// Reports keys that a quantity doesn't have. Returns whether all is well.
+bool check_keys(Binder& table, const QuantityKind& kind) {
+  const bool is_presence = kind.quantity == Quantity::presence;
+  const bool has_numbers = !is_presence && kind.quantity != Quantity::orientation;
+  for (const auto& [key, has] :
+       {std::pair{"normal_sd", has_numbers}, std::pair{"within", has_numbers},
+        std::pair{"choices", has_numbers}, std::pair{"probability", is_presence},
+        std::pair{"shares", table.given("choices")}}) {
+    if (has || !table.given(key)) continue;
+    table.error(key, has_numbers && std::string_view(key) == "shares"
+                         ? "belongs to choices, which are missing"
+                         : fmt::format("{} has no such key; remove it", kind.key));
     return false;
   }
-  if (is_presence) one.probability = *keys.probability;
-  if (is_presence || one.quantity == Quantity::orientation) {
-    for (const char* key : {"normal_sd", "within", "choices", "shares"}) {
-      if (!table.given(key)) continue;
-      table.error(key, fmt::format("{} has no such key; remove it", kind.key));
-      return false;
-    }
-    one.sd.assign(kind.width, 0);
-    one.within.assign(kind.width, 0);
-    return true;
-  }
+  if (is_presence && !table.given("probability"))
+    table.error("probability", "missing; presence needs it");
+  return table.is_sound();
+}
+
+bool read_distribution(Binder& table, const UncertainKeys& keys, Uncertain& one) {
+  const QuantityKind& kind = kind_of(one.quantity);
+  if (!check_keys(table, kind)) return false;
+  one.sd.assign(kind.width, 0);
+  one.within.assign(kind.width, 0);
+  one.probability = keys.probability.value_or(1);
+  if (one.quantity == Quantity::presence || one.quantity == Quantity::orientation) return true;
   return keys.choices.empty() ? read_components(table, keys, kind, one)
                               : read_choices(table, keys, kind, one);
 }
@@ -171,9 +175,12 @@ void check_bodies(Binder& table, const Uncertain& one, const ObjectNames& object
     };
     needs(Quantity::radius, ShapeKind::sphere);
     needs(Quantity::size, ShapeKind::box);
-    const bool is_time = one.quantity == Quantity::start || one.quantity == Quantity::presence;
-    if (is_time && body.rests)
+    if (!table.is_sound()) return;
+    if (!body.rests) continue;
+    if (one.quantity == Quantity::start || one.quantity == Quantity::presence)
       table.error("quantity", fmt::format("{} starts at rest, so it is always there", name));
+    if (one.quantity == Quantity::velocity || one.quantity == Quantity::spin)
+      table.error("quantity", fmt::format("{} starts at rest, so its speed is 0", name));
     if (!table.is_sound()) return;
   }
 }
@@ -199,15 +206,11 @@ std::vector<std::uint32_t> ObjectNames::find(Binder& table, std::string_view key
     const Object& object = built_.objects[i];
     const std::string& base = scene_.bodies[object.description].name;
     if (object.name == name || base == name) found.push_back(i);
-    names.push_back(base);
+    if (names.empty() || names.back() != base) names.push_back(base);
     if (object.name != base) names.push_back(object.name);
   }
   if (found.empty()) {
-    const auto near = request::nearest(name, names);
-    table.error(
-        key,
-        fmt::format("no body is named {}{}", request::toml_string(name),
-                    near ? fmt::format("; did you mean {}?", request::toml_string(*near)) : ""));
+    table.error(key, unknown("body", name, names));
   } else if (must_move && found.front() >= built_.moving) {
     table.error(key, fmt::format("{} never moves", request::toml_string(name)));
     return {};

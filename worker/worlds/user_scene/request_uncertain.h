@@ -30,7 +30,6 @@ class ObjectNames {
   std::vector<std::uint32_t> find_all(request::Binder& table,
                                       const std::vector<std::string>& names) const;
 
-  const SceneDescription& scene() const { return scene_; }
   const BuiltScene& built() const { return built_; }
   const Object& object(std::uint32_t number) const { return built_.objects[number]; }
   const BodyDescription& described(std::uint32_t number) const {

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "common/base/check.h"
+#include "worker/physics/event/event.h"
 #include "worker/physics/scene/static_regions.h"
 
 namespace sleight::worlds::user_scene {
@@ -48,6 +49,11 @@ std::uint32_t StaticOwners::owner(std::uint32_t body, physics::StaticId met) con
   const auto at = std::ranges::upper_bound(ranges, met.value, {}, &Range::end);
   CHECK(at != ranges.end());
   return at->object;
+}
+
+std::uint32_t StaticOwners::met_by(const physics::Impact& impact) const {
+  const bool is_static = (impact.higher & physics::k_static) != 0;
+  return is_static ? owner(impact.lower, {impact.higher & ~physics::k_static}) : impact.higher;
 }
 
 }  // namespace sleight::worlds::user_scene

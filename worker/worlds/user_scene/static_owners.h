@@ -1,4 +1,5 @@
-// Tells to which object a feature or piece of the simulator's static geometry belongs.
+// Tells to which object a feature or piece of the simulator's static geometry belongs, and which
+// objects an impact joins.
 //
 // The numbering is that of static_geometry.h: spheres meet features, other bodies meet pieces, and
 // planes come before convexes and meshes. Thread safety: const functions may run concurrently.
@@ -7,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/physics/contact/impacts.h"
 #include "worker/physics/event/ids.h"
 #include "worker/worlds/user_scene/build.h"
 
@@ -18,6 +20,8 @@ class StaticOwners {
 
   /// Returns an index in BuiltScene::objects. `body`: the body that meets the element.
   std::uint32_t owner(std::uint32_t body, physics::StaticId met) const;
+  /// Returns the object that the impact's first body met.
+  std::uint32_t met_by(const physics::Impact& impact) const;
 
  private:
   struct Range {

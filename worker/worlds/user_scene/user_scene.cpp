@@ -51,15 +51,20 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
                              const std::shared_ptr<const physics::History>& history) const {
   const BuiltScene& built = *parameters().built;
   const Judge& judge = model_->judge;
-  const physics::Scene scene = this->scene(state);
+  const std::optional<physics::Scene> made = quantities().scene(state);
+  if (!made) return {.end = End::impossible, .judgement = {.all_met = false}};
+  const physics::Scene& scene = *made;
   const auto stopped = [&](const physics::SceneError& error) {
-    plan::FailurePointer failure = failure_of(error, encode(state));
+    // A scene that the simulator refuses comes from the state's values, not from a failure.
+    plan::FailurePointer failure =
+        physics::is_failure(error.kind) ? failure_of(error, encode(state)) : nullptr;
     return Outcome{.end = failure ? End::failed : End::impossible,
                    .judgement = {.all_met = false},
                    .failure = std::move(failure)};
   };
+  const bool records = judge.needs_recording() || wanted.recording != nullptr;
   auto started = physics::Simulation::start(
-      scene, {.record = true, .keep_history = wanted.history, .keep_impacts = true}, history);
+      scene, {.record = records, .keep_history = wanted.history, .keep_impacts = true}, history);
   if (!started) return stopped(started.error());
   physics::Simulation simulation = std::move(started).value();
 
@@ -89,7 +94,7 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
                                    .at_times = at_times,
                                    .at_end = views_of(built, simulation, simulation.now()),
                                    .impacts = simulation.impacts(),
-                                   .recording = simulation.recording()});
+                                   .recording = records ? &simulation.recording() : nullptr});
   if (wanted.history) outcome.history = simulation.history();
   if (wanted.recording != nullptr) *wanted.recording = simulation.recording();
   return outcome;

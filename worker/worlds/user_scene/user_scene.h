@@ -2,7 +2,7 @@
 //
 //   `random variables`: a vector of standard normals and uniforms (quantities.h).
 //   `outcome`: how the simulation ended, and the constraints' distances (constraints.h).
-//   `log p_c`: at most 0; -infinity if bodies overlap where one starts.
+//   `log p_c`: at most 0; -infinity if a start is impossible (End).
 //   `satisfied`: all constraints are met.
 //   `proposal`: moves that keep the prior invariant, on a block of numbers: one draw, all draws of
 //     one body, or all. A step mixes old and new numbers: z' = sqrt(1 - s^2) z + s xi for normals,
@@ -44,7 +44,7 @@ inline constexpr std::size_t k_collisions_max = 300'000;
 enum class End : std::uint8_t {
   settled,     ///< all bodies rest or have left, or no constraint waits for this
   time_limit,  ///< a body still moved at end_s
-  impossible,  ///< bodies overlap where one starts
+  impossible,  ///< bodies overlap where one starts, one can't rest there, or a box is too flat
   failed       ///< the simulator failed: no sample
 };
 
@@ -116,7 +116,6 @@ class UserScene {
   /// animation.
   std::vector<double> outcome_values(const Outcome& outcome) const;
 
-  physics::Scene scene(const State& state) const { return quantities().scene(state); }
   Animation animate(const State& state) const;
 
   // The search.

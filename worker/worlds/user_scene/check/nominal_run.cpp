@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
+#include <span>
 #include <utility>
 
 #include "worker/worlds/user_scene/static_owners.h"
@@ -39,21 +39,14 @@ BodyOutcome outcome_of(const BuiltScene& built, const physics::Simulation& simul
   return result;
 }
 
-void add_hits(const BuiltScene& built, NominalRun& run) {
-  // A collision may begin segments of several bodies, so list each collision once.
-  std::set<physics::EventKey> collisions;
-  for (std::uint32_t body = 0; body < built.moving; ++body) {
-    for (const physics::Recording::Entry& entry : run.recording->segments({body})) {
-      if (entry.cause.kind == physics::EventKind::collision) collisions.insert(entry.cause);
-    }
-  }
+void add_hits(const BuiltScene& built, std::span<const physics::Impact> impacts, NominalRun& run) {
   const StaticOwners owners(built);
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> index_of;
-  for (const physics::EventKey& event : collisions) {
-    const std::uint32_t a = event.lower;
-    const std::uint32_t b = event.is_with_static() ? owners.owner(a, event.met()) : event.higher;
+  for (const physics::Impact& impact : impacts) {
+    const std::uint32_t a = impact.lower;
+    const std::uint32_t b = owners.met_by(impact);
     const auto [at, is_first] = index_of.try_emplace({a, b}, run.hits.size());
-    if (is_first) run.hits.push_back({.a = a, .b = b, .first_s = seconds_at(event.tick)});
+    if (is_first) run.hits.push_back({.a = a, .b = b, .first_s = seconds_at(impact.tick)});
     ++run.hits[at->second].count;
     ++run.bodies[a].hits;
     if (b < built.moving) ++run.bodies[b].hits;
@@ -64,7 +57,7 @@ void add_hits(const BuiltScene& built, NominalRun& run) {
 
 NominalRun nominal_run(const SceneDescription& description, const BuiltScene& built,
                        std::uint64_t events_max) {
-  auto started = physics::Simulation::start(built.scene, {});
+  auto started = physics::Simulation::start(built.scene, {.keep_impacts = true});
   if (!started) return {.end = RunEnd::error, .error = started.error()};
   NominalRun result{.end = RunEnd::error};
   physics::Simulation simulation = std::move(started).value();
@@ -81,7 +74,7 @@ NominalRun nominal_run(const SceneDescription& description, const BuiltScene& bu
   for (BodyId body{}; body < built.moving; ++body)
     result.bodies.push_back(outcome_of(built, simulation, watch, body));
   result.recording = std::make_shared<const physics::Recording>(simulation.recording());
-  add_hits(built, result);
+  add_hits(built, simulation.impacts(), result);
   return result;
 }
 

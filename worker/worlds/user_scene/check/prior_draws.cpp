@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace sleight::worlds::user_scene {
@@ -38,7 +39,7 @@ PriorDraws prior_draws(const UserScene& world, std::uint64_t count_max,
     draws.met += world.satisfied(outcome) ? 1 : 0;
     for (std::size_t i = 0; i < outcome.judgement.distances.size(); ++i) {
       const double distance = outcome.judgement.distances[i];
-      draws.constraint_met[i] += distance <= constraints[i].tolerance ? 1 : 0;
+      draws.constraint_met[i] += outcome.judgement.met[i] ? 1 : 0;
       draws.least_distances[i] = std::min(draws.least_distances[i], distance);
     }
   }
@@ -51,13 +52,16 @@ std::vector<std::string> warnings_of(const UserScene& world, const PriorDraws& d
     if (count > 0)
       all.push_back(fmt::format("In {} of {} prior draws, {}.", count, draws.count, what));
   };
-  share(draws.overlap, "bodies overlap where one starts; such draws have p_c = 0");
+  share(draws.overlap,
+        "bodies overlap where one starts, one can't rest there, or a box is too flat; such draws "
+        "have p_c = 0");
   share(draws.failed, "the simulator fails; such draws are never samples");
   share(draws.not_settled, "a body still moves at end_s, so it isn't at rest");
   for (std::size_t i = 0; draws.count >= k_draws_min && i < draws.least_distances.size(); ++i) {
     const Constraint& one = world.parameters().constraints[i];
     const double distance = draws.least_distances[i];
-    if (distance <= one.tolerance || distance <= k_far * one.sigma) continue;
+    if (!std::isfinite(distance) || distance <= std::max(one.tolerance, k_far * one.sigma))
+      continue;
     all.push_back(fmt::format(
         "None of {} prior draws comes near constraint '{}': the least distance is {:.4g} {}.",
         draws.count, one.name, distance / unit_of(one).scale, unit_of(one).name));

@@ -14,7 +14,7 @@ namespace sleight::worlds::user_scene {
 
 struct PriorDraws {
   std::uint64_t count = 0;
-  std::uint64_t overlap = 0;      ///< of bodies at the start: p_c = 0
+  std::uint64_t overlap = 0;      ///< impossible starts (End)
   std::uint64_t failed = 0;       ///< simulations
   std::uint64_t not_settled = 0;  ///< a body still moved at end_s
   std::uint64_t met = 0;          ///< all constraints
@@ -22,7 +22,7 @@ struct PriorDraws {
   std::vector<std::array<double, 3>> values{};
   /// By constraint: how often it was met, and the least distance.
   std::vector<std::uint64_t> constraint_met{};
-  std::vector<double> least_distances{};
+  std::vector<double> least_distances{};  ///< infinite without a simulation
 };
 
 /// Simulates the draws 0, 1, ... (sampling::nth_prior_draw), at most `count_max`. After each draw

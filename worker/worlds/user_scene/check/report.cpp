@@ -87,8 +87,10 @@ void add_prior_draws(const PriorDraws& draws, const UserScene& world, Table& unc
   for (std::size_t i = 0; i < draws.least_distances.size(); ++i) {
     const Constraint& one = world.parameters().constraints[i];
     const DistanceUnit unit = unit_of(one);
+    const double least = draws.least_distances[i] / unit.scale;
     constraints.rows.push_back({one.name, draws.constraint_met[i],
-                                draws.least_distances[i] / unit.scale, std::string(unit.name)});
+                                std::isfinite(least) ? Cell(least) : Cell(nullptr),
+                                std::string(unit.name)});
   }
 }
 

@@ -77,10 +77,11 @@ const std::vector<DirectionMistake> k_direction_mistakes{
          "bodies = [\"ball\", \"ball 1\"]\nquantity = \"position_mm\"\nnormal_sd = [1, 1, 1]\n"),
      "19:1: 'bodies' in [[world.uncertain]]: \"ball 1\" is named twice"},
     {uncertain("body = \"ball\"\nquantity = \"position_mm\"\n"),
-     "18:1: 'normal_sd' in [[world.uncertain]]: missing or 0; give normal_sd, within or choices, "
+     "18:1: 'normal_sd' in [[world.uncertain]]: missing; give normal_sd, within or choices, "
      "so that position_mm is uncertain"},
     {uncertain("body = \"ball\"\nquantity = \"position_mm\"\nnormal_sd = [0, 0, 0]\n"),
-     "21:1: 'normal_sd' in [[world.uncertain]]: missing or 0; give normal_sd, within or choices, "
+     "21:1: 'normal_sd' in [[world.uncertain]]: must not be all 0; give normal_sd, within or "
+     "choices, "
      "so that position_mm is uncertain"},
     {uncertain("body = \"ball\"\nquantity = \"position_mm\"\nnormal_sd = [1]\n"),
      "21:1: 'normal_sd' in [[world.uncertain]]: expected 3 numbers for position_mm, found 1"},
@@ -94,8 +95,7 @@ const std::vector<DirectionMistake> k_direction_mistakes{
      "21:1: 'choices' in [[world.uncertain]]: expected numbers from 0.01 to 1e+06 for radius_mm, "
      "found 0"},
     {uncertain("body = \"ball\"\nquantity = \"radius_mm\"\nchoices = [5, 6]\nshares = [1]\n"),
-     "22:1: 'shares' in [[world.uncertain]]: expected 2 shares, not all 0, one for each choice, "
-     "found 1"},
+     "22:1: 'shares' in [[world.uncertain]]: expected 2 shares, one for each choice, found 1"},
     {uncertain("body = \"ball\"\nquantity = \"radius_mm\"\nchoices = [5, 6]\nwithin = [1]\n"),
      "21:1: 'choices' in [[world.uncertain]]: set either choices, or normal_sd and within"},
     {uncertain("body = \"ball\"\nquantity = \"position_mm\"\nchoices = [5, 6]\n"),
@@ -110,7 +110,8 @@ const std::vector<DirectionMistake> k_direction_mistakes{
     {uncertain("body = \"ball\"\nquantity = \"presence\"\n"),
      "18:1: 'probability' in [[world.uncertain]]: missing; presence needs it"},
     {uncertain("body = \"ball\"\nquantity = \"presence\"\nprobability = 1.5\n"),
-     "21:15: 'probability' in [[world.uncertain]]: expected a number from 0 to 1, found 1.5"},
+     "21:15: 'probability' in [[world.uncertain]]: expected a number above 0 and at most 1, found "
+     "1.5"},
     {uncertain("body = \"ball\"\nquantity = \"start_s\"\nwithin = [1]\nprobability = 0.5\n"),
      "22:1: 'probability' in [[world.uncertain]]: start_s has no such key; remove it"},
     {uncertain("body = \"ball\"\nquantity = \"orientation\"\nnormal_sd = [1]\n"),
@@ -132,7 +133,7 @@ const std::vector<DirectionMistake> k_direction_mistakes{
     {"[[world.region]]\nname = \"cup\"\nlow_mm = [0, 0, 9]\nhigh_mm = [5, 5, 5]\n",
      "21:1: 'high_mm' in [[world.region]]: must be at least low_mm along each axis"},
     {k_cup + constraint("region", "body = \"ball\"\nregion = \"cap\"\nsigma_mm = 1\n"),
-     "24:1: 'region' in [[constraint.region]]: no region and no static body is named \"cap\"; did "
+     "24:1: 'region' in [[constraint.region]]: no region or static body is named \"cap\"; did "
      "you mean \"cup\"?"},
     {k_cup + constraint("region", "body = \"ball\"\nregion = \"cup\"\n"),
      "22:1: 'sigma_mm' in [[constraint.region]]: missing; expected a number from 1e-6 to 1000000 "
@@ -188,11 +189,35 @@ const std::vector<DirectionMistake> k_direction_mistakes{
      "23:1: 'name' in [[constraint.event]]: another constraint is already named \"a\""},
     {constraint("event", "name = \"a\"\nbody = \"ball 1\"\nhits = \"floor\"\n") +
          constraint("order", "events = [\"a\", \"b\"]\nsigma_s = 0.1\n"),
-     "23:1: 'events' in [[constraint.order]]: no event is named \"b\""},
+     "23:1: 'events' in [[constraint.order]]: no event is named \"b\"; the names are \"a\""},
     {constraint("event", "body = \"ball 1\"\nhits = \"floor\"\n") +
          constraint("never", "body = \"ball 1\"\nhits = \"floor\"\n"),
      "22:1: 'body' in [[constraint.never]]: contradicts the constraint in line 18: the one asks "
      "for a hit that the other forbids"},
+    {uncertain("body = \"box\"\nquantity = \"velocity_mps\"\nnormal_sd = [1, 1, 1]\n"),
+     "20:1: 'quantity' in [[world.uncertain]]: \"box\" starts at rest, so its speed is 0"},
+    {uncertain("body = \"ball\"\nquantity = \"position_mm\"\nwithin = [0, 0, 0]\n"),
+     "21:1: 'within' in [[world.uncertain]]: must not be all 0; give normal_sd, within or "
+     "choices, so that position_mm is uncertain"},
+    {uncertain("body = \"ball\"\nquantity = \"start_s\"\nwithin = [1]\nshares = [1]\n"),
+     "22:1: 'shares' in [[world.uncertain]]: belongs to choices, which are missing"},
+    {uncertain("body = \"ball\"\nquantity = \"radius_mm\"\nchoices = [5, 6]\nshares = [0, 0]\n"),
+     "22:1: 'shares' in [[world.uncertain]]: must not be all 0"},
+    {uncertain("body = \"ball\"\nquantity = \"presence\"\nnormal_sd = [1]\n"),
+     "21:1: 'normal_sd' in [[world.uncertain]]: presence has no such key; remove it"},
+    {uncertain("body = \"ball\"\nquantity = \"presence\"\nprobability = 0\n"),
+     "21:15: 'probability' in [[world.uncertain]]: expected a number above 0 and at most "
+     "1, found 0"},
+    {constraint("region", "body = \"ball\"\nregion = \"floor\"\nsigma_mm = 1\n"),
+     "20:1: 'region' in [[constraint.region]]: \"floor\" is a plane, which has no box around "
+     "it; name a [[world.region]]"},
+    {constraint("face", "body = \"ball\"\nup = 6\n"),
+     "20:1: 'up' in [[constraint.face]]: is for boxes, but \"ball 1\" is a sphere; set axis"},
+    {constraint("event", "name = \"a\"\nbody = \"ball 1\"\nhits = \"floor\"\n") +
+         constraint("order", "events = [\"a\", \"a\"]\nsigma_s = 0.1\n"),
+     "23:1: 'events' in [[constraint.order]]: \"a\" is named twice"},
+    {constraint("event", "body = \"ball\"\nhits = \"ball 1\"\n"),
+     "20:1: 'hits' in [[constraint.event]]: a body can't hit itself; name another body"},
 };
 
 INSTANTIATE_TEST_SUITE_P(All, SceneDirectionMistake, testing::ValuesIn(k_direction_mistakes));

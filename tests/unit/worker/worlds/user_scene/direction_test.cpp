@@ -105,7 +105,7 @@ TEST(Quantities, ChangeTheScene) {
              "choices = [1000]\n"
              "[[world.uncertain]]\nmaterial = \"clay\"\nquantity = \"restitution\"\nnormal_sd = "
              "[1]\n");
-  const physics::Scene scene = world.scene({1, 2, 1, 1, 0.6, 0.5, 0.25});
+  const physics::Scene scene = world.quantities().scene({1, 2, 1, 1, 0.6, 0.5, 0.25}).value();
   const std::vector<Object>& objects = world.parameters().built->objects;
   const auto body = [&](const std::string& name) {
     const auto at = std::ranges::find(objects, name, &Object::name);
@@ -121,6 +121,37 @@ TEST(Quantities, ChangeTheScene) {
   EXPECT_EQ(body("ball 2").start_tick, physics::k_tick_max);
   EXPECT_NEAR(scene.contacts.between({}, {}).restitution, 0.25, 1e-12);
   EXPECT_EQ(world.simulate({1, 2, 1, 1, 0.6, 0.5, 0.25}).end, End::settled);
+}
+
+TEST(UserScene, DrawsThatCantStartAreImpossible) {
+  const auto expect_impossible = [](const UserScene& world, const Numbers& state) {
+    const Outcome outcome = world.simulate(state);
+    EXPECT_EQ(outcome.end, End::impossible);
+    EXPECT_EQ(outcome.failure, nullptr);
+    EXPECT_FALSE(world.satisfied(outcome));
+  };
+  // The balls' centres are 100 mm apart.
+  const UserScene growing = bodies(uncertain("ball 1", "radius_mm", "normal_sd = [40]"));
+  EXPECT_EQ(growing.simulate({1}).end, End::settled);
+  expect_impossible(growing, {2.1});
+  // 0.01 mm by 1 km make no shape.
+  const UserScene flat = bodies(uncertain("box", "size_mm", "normal_sd = [1000000, 1000000, 0]"));
+  EXPECT_EQ(flat.simulate({0, 0}).end, End::settled);
+  expect_impossible(flat, {-1, 1});
+  const UserScene resting = world_of(R"(end_s = 2
+[[world.body]]
+name = "floor"
+shape = "plane"
+[[world.body]]
+name = "box"
+shape = "box"
+size_mm = [10, 20, 30]
+at_mm = [0, 0, 15]
+rests = true
+)" + uncertain("box", "position_mm", "normal_sd = [1, 0, 1]"));
+  EXPECT_EQ(resting.simulate({1, 0}).end, End::settled);
+  expect_impossible(resting, {0, 1});   // above the floor
+  expect_impossible(resting, {0, -1});  // in the floor
 }
 
 // ---- constraints --------------------------------------------------------------------------------
@@ -258,6 +289,32 @@ hits = "floor"
   EXPECT_NEAR(d[6], 2 - first_s, 1e-7);
 }
 
+TEST(Judge, RegionsAroundStaticBodies) {
+  const std::string region = "body = \"ball 1\"\nat_s = 0\nsigma_mm = 1\ntolerance_mm = 2000\n";
+  const UserScene world = world_of(k_floor + std::string(R"(
+[[world.body]]
+name = "lying pole"
+shape = "capsule"
+radius_mm = 10
+length_mm = 100
+at_mm = [0, -300, 10]
+turn_deg = [0, 90, 0]
+static = true
+[[world.body]]
+name = "slab"
+shape = "mesh"
+points_mm = [[-20, 0, 0], [-20, 9, 0], [-40, 9, 5]]
+triangles = [[0, 1, 2]]
+[[constraint.region]]
+region = "wall"
+)") + region + "[[constraint.region]]\nregion = \"lying pole\"\n" +
+                                   region + "[[constraint.region]]\nregion = \"slab\"\n" + region);
+  const auto d = distances_of(world);  // from (0, 0, 1010) mm
+  EXPECT_NEAR(d[0], std::hypot(0.295, 1), 1e-9);
+  EXPECT_NEAR(d[1], std::hypot(0.29, 0.99), 1e-9);
+  EXPECT_NEAR(d[2], std::hypot(0.02, 1.005), 1e-9);
+}
+
 TEST(Judge, BodiesAtRest) {
   const UserScene world = world_of(R"(end_s = 3
 [[world.material]]
@@ -308,7 +365,14 @@ sigma_mm = 1
   EXPECT_EQ(d[2], 0);          // it topples
   EXPECT_EQ(d[3], 0);          // plank 2 stands
   EXPECT_EQ(d[4], 1);          // and isn't in the region
+  EXPECT_EQ(outcome.judgement.met, (std::vector<bool>{true, true, true, true, false}));
   EXPECT_FALSE(outcome.judgement.all_met);
+  // Nobody rests yet at 0.1 s, except plank 2.
+  Parameters hasty = world.parameters();
+  hasty.scene.end_s = 0.1;
+  const Outcome early = UserScene(hasty).simulate({});
+  EXPECT_EQ(early.end, End::time_limit);
+  EXPECT_EQ(early.judgement.met, (std::vector<bool>{true, false, false, true, false}));
   EXPECT_NEAR(world.log_constraint(outcome), -0.5 * std::pow(d[1] / (10 * k_deg), 2) - 2.5, 1e-9);
 }
 
