@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "worker/physics/contact/contact_state.h"
+#include "worker/physics/contact/impact_noise.h"
 #include "worker/physics/contact/lasting_contact.h"
 #include "worker/physics/contact/plane_stay.h"
 #include "worker/physics/contact/resting.h"
@@ -85,6 +86,8 @@ concept AnyAtEvent = SpheresAtEvent<T> &&
   { at.rigid_body(b) } -> std::same_as<RigidImpactBody>;
   // How a body with this twist would stay on a face of static geometry. Empty: it doesn't stay.
   { at.lying(b, met, face, twist) } -> std::same_as<std::optional<PlaneStay>>;
+  // Returns the noise of the impact that the event is, and counts it. Empty: it has none.
+  { at.take_noise() } -> std::same_as<std::optional<ImpactNoise>>;
   // Records all corners that carry the body, not only those that collided (Resting::still_touches).
   at.notes_corners(b);
 };

@@ -17,6 +17,7 @@
 #include "worker/physics/collision/collision_rule.h"
 #include "worker/physics/contact/bodies_at_event.h"
 #include "worker/physics/contact/contact_state.h"
+#include "worker/physics/contact/impact_noise.h"
 #include "worker/physics/contact/lasting_contact.h"
 #include "worker/physics/contact/plane_stay.h"
 #include "worker/physics/contact/resting.h"
@@ -53,23 +54,36 @@ inline double hop_speed_mps(const SlowContacts& slow) {
 
 // ---- impacts ------------------------------------------------------------------------------------
 
-/// A body that rests is treated as static geometry.
+template <AnyAtEvent At>
+RigidImpactBody rigid_body(At& at, BodyId body, const Twist& twist) {
+  RigidImpactBody rigid = at.rigid_body(body);
+  rigid.twist = twist;
+  return rigid;
+}
+
+/// A body of an impact. A body that rests is treated as static geometry.
+struct Impinging {
+  BodyId body{};
+  Twist twist;
+  bool rests = false;
+};
+
 template <SpheresAtEvent At>
-ImpactOutput impact(At& at, BodyId a, BodyId b, const PieceContact& contact, const ContactLaw& law,
-                    bool a_rests, bool b_rests) {
+ImpactOutput impact(At& at, const Impinging& a, const Impinging& b, const PieceContact& contact,
+                    const ContactLaw& law) {
   if constexpr (AnyAtEvent<At>) {
-    if (!is_round(at, a) || !is_round(at, b)) {
-      return rigid_impact({.a = a_rests ? RigidImpactBody{} : at.rigid_body(a),
-                           .b = b_rests ? RigidImpactBody{} : at.rigid_body(b),
+    if (!is_round(at, a.body) || !is_round(at, b.body)) {
+      return rigid_impact({.a = a.rests ? RigidImpactBody{} : rigid_body(at, a.body, a.twist),
+                           .b = b.rests ? RigidImpactBody{} : rigid_body(at, b.body, b.twist),
                            .contact_m = contact.point_m,
                            .normal = contact.normal,
                            .law = law});
     }
   }
-  return sphere_impact({.mass_a = a_rests ? SphereMass{} : at.body(a).sphere_mass,
-                        .mass_b = b_rests ? SphereMass{} : at.body(b).sphere_mass,
-                        .a = at.twist(a),
-                        .b = at.twist(b),
+  return sphere_impact({.mass_a = a.rests ? SphereMass{} : at.body(a.body).sphere_mass,
+                        .mass_b = b.rests ? SphereMass{} : at.body(b.body).sphere_mass,
+                        .a = a.twist,
+                        .b = b.twist,
                         .normal = contact.normal,
                         .law = law});
 }
@@ -80,7 +94,7 @@ Twist impact_on_static(At& at, BodyId body, const Twist& before, const PieceCont
   if constexpr (AnyAtEvent<At>) {
     if (!is_round(at, body)) {
       return rigid_impact({.a = {},
-                           .b = at.rigid_body(body),
+                           .b = rigid_body(at, body, before),
                            .contact_m = contact.point_m,
                            .normal = contact.normal,
                            .law = law})
@@ -94,6 +108,51 @@ Twist impact_on_static(At& at, BodyId body, const Twist& before, const PieceCont
                         .normal = contact.normal,
                         .law = law})
       .b;
+}
+
+/// An impact with noise, and the impact that follows if the contact still approaches
+/// (contact_noise.h).
+struct NoisedImpact {
+  NoisedImpact(const ImpactNoise& noise, const PieceContact& contact, const ContactLaw& law)
+      : tilted(contact), noised(law), dead(law) {
+    tilted.normal = noise.tilted(contact.normal);
+    noised.restitution = noise.noised(law.restitution);
+    dead.restitution = 0;
+  }
+  PieceContact tilted;
+  ContactLaw noised;
+  ContactLaw dead;
+};
+
+/// Equals impact() if there is no noise.
+template <SpheresAtEvent At>
+ImpactOutput impact(At& at, Impinging a, Impinging b, const PieceContact& contact,
+                    const ContactLaw& law, const std::optional<ImpactNoise>& noise) {
+  if (!noise) return impact(at, a, b, contact, law);
+  const NoisedImpact with(*noise, contact, law);
+  const ImpactOutput first = impact(at, a, b, with.tilted, with.noised);
+  const auto arm_m = [&](BodyId body) { return Vec3(contact.point_m - at.place_m(body)); };
+  if (first.regime == ImpactRegime::unresolved ||
+      !(parting_mps(contact.normal, arm_m(a.body), first.a, arm_m(b.body), first.b) < 0))
+    return first;
+  a.twist = first.a;
+  b.twist = first.b;
+  ImpactOutput both = impact(at, a, b, contact, with.dead);
+  both.impulse_ns += first.impulse_ns;
+  both.normal_impulse_ns += first.normal_impulse_ns;
+  return both;
+}
+
+/// Equals impact_on_static() if there is no noise.
+template <SpheresAtEvent At>
+Twist impact_on_static(At& at, BodyId body, const Twist& before, const PieceContact& contact,
+                       const ContactLaw& law, const std::optional<ImpactNoise>& noise) {
+  if (!noise) return impact_on_static(at, body, before, contact, law);
+  const NoisedImpact with(*noise, contact, law);
+  const Twist after = impact_on_static(at, body, before, with.tilted, with.noised);
+  const Vec3 arm_m = contact.point_m - at.place_m(body);
+  if (!(parting_mps(contact.normal, Vec3::Zero(), {}, arm_m, after) < 0)) return after;
+  return impact_on_static(at, body, after, contact, with.dead);
 }
 
 /// Returns the twist with which a body leaves an obstacle at rest. A rolling round body hops: it
@@ -359,7 +418,12 @@ bool collide(At& at, BodyId a, BodyId b, const PieceContact& contact, const Surf
   if (at.may_stay) at.supports(a).met_body = at.supports(b).met_body = at.tick;
   bool a_rests = is_resting(at, a);
   bool b_rests = is_resting(at, b);
-  ImpactOutput after = impact(at, a, b, contact, law, a_rests, b_rests);
+  std::optional<ImpactNoise> noise;
+  if constexpr (AnyAtEvent<At>) noise = at.take_noise();
+  const auto resolve = [&] {
+    return impact(at, {a, at.twist(a), a_rests}, {b, at.twist(b), b_rests}, contact, law, noise);
+  };
+  ImpactOutput after = resolve();
   if (a_rests || b_rests) {
     // If the impact wakes the resting body, resolve it again with both bodies free.
     const BodyId sleeper = a_rests ? a : b;
@@ -367,7 +431,7 @@ bool collide(At& at, BodyId a, BodyId b, const PieceContact& contact, const Surf
     if (is_woken(at, sleeper, a_rests ? of_a : of_b, jump_mps)) {
       a_rests = false;
       b_rests = false;
-      after = impact(at, a, b, contact, law, false, false);
+      after = resolve();
       wake_dependents(at, sleeper);
     }
   }
@@ -411,9 +475,13 @@ void collide_static(At& at, BodyId body, StaticId index, const PieceContact& con
   const bool caught = is_caught(at, body, index, approach_mps, law.restitution, before);
   if (caught) law = {.restitution = 0, .friction = law.friction};
   std::optional<PlaneStay> lies;
-  if constexpr (AnyAtEvent<At>) lies = settling(at, body, index, contact, law.restitution, before);
-  Twist after =
-      lies ? twist_at_begin(lies->segment) : impact_on_static(at, body, before, contact, law);
+  std::optional<ImpactNoise> noise;
+  if constexpr (AnyAtEvent<At>) {
+    lies = settling(at, body, index, contact, law.restitution, before);
+    if (!caught && !lies) noise = at.take_noise();
+  }
+  Twist after = lies ? twist_at_begin(lies->segment)
+                     : impact_on_static(at, body, before, contact, law, noise);
   if (!caught && !lies && at.scene.slow.separation_speed_mps > 0)
     after = leaving(at, body, contact, after);
   if (touched) {

@@ -10,7 +10,8 @@
 
 namespace sleight::physics {
 bool are_marbles(const Scene& scene) {
-  if (!scene.controls.empty() || scene.period_m != std::array<double, 3>{} || scene.filter.any())
+  if (!scene.controls.empty() || scene.period_m != std::array<double, 3>{} || scene.filter.any() ||
+      scene.noise.is_on())
     return false;
   if (!(scene.slow.separation_speed_mps > 0) || scene.bodies.empty()) return false;
   const BodyDescription& first = scene.bodies.front();

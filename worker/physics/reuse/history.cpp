@@ -33,6 +33,8 @@ HistoryEvent HistoryChunk::event(std::size_t index) const {
   const Entry& own = events_[index];
   return {.key = own.key,
           .gap_m = own.gap_m,
+          .approach_mps = own.approach_mps,
+          .noise_number = own.noise_number,
           .participants = part(participants_, before.participants, own.participants),
           .segments = part(segments_, before.segments, own.segments),
           .touches = part(touches_, before.touches, own.touches),
@@ -46,6 +48,8 @@ void HistoryChunk::append(const HistoryEvent& event) {
   append_all(contact_states_, event.contact_states);
   events_.push_back({.key = event.key,
                      .gap_m = event.gap_m,
+                     .approach_mps = event.approach_mps,
+                     .noise_number = event.noise_number,
                      .participants = static_cast<std::uint32_t>(participants_.size()),
                      .segments = static_cast<std::uint32_t>(segments_.size()),
                      .touches = static_cast<std::uint32_t>(touches_.size()),
@@ -126,6 +130,11 @@ std::size_t append_to(Recording& recording, const HistoryChunks& chunks, std::si
     events_done = place;
   }
   return events_done;
+}
+
+bool same_bits(const TouchRecord& a, const TouchRecord& b) {
+  return a.tick == b.tick && a.partner == b.partner && a.feature == b.feature &&
+         same(a.friction, b.friction) && same(a.normal, b.normal) && same(a.arm_m, b.arm_m);
 }
 
 bool same_bits(const Segment& a, const Segment& b) {

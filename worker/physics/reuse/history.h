@@ -45,7 +45,9 @@ struct Participant {
 /// An event of a history. All lists are in the order of participants.
 struct HistoryEvent {
   EventKey key;
-  double gap_m = 0;  ///< for a collision of two bodies
+  double gap_m = 0;         ///< for a collision of two bodies
+  double approach_mps = 0;  ///< for a collision; see Impact
+  std::uint32_t noise_number = 0;
   std::span<const Participant> participants;
   std::span<const Segment> segments;
   /// The list has one touch for each participant whose touches() is true, and the touches of all
@@ -67,6 +69,8 @@ class HistoryChunk {
   struct Entry {
     EventKey key;
     double gap_m = 0;
+    double approach_mps = 0;
+    std::uint32_t noise_number = 0;
     // The index at which the event's range ends, in each list below.
     std::uint32_t participants = 0, segments = 0, touches = 0, contact_states = 0;
   };
@@ -134,5 +138,6 @@ class HistoryWriter {
 std::size_t append_to(Recording& recording, const HistoryChunks& chunks, std::size_t events_done);
 
 bool same_bits(const Segment& a, const Segment& b);
+bool same_bits(const TouchRecord& a, const TouchRecord& b);
 
 }  // namespace sleight::physics

@@ -26,6 +26,10 @@ class HistoryBuilder {
     touch_of_[place] = touch;
   }
   void meet(double gap_m) { gap_m_ = gap_m; }
+  void has_impact(double approach_mps, std::uint32_t noise_number) {
+    approach_mps_ = approach_mps;
+    noise_number_ = noise_number;
+  }
 
   /// Ends the event. The callback state(participant, segments, touches, contact_states) appends the
   /// data that the participant's flags name. A contact state includes its touches.
@@ -44,12 +48,15 @@ class HistoryBuilder {
     }
     writer_.append({.key = key,
                     .gap_m = gap_m_,
+                    .approach_mps = approach_mps_,
+                    .noise_number = noise_number_,
                     .participants = participants_,
                     .segments = segments_,
                     .touches = touches_,
                     .contact_states = contact_states_});
     participants_.clear();
     gap_m_ = 0;
+    has_impact(0, 0);
   }
   /// After a replayed event: discards the collected data, and appends the earlier history's event.
   void replayed(const HistoryEvent& event) {
@@ -79,6 +86,8 @@ class HistoryBuilder {
   std::vector<Participant> participants_;
   std::vector<TouchRecord> touch_of_;  ///< by participant
   double gap_m_ = 0;
+  double approach_mps_ = 0;
+  std::uint32_t noise_number_ = 0;
   std::vector<Segment> segments_;
   std::vector<TouchRecord> touches_;
   std::vector<ContactState> contact_states_;

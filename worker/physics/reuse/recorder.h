@@ -45,6 +45,9 @@ class Recorder {
   void meets(double gap_m) {
     if (builder_) builder_->meet(gap_m);
   }
+  void has_impact(double approach_mps, std::uint32_t noise_number) {
+    if (builder_) builder_->has_impact(approach_mps, noise_number);
+  }
   /// Ends the event. `state`: see HistoryBuilder::finish. REQUIRES: keeps_history().
   template <class State>
   void keep(const EventKey& event, const State& state) {

@@ -49,12 +49,19 @@ bool same(const FrictionMap* a, const FrictionMap* b) {
   return a == b || (a != nullptr && b != nullptr && a->same_as(*b));
 }
 
+/// The values may differ: a replay compares them impact by impact.
+bool same_noise(const ContactNoise& a, const ContactNoise& b) {
+  if (!a.is_on() && !b.is_on()) return true;
+  return a.is_on() == b.is_on() && same(a.above_mps, b.above_mps) &&
+         same(a.tilt_sd_rad, b.tilt_sd_rad) && same(a.restitution_sd, b.restitution_sd);
+}
+
 bool same_laws(const Scene& a, const Scene& b) {
   const bool plain = a.bodies.size() == b.bodies.size() && same(a.gravity_mps2, b.gravity_mps2) &&
                      a.period_m == b.period_m && a.filter == b.filter &&
                      same(a.slow.separation_speed_mps, b.slow.separation_speed_mps) &&
                      same(a.slow.rest_speed_mps, b.slow.rest_speed_mps) &&
-                     same(a.slow.rest_time_s, b.slow.rest_time_s) &&
+                     same(a.slow.rest_time_s, b.slow.rest_time_s) && same_noise(a.noise, b.noise) &&
                      a.contacts.materials() == b.contacts.materials();
   if (!plain) return false;
   for (std::size_t i = 0; i < a.contacts.materials(); ++i) {
@@ -286,9 +293,6 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
   changes.laws = !same_laws(before, after);
   if (changes.laws) return changes;
   bool same_shapes = true;
-  bool some_rest = false;
-  bool others_rest = false;
-  bool others_fixed = false;
   bool all_differ = true;
   for (std::size_t i = 0; i < after.bodies.size(); ++i) {
     const BodyDescription& was = before.bodies[i];
@@ -304,14 +308,6 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     all_differ = all_differ && (differs || both_fixed);
     changes.bodies.push_back(differs ? 1 : 0);
     if (differs) changes.first = std::min({changes.first, was.start_tick, is.start_tick});
-    some_rest = some_rest || was.rests || is.rests;
-    others_rest = others_rest || (differs && (was.rests || is.rests));
-    others_fixed = others_fixed || (differs && (was.fixed || is.fixed));
-  }
-  // Bodies that start at rest depend on everything that they touch at the start.
-  if (others_rest || (some_rest && others_fixed)) {
-    changes.laws = true;
-    return changes;
   }
   // If most of the scene has changed, almost nothing can be replayed. So skip the comparison of
   // features, which takes as long as some simulations.
@@ -338,8 +334,6 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
                    (!after.surfaces.empty() && old.piece_count() != statics.piece_count());
     if (changes.laws) return changes;
     changes.places = PlaceFinder(old, statics).find(std::move(over_surfaces));
-    changes.laws = some_rest && !changes.places.none();
-    if (changes.laws) return changes;
   }
   const std::vector<std::uint32_t> old_order = controls_in_order(before);
   const std::vector<std::uint32_t> order = controls_in_order(after);

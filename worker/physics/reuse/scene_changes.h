@@ -29,8 +29,7 @@ struct ChangedPlaces {
 
 struct SceneChanges {
   /// Whether everything may differ: if the number of bodies, the laws or the meaning of indices
-  /// changed. Everything may also differ if bodies start at rest, and such bodies, fixed bodies or
-  /// static geometry changed.
+  /// changed.
   bool laws = false;
   std::vector<std::uint8_t> bodies{};  ///< by body: whether the body or its start has changed
   ChangedPlaces places{};

@@ -19,6 +19,7 @@
 #include "worker/physics/event/event.h"
 #include "worker/physics/motion/rigid_body.h"
 #include "worker/physics/scene/collision_filter.h"
+#include "worker/physics/scene/contact_noise.h"
 #include "worker/physics/scene/friction_map.h"
 #include "worker/physics/scene/surface_law.h"
 #include "worker/physics/shape/mass_properties.h"
@@ -154,6 +155,7 @@ struct Scene {
   ContactTable contacts;
   CollisionFilter filter;  ///< by default, everything meets
   SlowContacts slow;
+  ContactNoise noise;  ///< by default, none
   Vec3 gravity_mps2 = Vec3::Zero();
   /// Space repeats with this period along each axis; 0: it doesn't repeat. REQUIRES: no static
   /// geometry and no fixed bodies.

@@ -149,6 +149,10 @@ class StaticGeometry {
   MaterialId material_of_piece(PieceId index) const { return piece_owners_[index].material; }
   CollisionGroup group_of_feature(FeatureId index) const { return feature_owners_[index].group; }
   CollisionGroup group_of_piece(PieceId index) const { return piece_owners_[index].group; }
+  /// Number of the object: planes, convexes and meshes are numbered in this order.
+  std::uint32_t object_of_feature(FeatureId index) const { return feature_owners_[index].name; }
+  std::uint32_t object_of_piece(PieceId index) const { return piece_owners_[index].name; }
+  std::uint32_t object_count() const { return static_cast<std::uint32_t>(names_.size()); }
   const std::string& name_of_feature(FeatureId index) const {
     return names_[feature_owners_[index].name];
   }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "worker/physics/reuse/same_bits.h"
 
 namespace sleight::physics {
 
@@ -26,12 +27,23 @@ Replaying::Replaying(World& world, std::shared_ptr<const History> history) : wor
   find_quiet_until();
 }
 
+bool Replaying::has_other_noise(const HistoryEvent& event) const {
+  if (event.noise_number == 0) return false;
+  const NoiseValues* was = replay_->history->scene.noise.values.get();
+  const NoiseValues* is = world_.bodies().scene().noise.values.get();
+  if (was == is) return false;
+  const NoiseAddress address{event.key.lower, world_.partner_of(event.key), event.noise_number};
+  return !std::ranges::equal(was->at(address), is->at(address),
+                             [](double a, double b) { return same(a, b); });
+}
+
 /// Finds the tick until which only the history's events happen. From this tick on, a segment may
 /// come near changed static geometry, or a body may start elsewhere because of the change.
 void Replaying::find_quiet_until() {
   Replay& replay = *replay_;
   const ChangedPlaces& places = replay.changes.places;
   Tick until = std::min(replay.changes.first, replay.history->end + 1);
+  const bool noised = replay.history->scene.noise.is_on();
   std::vector<const Segment*> latest(places.none() ? 0 : bodies().size(), nullptr);
   const auto look = [&](BodyId body, Tick end) {
     const Segment& segment = *latest[body];
@@ -43,8 +55,11 @@ void Replaying::find_quiet_until() {
       until = std::min(until, path.begin);
   };
   for (HistoryReader reader(replay.history->chunks);
-       !places.none() && !reader.at_end() && reader.event().key.tick < until; reader.next()) {
+       (noised || !places.none()) && !reader.at_end() && reader.event().key.tick < until;
+       reader.next()) {
     const HistoryEvent& event = reader.event();
+    if (noised && has_other_noise(event)) until = event.key.tick;
+    if (places.none()) continue;
     std::size_t segment = 0;
     for (const Participant& participant : event.participants) {
       if (!participant.begins()) continue;
@@ -94,15 +109,46 @@ Tick Replaying::skip_quiet(Tick end) {
   return last;
 }
 
+bool Replaying::begins_as(BodyId body, const HistoryEvent& start) {
+  if (!same_bits(start.segments[0], bodies().segment(body))) return false;
+  if (start.contact_states.empty()) return true;
+  // The body starts at rest. What holds it depends on its whole structure.
+  const RestState& was = start.contact_states[0].rest;
+  std::vector<TouchRecord> touches;
+  const RestState is = world_.resting().state_of(body, touches);
+  const auto supporters = [](const RestState& state) {
+    return std::span(state.supporters).first(state.supporter_count);
+  };
+  return was.count == is.count && was.held_count == is.held_count &&
+         std::ranges::equal(supporters(was), supporters(is)) &&
+         std::ranges::equal(start.touches, touches, [](const TouchRecord& a, const TouchRecord& b) {
+           return same_bits(a, b);
+         });
+}
+
 bool Replaying::starts(BodyId body, const EventKey& event) {
-  if (replay_->awaited[body] == 0) return false;
-  const HistoryEvent& next = replay_->reader.event();
-  CHECK(next.key == event);
-  const bool same = same_bits(next.segments[0], bodies().segment(body));
-  replay_->reader.next();
-  replay_->awaited[body] = 0;
-  --replay_->awaited_count;
-  if (same) world_.replayed().add(body, bodies().is_fixed(body));
+  const auto stop_waiting = [&](BodyId one) {
+    if (replay_->awaited[one] == 0) return;
+    replay_->awaited[one] = 0;
+    --replay_->awaited_count;
+  };
+  bool same = false;
+  if (replay_->awaited[body] != 0) {
+    const HistoryEvent& next = replay_->reader.event();
+    CHECK(next.key == event);
+    same = begins_as(body, next);
+    replay_->reader.next();
+    stop_waiting(body);
+  }
+  if (same) {
+    world_.replayed().add(body, bodies().is_fixed(body));
+  } else if (bodies().is_resting(body) && !bodies().is_fixed(body)) {
+    // A moving supporter must wake the body.
+    for (const BodyId supporter : world_.resting().supporters(body)) {
+      world_.replayed().make_live(supporter);
+      stop_waiting(supporter);
+    }
+  }
   return same;
 }
 
@@ -134,7 +180,7 @@ bool Replaying::play() {
   const bool all = std::ranges::all_of(event.participants, [&](const Participant& participant) {
     return world_.replayed().has(participant.body());
   });
-  if (!all || is_changed_control) {
+  if (!all || is_changed_control || has_other_noise(event)) {
     for (const Participant& participant : event.participants)
       world_.replayed().make_live(participant.body());
     return false;

@@ -36,7 +36,8 @@ class Replaying {
   /// Replays all events up to and at `end`, but only those before quiet_until(). Returns the last
   /// tick replayed. REQUIRES: no other events were processed.
   Tick skip_quiet(Tick end);
-  /// Processes the start of a body. Returns whether the body is replayed from now on.
+  /// Processes the start of a body. Returns whether the body is replayed from now on. A body that
+  /// starts at rest is replayed only if it touches and leans on the same as in the history.
   bool starts(BodyId body, const EventKey& event);
   /// Finds the history's next event in which a replayed or awaited body takes part, and returns the
   /// event's key. If there is no such event, returns a key after the history's end.
@@ -54,6 +55,10 @@ class Replaying {
 
  private:
   void find_quiet_until();
+  /// Whether an event of the history is an impact whose noise differs now.
+  bool has_other_noise(const HistoryEvent& event) const;
+  /// Whether a body that has just begun equals its state after a start event of the history.
+  bool begins_as(BodyId body, const HistoryEvent& start);
 
   Bodies& bodies() { return world_.bodies(); }
 

@@ -20,6 +20,7 @@ constexpr double k_spin_radps_max = 1e6;
 /// At this gravity, a falling body's speed grows by 1e-5 m/s per tick. Lasting contacts can still
 /// be distinguished from impacts.
 constexpr double k_gravity_mps2_max = 1e4;
+constexpr double k_tilt_sd_rad_max = 0.5;
 constexpr double k_mass_kg_min = 1e-12;
 constexpr double k_mass_kg_max = 1e12;
 constexpr double k_surface_spacing_m_min = 1e-3;
@@ -212,6 +213,19 @@ std::optional<SceneError> error_of_owner(const Scene& scene, const Static& one,
                            material.value, scene.contacts.materials()));
 }
 
+std::optional<SceneError> error_of_noise(const ContactNoise& noise) {
+  if (!noise.is_on()) return std::nullopt;
+  const bool valid = noise.above_mps > 0 && noise.above_mps <= k_speed_mps_max &&
+                     noise.tilt_sd_rad >= 0 && noise.tilt_sd_rad <= k_tilt_sd_rad_max &&
+                     noise.restitution_sd >= 0 && noise.restitution_sd <= 1;
+  if (valid) return std::nullopt;
+  return error(
+      Kind::bad_number,
+      fmt::format("contact noise is above {} m/s with deviations of {} rad and {}; "
+                  "expected a speed above 0, at most {} rad, and at most 1",
+                  noise.above_mps, noise.tilt_sd_rad, noise.restitution_sd, k_tilt_sd_rad_max));
+}
+
 std::optional<SceneError> error_of_statics(const Scene& scene) {
   for (std::size_t i = 0; i < scene.planes.size(); ++i) {
     const StaticPlane& plane = scene.planes[i];
@@ -389,6 +403,7 @@ std::optional<SceneError> error_of(const Scene& scene) {
   }
   if (auto wrong = error_of_slow(scene.slow)) return wrong;
   if (auto wrong = error_of_laws(scene.contacts)) return wrong;
+  if (auto wrong = error_of_noise(scene.noise)) return wrong;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const BodyDescription& body = scene.bodies[i];
     const std::string name =

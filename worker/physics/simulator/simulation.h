@@ -104,8 +104,7 @@ class Simulation {
   const Counts& counts() const;
   /// Collisions with the scene's surfaces up to now(), in order. Includes replayed collisions.
   std::span<const SurfaceTouch> surface_touches() const;
-  /// All collisions up to now(), in order. Includes replayed collisions, even if the history was
-  /// made without `keep_impacts`. Empty if `keep_impacts` is off.
+  /// All collisions up to now(), in order, replayed ones too. Empty if `keep_impacts` is off.
   std::span<const Impact> impacts() const;
   /// Recording up to now(); empty if not recorded. If the simulation stores a history, this call
   /// creates or completes the recording.

@@ -8,6 +8,12 @@
 #include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
+namespace {
+
+/// Noised impacts of a body with this many partners are counted without allocation.
+constexpr std::size_t k_partners_reserved = 16;
+
+}  // namespace
 
 World::World(const Scene& scene, bool record, std::size_t segments_reserved)
     : bodies_(scene),
@@ -40,7 +46,12 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
   replayed_.reset(count);
   changed_.reserve(count);
   collided_.resize(count);
-  if (only_flies() && scene.contacts.materials() == 1 &&
+  if (scene.noise.is_on()) {
+    noised_.resize(count);
+    for (std::vector<PairCount>& pairs : noised_)
+      pairs.reserve(k_partners_reserved);
+  }
+  if (only_flies() && !scene.noise.is_on() && scene.contacts.materials() == 1 &&
       scene.contacts.between({}, {}).friction == 0) {
     for (BodyId body{}; body < count; ++body)
       plain_inverse_masses_per_kg_.push_back(

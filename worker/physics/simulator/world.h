@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "worker/physics/contact/contact_state.h"
+#include "worker/physics/contact/impact_noise.h"
 #include "worker/physics/contact/impacts.h"
 #include "worker/physics/contact/plane_stay.h"
 #include "worker/physics/contact/resting.h"
@@ -56,6 +57,11 @@ class World {
   /// Lists impacts from now on.
   void keep_impacts() { keeps_impacts_ = true; }
   std::span<const Impact> impacts() const { return impacts_; }
+  /// Returns what a collision's first body meets, as Impact::higher.
+  std::uint32_t partner_of(const EventKey& event) const {
+    return event.is_with_static() ? k_static | statics_.object(event.body(), event.met())
+                                  : event.higher;
+  }
   /// Returns what failed in a prediction or a collision. Empty if nothing failed.
   const std::optional<SceneError>& failure();
   bool has_failed() const { return failure_ || predictions_.gave_up(); }
@@ -85,8 +91,8 @@ class World {
   void change_mode(BodyId body, const EventKey& event);
   /// Replays an event of a history. REQUIRES: its participants are replayed.
   void happens_again(const HistoryEvent& event);
-  /// Replays an event without moving the bodies, unless impacts are kept. After many such events,
-  /// call is_by_now() to move each body to its last segment.
+  /// Replays an event without moving the bodies. After many such events, call is_by_now() to move
+  /// each body to its last segment.
   void passes(const HistoryEvent& event);
   void is_by_now(BodyId body, const Segment& segment);
   std::span<const BodyId> changed() const { return changed_; }
@@ -147,9 +153,13 @@ class World {
   void note_too_much(BodyId body, Tick tick);
   void note_failure(SceneError::Kind kind, const std::string& what, BodyId body, Tick tick);
   std::string message_of(const std::string& what, BodyId body, Tick tick) const;
-  /// If the event is a collision and impacts are kept, lists it. REQUIRES: the event hasn't changed
-  /// the bodies yet.
-  void note_impact(const EventKey& event);
+  /// Call before and after a collision changes the bodies. Lists the impact if impacts are kept.
+  void begin_impact(const EventKey& event);
+  void end_impact();
+  /// See AnyAtEvent. REQUIRES: begin_impact(), and both bodies' collisions are counted.
+  std::optional<ImpactNoise> take_noise();
+  /// Number of the pair's noised impacts so far. REQUIRES: the scene has noise.
+  std::uint32_t& noised(std::uint32_t lower, std::uint32_t higher);
   /// Records that a body touched a surface at centre_m + arm_m.
   void note_surface(BodyId body, StaticId met, Tick tick, const Vec3& centre_m, const Vec3& arm_m);
 
@@ -208,6 +218,12 @@ class World {
   std::vector<SurfaceTouch> surface_touches_;
   bool keeps_impacts_ = false;
   std::vector<Impact> impacts_;
+  Impact impact_;  ///< the current collision
+  struct PairCount {
+    std::uint32_t higher = 0;
+    std::uint32_t count = 0;
+  };
+  std::vector<std::vector<PairCount>> noised_;  ///< by Impact::lower; empty if there is no noise
   struct AtRest {
     std::vector<TouchRecord> touches;
     std::vector<BodyId> supporters;

@@ -64,6 +64,8 @@ class World::AtEvent : public contact::Event {
     world_.note_near_corners(body, tick);
   }
 
+  std::optional<ImpactNoise> take_noise() { return world_.take_noise(); }
+
   void goes_live(BodyId body) { world_.replayed_.make_live(body); }
   void reads(BodyId /*body*/, BodyId other) { world_.recorder_.takes_part(other); }
   void learns(BodyId body) { world_.recorder_.learns(body); }

@@ -23,22 +23,54 @@ void World::note_too_much(BodyId body, Tick tick) {
                tick);
 }
 
-void World::note_impact(const EventKey& event) {
-  if (!keeps_impacts_ || event.kind != EventKind::collision) return;
-  impacts_.push_back({.tick = event.tick,
-                      .lower = event.lower,
-                      .higher = event.higher,
-                      .approach_mps = std::max(0.0, predictions_.approach_mps(event))});
+void World::begin_impact(const EventKey& event) {
+  impact_ = {};
+  if (!keeps_impacts_ && !recorder_.keeps_history() && !scene().noise.is_on()) return;
+  impact_ = {.tick = event.tick,
+             .lower = event.lower,
+             .higher = partner_of(event),
+             .approach_mps = std::max(0.0, predictions_.approach_mps(event))};
+}
+
+void World::end_impact() {
+  recorder_.has_impact(impact_.approach_mps, impact_.noise_number);
+  if (keeps_impacts_) impacts_.push_back(impact_);
+}
+
+std::uint32_t& World::noised(std::uint32_t lower, std::uint32_t higher) {
+  std::vector<PairCount>& pairs = noised_[lower];
+  const auto found = std::ranges::find(pairs, higher, &PairCount::higher);
+  return found != pairs.end() ? found->count : pairs.emplace_back(PairCount{higher}).count;
+}
+
+std::optional<ImpactNoise> World::take_noise() {
+  const ContactNoise& noise = scene().noise;
+  if (!noise.is_on()) return std::nullopt;
+  const double strength = noise.strength(impact_.approach_mps);
+  const auto is_plastic = [&](std::uint32_t body) {
+    return collided_[body].at_tick > k_elastic_at_a_tick;
+  };
+  const bool with_static = (impact_.higher & k_static) != 0;
+  // Without restitution, a crowded body's collisions end. Noise would not let them.
+  if (strength == 0 || is_plastic(impact_.lower) || (!with_static && is_plastic(impact_.higher)))
+    return std::nullopt;
+  impact_.noise_number = ++noised(impact_.lower, impact_.higher);
+  const NoiseValue value = noise.values->at({impact_.lower, impact_.higher, impact_.noise_number});
+  const double tilt = strength * noise.tilt_sd_rad;
+  return ImpactNoise{.tilt_first = tilt * value[0],
+                     .tilt_second = tilt * value[1],
+                     .restitution = strength * noise.restitution_sd * value[2]};
 }
 
 void World::collide(BodyId a, BodyId b, const EventKey& event) {
   changed_.clear();
-  note_impact(event);
+  begin_impact(event);
   replayed_.make_live(a);
   replayed_.make_live(b);
   if (!plain_inverse_masses_per_kg_.empty() && predictions_.free_spheres(a, b) &&
       !bodies_.turns(a) && !bodies_.turns(b)) {
     collide_plain(a, b, event);
+    end_impact();
     return;
   }
   static_assert(contact::AnyAtEvent<AtEvent>);
@@ -46,13 +78,14 @@ void World::collide(BodyId a, BodyId b, const EventKey& event) {
   const bool resolved = contact::collide(
       at, a, b, predictions_.contact_at(a, b, event),
       scene().contacts.between(bodies_.constants(a).material, bodies_.constants(b).material));
+  end_impact();
   if (!resolved)
     note_failure(SceneError::Kind::impact_unresolved, "the impact can't be resolved", a,
                  event.tick);
 }
 
 void World::collide_static(BodyId body, StaticId met, const EventKey& event) {
-  note_impact(event);
+  begin_impact(event);
   const PieceContact contact = predictions_.static_contact_at(body, met, event);
   const bool plastic = count_at(body, event.tick).at_tick > k_elastic_at_a_tick;
   const SurfaceLaw law = statics_.law(body, met, contact.point_m);
@@ -66,6 +99,7 @@ void World::collide_static(BodyId body, StaticId met, const EventKey& event) {
       at, body, met, contact,
       contact::law_of_impact(law.restitution, law.friction, scene().slow, plastic),
       resting_.enabled() || surface);
+  end_impact();
 }
 
 void World::note_surface(BodyId body, StaticId met, Tick tick, const Vec3& centre_m,

@@ -49,6 +49,13 @@ void World::restore_surface(const HistoryEvent& event) {
 void World::restore(const HistoryEvent& event) {
   const EventKey& key = event.key;
   if (key.kind == EventKind::collision) {
+    const Impact impact{.tick = key.tick,
+                        .lower = key.lower,
+                        .higher = partner_of(key),
+                        .noise_number = event.noise_number,
+                        .approach_mps = event.approach_mps};
+    if (keeps_impacts_) impacts_.push_back(impact);
+    if (impact.noise_number > 0) noised(impact.lower, impact.higher) = impact.noise_number;
     count_at(key.body(), key.tick);
     if (!key.is_with_static()) {
       count_at(key.other_body(), key.tick);
@@ -77,13 +84,10 @@ void World::restore(const HistoryEvent& event) {
 }
 
 void World::passes(const HistoryEvent& event) {
-  note_impact(event.key);
   std::size_t segment = 0;
   for (const Participant& participant : event.participants) {
     if (!participant.begins()) continue;
     const Segment& begun = event.segments[segment++];
-    // note_impact() reads the motion.
-    if (keeps_impacts_) place(participant.body(), begun);
     bodies_.stays_on_nothing(participant.body());
     recorder_.takes_over(participant.body(), begun, event.key);
   }
@@ -97,7 +101,6 @@ void World::is_by_now(BodyId body, const Segment& segment) {
 
 void World::happens_again(const HistoryEvent& event) {
   changed_.clear();
-  note_impact(event.key);
   recorder_.give_up_if_full();
   std::size_t segment = 0;
   for (const Participant& participant : event.participants) {

@@ -27,6 +27,7 @@ StaticOwners::StaticOwners(const BuiltScene& built) {
   for (std::uint32_t object = built.bodies; object < built.objects.size(); ++object) {
     const Object& one = built.objects[object];
     for (std::uint32_t i = one.first; i < one.first + one.count; ++i) {
+      numbered_.push_back(object);
       if (one.kind == ObjectKind::mesh) {
         const physics::TriangleMesh& mesh = *built.scene.meshes[i].mesh;
         extend(features_, faces_of(mesh) + mesh.edges().size() + mesh.vertices_m().size(), object);
@@ -53,7 +54,7 @@ std::uint32_t StaticOwners::owner(std::uint32_t body, physics::StaticId met) con
 
 std::uint32_t StaticOwners::met_by(const physics::Impact& impact) const {
   const bool is_static = (impact.higher & physics::k_static) != 0;
-  return is_static ? owner(impact.lower, {impact.higher & ~physics::k_static}) : impact.higher;
+  return is_static ? numbered_[impact.higher & ~physics::k_static] : impact.higher;
 }
 
 }  // namespace sleight::worlds::user_scene

@@ -161,6 +161,12 @@ TEST(Marbles, AreRecognised) {
   other = scene;
   other.filter.set_meet({2}, {3}, false);
   EXPECT_FALSE(are_marbles(other));
+  struct Zero final : NoiseValues {
+    NoiseValue at(const NoiseAddress& /*address*/) const override { return {}; }
+  };
+  other = scene;
+  other.noise.values = std::make_shared<Zero>();
+  EXPECT_FALSE(are_marbles(other));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/fixed_and_filtered.h"
 #include "tests/unit/worker/physics/simulator/mixed_scene.h"
+#include "tests/unit/worker/physics/simulator/noised_scenes.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
 
@@ -122,9 +123,9 @@ Scene without_controls(Scene scene) {
 }
 
 TEST(Conservation, EventsGainNoEnergy) {
-  // Goal: no event gains energy, for any friction and restitution. Method: record scenes of every
-  // kind, without user controls. Compare the bodies' kinetic plus potential energy before and after
-  // each event. Another test covers the motion between events.
+  // Goal: no event gains energy, for any friction, restitution and contact noise. Method: record
+  // scenes of every kind, without user controls. Compare the bodies' kinetic plus potential energy
+  // before and after each event. Another test covers the motion between events.
   double largest = 0;
   const auto look = [&](const Scene& scene, double duration_s, const std::string& name) {
     const RecordedRun run = testing::recorded(without_controls(scene), duration_s);
@@ -145,6 +146,10 @@ TEST(Conservation, EventsGainNoEnergy) {
     testing::Dice dice(20270312, seed);
     look(testing::fixed_and_filtered(testing::mixed_scene(seed), dice), 0.6,
          "mixed scene with fixed bodies " + std::to_string(seed));
+    Scene noised = testing::mixed_scene(seed);
+    testing::add_noise(noised, 0.05, dice);
+    noised.noise.tilt_sd_rad = 0.3;
+    look(noised, 0.6, "mixed scene with noise " + std::to_string(seed));
   }
   std::printf("largest gain of an event, of its bodies' energy: %.2e\n", largest);
 }

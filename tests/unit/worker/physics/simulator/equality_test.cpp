@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <utility>
 
 #include "tests/engines/engines.h"
 #include "tests/scenes/shared/random_starts.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/fixed_and_filtered.h"
+#include "tests/unit/worker/physics/simulator/noised_scenes.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
 #include "worker/physics/simulator/simulation.h"
 
@@ -134,6 +137,30 @@ TEST(Equality, AlsoWithFixedBodiesAndFilteredGroups) {
   }
   if (!property::all_cases()) return;
   EXPECT_GT(collisions, 50 * scene_count());
+}
+
+TEST(Equality, AlsoWithContactNoise) {
+  // Goal: the same for scenes with contact noise. Method: as above. The pairs' noised impacts are
+  // numbered from 1 without gaps, and those below the noise's speed have no number.
+  std::uint64_t noised = 0;
+  for (const std::uint64_t n : property::cases(property::of_tier(22, scene_count()))) {
+    testing::Dice dice(20270312, n);
+    TestScene scene = testing::any_scene(n);
+    testing::add_noise(scene.setting.scene, dice.between(0.02, 0.5), dice);
+    SCOPED_TRACE("scene " + std::to_string(n) + ": " + scene.name);
+    compare_ways(scene);
+    compare_portions(scene, n);
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> numbers;
+    for (const Impact& impact : outcome_of(scene, {}).impacts) {
+      if (impact.noise_number == 0) continue;
+      ++noised;
+      EXPECT_GT(impact.approach_mps, scene.setting.scene.noise.above_mps);
+      EXPECT_EQ(impact.noise_number, (++numbers[{impact.lower, impact.higher}]));
+    }
+    if (HasFailure()) return;
+  }
+  if (!property::all_cases()) return;
+  EXPECT_GT(noised, 1000U);
 }
 
 TEST(Equality, OneWayMayTakeOverFromAnother) {

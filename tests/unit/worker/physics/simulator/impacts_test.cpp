@@ -1,10 +1,13 @@
 // Tests the list of impacts. `Equality` and `Reuse` compare it between ways and with replays.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "tests/unit/worker/physics/simulator/noised_scenes.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
+#include "worker/physics/response/tangent.h"
 #include "worker/physics/shape/mass_properties.h"
 
 namespace sleight::physics::impacts_test {
@@ -67,6 +70,45 @@ TEST(Impacts, TwoBodiesApproachAtTheirRelativeSpeed) {
     EXPECT_EQ(impact.lower, 0U);
     EXPECT_EQ(impact.higher, 1U);
     EXPECT_NEAR(impact.approach_mps, 1.5, 1e-12);
+  }
+}
+
+TEST(Impacts, NoiseTiltsTheNormalAndChangesTheRestitution) {
+  // Goal: the impact is that of the formulas in contact_noise.h, and its strength fades in. Method:
+  // let a ball fall onto a floor without friction. Compare with the reflection in the tilted
+  // normal. If the ball still approached the floor after it, its speed of separation is the floor
+  // of slow contacts, or 0.
+  struct Fall {
+    double drop_m;
+    double above_mps;
+    NoiseValue value;
+  };
+  for (const Fall& fall :
+       {Fall{1, 0.1, {0.7, -1.2, 0.4}}, Fall{1, 3, {0.7, -1.2, 0.4}}, Fall{1, 5, {0.7, -1.2, 0.4}},
+        Fall{1, 0.1, {0, 0, 30}}, Fall{1, 0.1, {14, 0, -30}}}) {
+    Scene scene = testing::floor_scene(k_radius_m, {.restitution = 0.8, .friction = 0});
+    scene.bodies.push_back(ball({0, 0, fall.drop_m + k_radius_m + k_touch_m}, Vec3::Zero()));
+    auto values = std::make_shared<testing::RandomNoise>();
+    values->overrides[{0, k_static, 1}] = fall.value;
+    scene.noise = {
+        .above_mps = fall.above_mps, .tilt_sd_rad = 0.1, .restitution_sd = 0.1, .values = values};
+    const Simulation simulation = run(scene, 0.5);
+    const Impact& first = simulation.impacts().front();
+    const double strength =
+        std::clamp((first.approach_mps - fall.above_mps) / fall.above_mps, 0.0, 1.0);
+    EXPECT_EQ(first.noise_number, strength > 0 ? 1U : 0U);
+    const Vec3 aside = strength * 0.1 *
+                       (fall.value[0] * any_tangent({0, 0, 1}) +
+                        fall.value[1] * math::cross(Vec3(0, 0, 1), any_tangent({0, 0, 1})));
+    const Vec3 normal = math::normalized(Vec3(0, 0, 1) + aside);
+    const double e = std::clamp(0.8 + strength * 0.1 * fall.value[2], 0.0, 1.0);
+    const Vec3 before(0, 0, -first.approach_mps);
+    Vec3 after = before - (1 + e) * math::dot(before, normal) * normal;
+    if (after.z() < 0) after.z() = scene.slow.separation_speed_mps;
+    const auto segments = simulation.recording().segments({0});
+    const Vec3& found = segments[1].segment.flight.velocity_mps;
+    EXPECT_LT(math::norm(found - after), after.z() > 0.1 ? 1e-9 : 0.05) << fall.value[2];
+    EXPECT_GE(found.z(), 0);
   }
 }
 

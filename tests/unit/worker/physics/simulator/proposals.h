@@ -12,6 +12,7 @@
 #include "tests/unit/worker/physics/scene/random_friction.h"
 #include "tests/unit/worker/physics/simulator/dice.h"
 #include "tests/unit/worker/physics/simulator/fixed_and_filtered.h"
+#include "tests/unit/worker/physics/simulator/noised_scenes.h"
 #include "worker/physics/scene/scene.h"
 
 namespace sleight::physics::testing {
@@ -23,7 +24,9 @@ struct Subject {
   double duration_s = 1;
   double size_m = 0.01;  ///< of a body
   double speed_mps = 0.3;
-  bool fixes = false;  ///< proposals also fix bodies and change groups
+  bool fixes = false;     ///< proposals also fix bodies and change groups
+  bool noised = false;    ///< proposals mostly change contact noise
+  bool standing = false;  ///< of standing_slabs(): proposals keep the starts at rest
 };
 
 inline double reach_m(const BodyDescription& body) {
@@ -135,6 +138,14 @@ inline void change_fixed(Scene& scene, const Subject& subject, Dice& dice) {
 }
 
 inline void change(Scene& scene, const Subject& subject, Dice& dice) {
+  if (subject.noised && dice.one_in(2)) {
+    change_noise(scene, dice);
+    return;
+  }
+  if (subject.standing) {
+    change_slab(scene, dice);
+    return;
+  }
   if (subject.fixes && dice.one_in(3)) {
     change_fixed(scene, subject, dice);
     settle_fixed(scene);

@@ -144,6 +144,68 @@ TEST(Reuse, AlsoWithFixedBodiesAndFilteredGroups) {
   EXPECT_LT(tally.failed, tally.runs / 5);
 }
 
+TEST(Reuse, AlsoWithContactNoise) {
+  // Goal: the same with contact noise, and with bodies that start at rest and move or turn.
+  // Proposals also change the noise of one impact or of all. In the list of impacts, each pair's
+  // noised impacts must be numbered without gaps, whatever was replayed.
+  Tally tally;
+  Tally standing;
+  for (const std::uint64_t n : property::cases(property::of_tier(12, chain_count()))) {
+    if (HasFatalFailure()) break;
+    Dice dice(k_seed + 3, n);
+    const bool stands = n % 4 == 3;
+    Subject subject = testing::subject_of(n);
+    if (stands) {
+      subject = {"slabs", testing::standing_slabs(static_cast<std::uint32_t>(3 + n % 3)), 0.2};
+      subject.standing = true;
+    }
+    SCOPED_TRACE(subject.name);
+    subject.noised = true;
+    testing::add_noise(subject.scene, dice.between(0.02, 0.5), dice);
+    run_chain(subject, subject.scene, dice, stands ? standing : tally);
+  }
+  fmt::print("seed {}: {} runs, {} failed; standing {}, {}; events replayed {} and {} of {}\n",
+             k_seed, tally.runs, tally.failed, standing.runs, standing.failed, tally.replayed,
+             standing.replayed, standing.all);
+  if (!property::all_cases()) return;
+  EXPECT_GT(tally.replayed, tally.simulated / 10);
+  EXPECT_GT(standing.replayed, standing.simulated / 10);
+  EXPECT_LT(tally.failed, tally.runs / 3);
+  EXPECT_LT(standing.failed, standing.runs / 5);
+}
+
+TEST(Reuse, OneOtherImpactLeavesAllBeforeItAsItWas) {
+  // Goal: if the noise of one impact differs, all events before it are replayed, and the body's
+  // motion differs from there on. Method: change the second impact of one of eight balls.
+  Scene scene = balls_apart(8);
+  scene.bodies[5].start.pose.position_m.z() = 0.5;
+  Dice dice(k_seed, 0);
+  testing::add_noise(scene, 0.05, dice);
+  SimulationOptions options;
+  options.keep_impacts = options.keep_history = true;
+  Simulation earlier = Simulation::start(scene, options).value();
+  ASSERT_FALSE(earlier.run_until(Tick{} + ticks_after(1.5)));
+  auto other = std::make_shared<testing::RandomNoise>(
+      static_cast<const testing::RandomNoise&>(*scene.noise.values));
+  other->overrides[{5, k_static, 2}] = {1, 0, 0};
+  Scene after = scene;
+  after.noise.values = other;
+  Simulation reused = Simulation::start(after, options, earlier.history()).value();
+  ASSERT_FALSE(reused.run_until(Tick{} + ticks_after(1.5)));
+  EXPECT_EQ(reused.recording().digest(), run(after, 1.5).digest);
+  EXPECT_LT(changes_of(reused.counts()), changes_of(run(after, 1.5).counts) / 4);
+  const auto is_changed = [](const Impact& impact) {
+    return impact.lower == 5 && impact.noise_number == 2;
+  };
+  const auto changed = std::ranges::find_if(reused.impacts(), is_changed);
+  ASSERT_NE(changed, reused.impacts().end());
+  const auto was = earlier.recording().segments({5});
+  const auto is = reused.recording().segments({5});
+  ASSERT_GT(is.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(same_bits(was[i].segment, is[i].segment), was[i].cause.tick < changed->tick);
+}
+
 TEST(Reuse, AWrongHistoryMakesADifference) {
   // Goal: a replayed body is not simulated, so a wrong history gives a wrong result, and the test
   // above can fail. Method: change the scene that a history stores, then replay the history.

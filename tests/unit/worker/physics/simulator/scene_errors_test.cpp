@@ -7,6 +7,7 @@
 #include "tests/scenes/shared/random_starts.h"
 #include "tests/support/facts.h"
 #include "tests/support/numbers.h"
+#include "tests/unit/worker/physics/simulator/noised_scenes.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/event/tolerances.h"
 #include "worker/physics/shape/mass_properties.h"
@@ -79,6 +80,10 @@ TEST(SceneErrors, EachFaultIsNamed) {
        [](Scene& s) { s.bodies[0].inertia.symmetry = InertiaSymmetry{77}; }},
       {Kind::bad_number, "separation speed|nan|1000000 m/s",
        [](Scene& s) { s.slow.separation_speed_mps = k_nan; }},
+      {Kind::bad_number, "contact noise|0 m/s|0.1 rad|0.5 rad",
+       [](Scene& s) {
+         s.noise = {.tilt_sd_rad = 0.1, .values = std::make_shared<testing::RandomNoise>()};
+       }},
       {Kind::bad_number, "rest speed|-1|1000000 m/s", [](Scene& s) { s.slow.rest_speed_mps = -1; }},
       {Kind::bad_number, "rest time|is 0|1e-06 to 1000000 s",
        [](Scene& s) { s.slow = {.rest_speed_mps = 0.01}; }},
