@@ -19,6 +19,7 @@ std::string with_unit(std::string words, std::string_view unit) {
 
 /// Describes a range as "an integer from 1 to 64", and as "1 .. 64" for the table of keys.
 void describe_range(const IntegerOptions& options, KeySpec& spec) {
+  spec.unit = options.unit;
   spec.range = fmt::format("{} .. {}", options.minimum, options.maximum);
   spec.expected = with_unit(
       fmt::format("an integer from {} to {}", options.minimum, options.maximum), options.unit);
@@ -30,6 +31,7 @@ void describe_range(const NumberOptions& options, KeySpec& spec) {
   const bool has_maximum = options.maximum != NumberOptions{}.maximum;
   const std::string minimum = plain_number(options.minimum);
   const std::string maximum = plain_number(options.maximum);
+  spec.unit = options.unit;
   spec.range = fmt::format("{}{}, {}{}", !has_minimum || options.above_minimum ? "(" : "[",
                            has_minimum ? minimum : "-inf", has_maximum ? maximum : "inf",
                            !has_maximum || options.below_maximum ? ")" : "]");
@@ -117,8 +119,19 @@ const std::vector<Value>* elements_of(const Value& value, std::size_t count_min,
   return fits ? array : nullptr;
 }
 
-/// Tells why a value isn't a text. `key` is its name in a `--set`.
-std::string hint_of_text(const Value& value, std::string_view key) {
+/// Tells why a value isn't an element. `key` is its name in a `--set`.
+std::string hint_of(const Value& /*value*/, const NumberOptions& /*options*/,
+                    std::string_view /*key*/) {
+  return "";
+}
+
+std::string hint_of(const Value& value, const IntegerOptions& /*options*/,
+                    std::string_view /*key*/) {
+  const bool is_number = std::holds_alternative<double>(value.held);
+  return is_number ? "; an integer has no '.' and no exponent" : "";
+}
+
+std::string hint_of(const Value& value, const TextOptions& /*options*/, std::string_view key) {
   if (const auto* text = std::get_if<std::string>(&value.held))
     return fmt::format(", which has {} characters", character_count(*text));
   const bool is_scalar = std::holds_alternative<std::int64_t>(value.held) ||
@@ -179,42 +192,36 @@ void Binder::refuse(const Value& value, std::string_view hint) {
        fmt::format("expected {}, found {}{}", spec.expected, description(value), hint));
 }
 
-std::optional<double> Binder::read_number(std::string_view key, std::optional<double> fallback,
-                                          Presence presence, const NumberOptions& options) {
-  KeySpec spec{.key = std::string(key),
-               .unit = std::string(options.unit),
-               .presence = presence,
-               .help = std::string(options.help)};
-  if (fallback) {
-    CHECK(in_range(*fallback, options));
-    spec.fallback = toml_number(*fallback);
-  }
+template <class Element, class Options>
+std::optional<Element> Binder::read(std::string_view key, std::optional<Element> fallback,
+                                    Presence presence, const Options& options) {
+  KeySpec spec{.key = std::string(key), .presence = presence, .help = std::string(options.help)};
   describe_range(options, spec);
-
-  std::optional<double> number = fallback;
+  if (fallback) {
+    CHECK(element_of(Value{.held = *fallback, .place = {}}, options).has_value());
+    spec.fallback = toml_of(*fallback);
+  }
+  std::optional<Element> read = std::move(fallback);
   if (const Value* value = declare(std::move(spec))) {
-    if (const auto found = element_of(*value, options)) {
-      number = found;
+    if (auto found = element_of(*value, options)) {
+      read = std::move(found);
     } else {
-      refuse(*value);
+      refuse(*value, hint_of(*value, options, fmt::format("{}.{}", section_name_, key)));
     }
   }
-  if (number) bound_.keys.back().value = toml_number(*number);
-  return number;
+  if (read) bound_.keys.back().value = toml_of(*read);
+  return read;
 }
+
+template std::optional<double> Binder::read(std::string_view, std::optional<double>, Presence,
+                                            const NumberOptions&);
+template std::optional<std::int64_t> Binder::read(std::string_view, std::optional<std::int64_t>,
+                                                  Presence, const IntegerOptions&);
+template std::optional<std::string> Binder::read(std::string_view, std::optional<std::string>,
+                                                 Presence, const TextOptions&);
 
 void Binder::number(std::string_view key, double& value, const NumberOptions& options) {
-  value = *read_number(key, value, Presence::defaulted, options);
-}
-
-void Binder::optional_number(std::string_view key, std::optional<double>& value,
-                             const NumberOptions& options) {
-  CHECK(!value.has_value());
-  value = read_number(key, std::nullopt, Presence::optional, options);
-}
-
-void Binder::required_number(std::string_view key, double& value, const NumberOptions& options) {
-  value = read_number(key, std::nullopt, Presence::required, options).value_or(value);
+  value = *read<double>(key, value, Presence::defaulted, options);
 }
 
 void Binder::numbers(std::string_view key, std::vector<double>& values, const ListOptions& list,
@@ -235,7 +242,6 @@ template <class Options>
 Binder::ExpectedElements Binder::describe_array(const Shape& shape, const Options& each,
                                                 KeySpec& spec) {
   describe_range(each, spec);
-  if constexpr (!std::is_same_v<Options, TextOptions>) spec.unit = each.unit;
   ExpectedElements expected;
   expected.element = spec.expected;
   expected.row = fmt::format("{}, each {}", counted(shape.columns, noun(each)), spec.expected);
@@ -366,35 +372,9 @@ void Binder::angle_deg(std::string_view key, double& value_rad, const NumberOpti
   NumberOptions in_degrees = options;
   in_degrees.unit = "degrees";
   const double fallback = degrees_of_radians(value_rad);
-  const double degrees = *read_number(key, fallback, Presence::defaulted, in_degrees);
+  const double degrees = *read<double>(key, fallback, Presence::defaulted, in_degrees);
   // Don't convert an unchanged default, so that it keeps its exact bits.
   if (degrees != fallback) value_rad = radians_of_degrees(degrees);
-}
-
-std::optional<std::int64_t> Binder::read_integer(std::string_view key,
-                                                 std::optional<std::int64_t> fallback,
-                                                 Presence presence, const IntegerOptions& options) {
-  KeySpec spec{.key = std::string(key),
-               .unit = std::string(options.unit),
-               .presence = presence,
-               .help = std::string(options.help)};
-  if (fallback) {
-    CHECK(*fallback >= options.minimum && *fallback <= options.maximum);
-    spec.fallback = fmt::format("{}", *fallback);
-  }
-  describe_range(options, spec);
-
-  std::optional<std::int64_t> integer = fallback;
-  if (const Value* value = declare(std::move(spec))) {
-    if (const auto found = element_of(*value, options)) {
-      integer = found;
-    } else {
-      const bool is_number = std::holds_alternative<double>(value->held);
-      refuse(*value, is_number ? "; an integer has no '.' and no exponent" : "");
-    }
-  }
-  if (integer) bound_.keys.back().value = fmt::format("{}", *integer);
-  return integer;
 }
 
 void Binder::boolean(std::string_view key, bool& value, std::string_view help) {
@@ -414,44 +394,13 @@ void Binder::boolean(std::string_view key, bool& value, std::string_view help) {
 }
 
 void Binder::text(std::string_view key, std::string& value, const TextOptions& options) {
-  value = *read_text(key, &value, Presence::defaulted, options);
-}
-
-void Binder::optional_text(std::string_view key, std::optional<std::string>& value,
-                           const TextOptions& options) {
-  CHECK(!value.has_value());
-  value = read_text(key, nullptr, Presence::optional, options);
-}
-
-void Binder::required_text(std::string_view key, std::string& value, const TextOptions& options) {
-  value = read_text(key, nullptr, Presence::required, options).value_or(value);
-}
-
-std::optional<std::string> Binder::read_text(std::string_view key, const std::string* fallback,
-                                             Presence presence, const TextOptions& options) {
-  KeySpec spec{.key = std::string(key), .presence = presence, .help = std::string(options.help)};
-  describe_range(options, spec);
-  std::optional<std::string> text;
-  if (fallback != nullptr) {
-    CHECK_LE(character_count(*fallback), options.characters_max);
-    text = *fallback;
-    spec.fallback = toml_string(*fallback);
-  }
-  if (const Value* value = declare(std::move(spec))) {
-    if (auto found = element_of(*value, options)) {
-      text = std::move(found);
-    } else {
-      refuse(*value, hint_of_text(*value, fmt::format("{}.{}", section_name_, key)));
-    }
-  }
-  if (text) bound_.keys.back().value = toml_string(*text);
-  return text;
+  value = *read<std::string>(key, value, Presence::defaulted, options);
 }
 
 std::optional<std::size_t> Binder::read_choice(std::string_view key,
                                                std::optional<std::size_t> fallback,
                                                const std::vector<std::string>& names,
-                                               Presence presence, std::string_view help) {
+                                               std::string_view help) {
   std::vector<std::string> quoted;
   for (const std::string& name : names)
     quoted.push_back(toml_string(name));
@@ -461,7 +410,7 @@ std::optional<std::size_t> Binder::read_choice(std::string_view key,
                                 .range = fmt::format("{}", fmt::join(quoted, " | ")),
                                 .expected = quoted.size() == 1 ? one_of : "one of " + one_of,
                                 .fallback = fallback ? quoted[*fallback] : "",
-                                .presence = presence,
+                                .presence = fallback ? Presence::defaulted : Presence::required,
                                 .help = std::string(help)});
 
   std::optional<std::size_t> chosen = fallback;

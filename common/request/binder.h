@@ -146,28 +146,33 @@ class Binder {
   /// repeats the given degrees, because converting them back from radians could change digits.
   void angle_deg(std::string_view key, double& value_rad, const NumberOptions& options);
 
-  /// An optional number. REQUIRES: `value` is empty.
-  void optional_number(std::string_view key, std::optional<double>& value,
-                       const NumberOptions& options);
-
-  /// A number that the file must have. If the file omits it, `value` is unchanged.
-  void required_number(std::string_view key, double& value, const NumberOptions& options);
-
-  /// An array of N numbers, such as a position. `each` describes every number.
-  template <std::size_t N>
-  void numbers(std::string_view key, std::array<double, N>& value, const NumberOptions& each) {
-    const std::vector<double> fallback(value.begin(), value.end());
-    const auto given = read_array<double>(key, row_of<N>(), &fallback, false, each);
-    if (given) std::copy_n(given->begin(), N, value.begin());
+  /// An optional number. Like all functions named optional_... and required_..., returns whether
+  /// the file has a valid value; if not, `value` is unchanged. T is double or an optional of it.
+  template <class T>
+  bool optional_number(std::string_view key, T& value, const NumberOptions& options) {
+    return assign(read<double>(key, std::nullopt, Presence::optional, options), value);
   }
 
-  /// An optional array of N numbers. REQUIRES: `value` is empty.
-  template <std::size_t N>
-  void optional_numbers(std::string_view key, std::optional<std::array<double, N>>& value,
-                        const NumberOptions& each) {
-    CHECK(!value.has_value());
-    const auto given = read_array<double>(key, row_of<N>(), nullptr, false, each);
-    if (given) std::copy_n(given->begin(), N, value.emplace().begin());
+  /// A number that the file must have.
+  bool required_number(std::string_view key, double& value, const NumberOptions& options) {
+    return assign(read<double>(key, std::nullopt, Presence::required, options), value);
+  }
+
+  /// An array of numbers, such as a position: a std::array or a vector of fixed size. `each`
+  /// describes every number.
+  template <class Vector>
+  void numbers(std::string_view key, Vector& value, const NumberOptions& each) {
+    const std::vector<double> fallback(value.begin(), value.end());
+    std::ranges::copy(*read_array<double>(key, row_of(value), &fallback, false, each),
+                      value.begin());
+  }
+
+  /// An optional array of numbers.
+  template <class Vector>
+  bool optional_numbers(std::string_view key, Vector& value, const NumberOptions& each) {
+    const auto given = read_array<double>(key, row_of(value), nullptr, false, each);
+    if (given) std::ranges::copy(*given, value.begin());
+    return given.has_value();
   }
 
   /// An array of numbers. If the file has no valid one, `values` stays empty. REQUIRES: `values` is
@@ -204,18 +209,17 @@ class Binder {
   void integer(std::string_view key, T& value, const IntegerOptions& options) {
     check_fits<T>(options);
     value = static_cast<T>(
-        *read_integer(key, static_cast<std::int64_t>(value), Presence::defaulted, options));
+        *read<std::int64_t>(key, static_cast<std::int64_t>(value), Presence::defaulted, options));
   }
 
-  /// An optional integer. REQUIRES: `value` is empty; the range fits T.
+  /// An optional integer. REQUIRES: the range fits T.
   template <class T>
-  requires std::is_integral_v<T>
-  void optional_integer(std::string_view key, std::optional<T>& value,
+  bool optional_integer(std::string_view key, std::optional<T>& value,
                         const IntegerOptions& options) {
     check_fits<T>(options);
-    CHECK(!value.has_value());
-    const auto given = read_integer(key, std::nullopt, Presence::optional, options);
+    const auto given = read<std::int64_t>(key, std::nullopt, Presence::optional, options);
     if (given) value = static_cast<T>(*given);
+    return given.has_value();
   }
 
   void boolean(std::string_view key, bool& value, std::string_view help);
@@ -223,12 +227,16 @@ class Binder {
   /// A UTF-8 text of at most options.characters_max characters (code points).
   void text(std::string_view key, std::string& value, const TextOptions& options);
 
-  /// An optional text. REQUIRES: `value` is empty.
-  void optional_text(std::string_view key, std::optional<std::string>& value,
-                     const TextOptions& options);
+  /// An optional text. T is std::string or an optional of it.
+  template <class T>
+  bool optional_text(std::string_view key, T& value, const TextOptions& options) {
+    return assign(read<std::string>(key, std::nullopt, Presence::optional, options), value);
+  }
 
-  /// A text that the file must have. If the file omits it, `value` is unchanged.
-  void required_text(std::string_view key, std::string& value, const TextOptions& options);
+  /// A text that the file must have.
+  bool required_text(std::string_view key, std::string& value, const TextOptions& options) {
+    return assign(read<std::string>(key, std::nullopt, Presence::required, options), value);
+  }
 
   /// One of `choices` by name. REQUIRES: `value` is among them.
   template <class T>
@@ -238,25 +246,16 @@ class Binder {
     while (now < choices.size() && !(choices[now].value == value))
       ++now;
     CHECK_LT(now, choices.size());
-    value = choices[*read_choice(key, now, names_of(choices), Presence::defaulted, help)].value;
+    value = choices[*read_choice(key, now, names_of(choices), help)].value;
   }
 
-  /// Like choice(), but the file must have the key. If the file omits the key, `value` is
-  /// unchanged.
+  /// Like choice(), but the file must have the key.
   template <class T>
-  void required_choice(std::string_view key, T& value, std::span<const Named<T>> choices,
+  bool required_choice(std::string_view key, T& value, std::span<const Named<T>> choices,
                        std::string_view help) {
-    const auto chosen = read_choice(key, std::nullopt, names_of(choices), Presence::required, help);
+    const auto chosen = read_choice(key, std::nullopt, names_of(choices), help);
     if (chosen) value = choices[*chosen].value;
-  }
-
-  /// An optional choice. REQUIRES: `value` is empty.
-  template <class T>
-  void optional_choice(std::string_view key, std::optional<T>& value,
-                       std::span<const Named<T>> choices, std::string_view help) {
-    CHECK(!value.has_value());
-    const auto chosen = read_choice(key, std::nullopt, names_of(choices), Presence::optional, help);
-    if (chosen) value = choices[*chosen].value;
+    return chosen.has_value();
   }
 
   /// `[[section.key]]`: any number of tables. Each table gives an element of `values`. `bind`
@@ -338,9 +337,9 @@ class Binder {
     std::size_t columns = 1;
     bool is_rows = false;
   };
-  template <std::size_t N>
-  static Shape row_of() {
-    return {.rows_min = N, .rows_max = N};
+  static Shape row_of(const auto& numbers) {
+    const auto count = static_cast<std::size_t>(numbers.size());
+    return {.rows_min = count, .rows_max = count};
   }
   struct ExpectedElements;
   /// Fills in the range and the expected value of an array.
@@ -377,15 +376,18 @@ class Binder {
     return std::move(table.bound_);
   }
 
-  std::optional<double> read_number(std::string_view key, std::optional<double> fallback,
-                                    Presence presence, const NumberOptions& options);
-  std::optional<std::string> read_text(std::string_view key, const std::string* fallback,
-                                       Presence presence, const TextOptions& options);
-  std::optional<std::int64_t> read_integer(std::string_view key,
-                                           std::optional<std::int64_t> fallback, Presence presence,
-                                           const IntegerOptions& options);
+  /// Instantiated for double, std::int64_t and std::string.
+  template <class Element, class Options>
+  std::optional<Element> read(std::string_view key, std::optional<Element> fallback,
+                              Presence presence, const Options& options);
+  template <class Element, class T>
+  static bool assign(const std::optional<Element>& given, T& value) {
+    if (given) value = *given;
+    return given.has_value();
+  }
+  /// Without a fallback, the file must have the key.
   std::optional<std::size_t> read_choice(std::string_view key, std::optional<std::size_t> fallback,
-                                         const std::vector<std::string>& names, Presence presence,
+                                         const std::vector<std::string>& names,
                                          std::string_view help);
 
   /// Adds the key and returns its value in the file, or null if the file omits the key.

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <optional>
 #include <string_view>
 
 #include "common/request/binder.h"
@@ -17,16 +16,30 @@ namespace sleight::request {
 class Settled {
  public:
   /// REQUIRES: the request does not have these keys of [sampler].
-  explicit Settled(Binder& sampler) : sampler_(sampler) {}
+  Settled(Binder& sampler, SamplerParameters& parameters)
+      : sampler_(sampler), parameters_(parameters) {}
 
-  void word(std::string_view key, std::string_view chosen) {
-    sampler_.settle(key, toml_string(chosen));
+  void method(Method chosen, std::string_view name) {
+    parameters_.method = chosen;
+    sampler_.settle("method", toml_string(name));
   }
-  void count(std::string_view key, std::uint32_t& value, std::uint32_t chosen) {
-    value = chosen;
-    sampler_.settle(key, fmt::format("{}", chosen));
+  /// Chains start at a search's finds.
+  void search() {
+    parameters_.start = Start::search;
+    sampler_.settle("start", toml_string("search"));
   }
-  void count(std::string_view key, std::optional<std::uint32_t>& value, std::uint32_t chosen) {
+  void chains(std::uint32_t chains, std::uint32_t round_scans, std::uint32_t iterations_per_scan) {
+    count("chains", parameters_.chains, chains);
+    count("round_scans", parameters_.round_scans, round_scans);
+    count("iterations_per_scan", parameters_.iterations_per_scan, iterations_per_scan);
+  }
+  /// Chains relax a search's finds.
+  void relax(std::uint32_t iterations_per_scan, std::uint32_t relax_scans) {
+    count("iterations_per_scan", parameters_.iterations_per_scan, iterations_per_scan);
+    count("relax_scans", parameters_.relax_scans, relax_scans);
+  }
+  /// `value`: a count or an optional count.
+  void count(std::string_view key, auto& value, std::uint32_t chosen) {
     value = chosen;
     sampler_.settle(key, fmt::format("{}", chosen));
   }
@@ -37,6 +50,7 @@ class Settled {
 
  private:
   Binder& sampler_;
+  SamplerParameters& parameters_;
 };
 
 }  // namespace sleight::request

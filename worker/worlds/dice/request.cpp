@@ -550,43 +550,22 @@ void bind(request::WorldSections& sections, Parameters& parameters) {
   bind_proposal(sections.sampler, parameters.proposal);
 }
 
-/// For chains that relax finds. Measured in docs/MEASUREMENTS.
-constexpr std::uint32_t k_relax_scans = 2;
-
-void settle_odds(request::Settled& settled, request::SamplerParameters& sampler) {
-  sampler.method = request::Method::sequential;
-  settled.word("method", "sequential");
-  settled.count("particles", sampler.particles, 32);
-}
-
-void settle_relaxing(request::Settled& settled, std::uint32_t dice,
-                     request::SamplerParameters& sampler) {
-  settled.count("iterations_per_scan", sampler.iterations_per_scan, 10 * dice);
-  settled.count("relax_scans", sampler.relax_scans, k_relax_scans);
-}
-
-/// Settings for parallel tempering. Rounds are short, because temperatures and step sizes adapt
-/// soon.
-void settle_tempering(request::Settled& settled, std::uint32_t dice,
-                      request::SamplerParameters& sampler) {
-  sampler.method = request::Method::parallel_tempering;
-  settled.word("method", "parallel_tempering");
-  settled.count("chains", sampler.chains, 2);
-  settled.count("round_scans", sampler.round_scans, 20);
-  settled.count("iterations_per_scan", sampler.iterations_per_scan, dice == 1 ? 1 : 3 * dice);
-}
-
 /// Chooses the sampler if the request doesn't name one (docs/SAMPLING, "Without a sampler").
+/// Measured in docs/MEASUREMENTS.
 void serve_best(request::WorldSections& sections, request::SamplerParameters& sampling,
                 const request::StopRule& stop, Parameters& parameters) {
-  request::Settled settled(sections.sampler);
+  constexpr std::uint32_t k_relax_scans = 2;
+  request::Settled settled(sections.sampler, sampling);
   const auto dice = static_cast<std::uint32_t>(parameters.world.dice.size());
   if (stop.takes) {
-    settle_relaxing(settled, dice, sampling);
+    settled.relax(10 * dice, k_relax_scans);
   } else if (stop.odds) {
-    settle_odds(settled, sampling);
+    settled.method(request::Method::sequential, "sequential");
+    settled.count("particles", sampling.particles, 32);
   } else {
-    settle_tempering(settled, dice, sampling);
+    // Rounds are short, because temperatures and step sizes adapt soon.
+    settled.method(request::Method::parallel_tempering, "parallel_tempering");
+    settled.chains(2, 20, dice == 1 ? 1 : 3 * dice);
   }
 }
 

@@ -404,8 +404,7 @@ std::uint32_t particles_for_odds(std::uint32_t balls) {
 /// Settings for odds. The first island already estimates odds, so islands need no chain.
 void settle_odds(request::Settled& settled, std::uint32_t balls,
                  request::SamplerParameters& sampler) {
-  sampler.method = request::Method::sequential;
-  settled.word("method", "sequential");
+  settled.method(request::Method::sequential, "sequential");
   settled.count("particles", sampler.particles, particles_for_odds(balls));
 }
 
@@ -414,12 +413,9 @@ void settle_odds(request::Settled& settled, std::uint32_t balls,
 /// too few. Further steps of a tour find more.
 void settle_islands(request::Settled& settled, std::uint32_t balls, const request::StopRule& stop,
                     request::SamplerParameters& sampler) {
-  sampler.method = request::Method::sequential;
-  settled.word("method", "sequential");
-  settled.count("chains", sampler.chains, k_tour_chains);
+  settled.method(request::Method::sequential, "sequential");
+  settled.chains(k_tour_chains, 1, 4 * balls);
   settled.count("particles", sampler.particles, k_tour_particles);
-  settled.count("round_scans", sampler.round_scans, 1);
-  settled.count("iterations_per_scan", sampler.iterations_per_scan, 4 * balls);
   if (stop.scans || stop.rounds) {
     settled.count("burn_in_rounds", sampler.burn_in_rounds, 4);
   } else {
@@ -427,42 +423,10 @@ void settle_islands(request::Settled& settled, std::uint32_t balls, const reques
   }
 }
 
-/// Settings for a long word if the request has the stop rule `rounds`.
-void settle_tempering(request::Settled& settled, std::uint32_t balls,
-                      request::SamplerParameters& sampler) {
-  sampler.method = request::Method::parallel_tempering;
-  settled.word("method", "parallel_tempering");
-  sampler.start = request::Start::search;
-  settled.word("start", "search");
-  settled.count("chains", sampler.chains, 2);
-  settled.count("round_scans", sampler.round_scans, 32);
-  settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
-}
-
-/// Settings for judged chains. Each chain must burn in and usually yields one solution, so the
-/// number of chains is the default number of solutions. A scan has one proposal per ball.
-void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
-                          request::SamplerParameters& sampler) {
-  sampler.method = request::Method::metropolis_hastings;
-  settled.word("method", "metropolis_hastings");
-  sampler.start = request::Start::search;
-  settled.word("start", "search");
-  settled.count("chains", sampler.chains, 5);
-  settled.count("round_scans", sampler.round_scans, 32);
-  settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
-}
-
 /// Number of scans by which a chain relaxes a find. docs/MEASUREMENTS shows how similar the result
 /// and the find still are.
 std::uint32_t relax_scans_for(std::uint32_t balls) {
   return 90 + 3 * balls / 2;
-}
-
-/// Settings for chains that relax a search's finds. A scan has one proposal per ball.
-void settle_relaxing(request::Settled& settled, std::uint32_t balls,
-                     request::SamplerParameters& sampler) {
-  settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
-  settled.count("relax_scans", sampler.relax_scans, relax_scans_for(balls));
 }
 
 struct Moves {
@@ -503,24 +467,32 @@ void settle_proposals(request::Settled& settled, const Moves& moves, ProposalPar
 /// Chooses the sampler if the request doesn't name one. docs/SAMPLING explains the numbers.
 void serve_best(request::WorldSections& sections, request::SamplerParameters& sampling,
                 const request::StopRule& stop, Parameters& parameters) {
-  request::Settled settled(sections.sampler);
+  request::Settled settled(sections.sampler, sampling);
   const std::uint32_t balls = parameters.pattern.count();
   // Lambda is so strict that most draws satisfy: each missing ball divides p_c by about e^6 times
   // the number of balls. If there are few balls, finds relax sooner with a smaller lambda.
   const double strict = std::round(6 + math::log(balls));
   const bool is_loose = stop.takes && balls <= k_balls_by_islands_max;
   settle_log_lambda(sections.constraint, parameters, is_loose ? strict - 1 : strict);
-  // Judged chains determine their number of rounds themselves, and estimate no odds.
+  // Judged chains determine their number of rounds themselves, and estimate no odds. A scan of a
+  // chain has one proposal per ball.
   if (stop.takes) {
-    settle_relaxing(settled, balls, sampling);
+    settled.relax(balls, relax_scans_for(balls));
   } else if (stop.odds) {
     settle_odds(settled, balls, sampling);
   } else if (balls <= k_balls_by_islands_max) {
     settle_islands(settled, balls, stop, sampling);
-  } else if (stop.rounds) {
-    settle_tempering(settled, balls, sampling);
   } else {
-    settle_judged_chains(settled, balls, sampling);
+    settled.search();
+    if (stop.rounds) {
+      settled.method(request::Method::parallel_tempering, "parallel_tempering");
+      settled.chains(2, 32, balls);
+    } else {
+      // Each judged chain must burn in and usually yields one solution, so their number is the
+      // default number of solutions.
+      settled.method(request::Method::metropolis_hastings, "metropolis_hastings");
+      settled.chains(5, 32, balls);
+    }
   }
   ProposalParameters& p = parameters.proposal;
   settle_proposals(settled, stop.takes ? moves_that_relax(parameters.world) : Moves{}, p);

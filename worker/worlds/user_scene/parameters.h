@@ -17,6 +17,11 @@ struct Parameters {
   std::shared_ptr<const BuiltScene> built;
   std::vector<Uncertain> uncertain;
   std::vector<Constraint> constraints;
+
+  /// Returns the description of an object. REQUIRES: `built`.
+  const BodyDescription& described(std::uint32_t object) const {
+    return scene.bodies[built->objects[object].description];
+  }
 };
 
 }  // namespace sleight::worlds::user_scene

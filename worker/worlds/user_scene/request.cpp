@@ -8,47 +8,42 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
 #include "common/request/settled.h"
 #include "common/request/text.h"
 #include "worker/worlds/user_scene/build.h"
-#include "worker/worlds/user_scene/request_body.h"
-#include "worker/worlds/user_scene/request_constraints.h"
-#include "worker/worlds/user_scene/request_uncertain.h"
+#include "worker/worlds/user_scene/request_parts.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
 
 using request::Binder;
 
-void bind_law(Binder& table, physics::SurfaceLaw& law) {
-  table.number("restitution", law.restitution,
-               {.minimum = 0, .maximum = 1, .help = "coefficient of restitution"});
-  table.number(
-      "friction", law.friction,
-      {.minimum = 0, .maximum = k_friction_max, .help = "Coulomb's coefficient of friction"});
-  table.number(
-      "rolling_friction", law.rolling_friction,
-      {.minimum = 0,
-       .maximum = 1,
-       .help =
-           "deceleration of a rolling sphere, divided by the acceleration that presses it down"});
+/// The law of a material. Of a pair, the file may omit keys: then `law` is unchanged.
+void bind_law(Binder& table, bool is_pair, physics::SurfaceLaw& law) {
+  const auto bind = [&](const char* key, double& value, double maximum, const char* help) {
+    if (!is_pair) return table.number(key, value, {.minimum = 0, .maximum = maximum, .help = help});
+    table.optional_number(
+        key, value,
+        {.minimum = 0, .maximum = maximum, .help = "default: the mean of both materials' values"});
+  };
+  bind("restitution", law.restitution, 1, "coefficient of restitution");
+  bind("friction", law.friction, k_friction_max, "Coulomb's coefficient of friction");
+  bind("rolling_friction", law.rolling_friction, 1,
+       "deceleration of a rolling sphere, divided by the acceleration that presses it down");
 }
 
-/// Like bind_law, but keys that the file omits keep the mean of both materials' values.
-void bind_pair_law(Binder& table, physics::SurfaceLaw& law) {
-  const auto optional = [&](std::string_view key, double& value, double maximum) {
-    std::optional<double> given;
-    table.optional_number(
-        key, given,
-        {.minimum = 0, .maximum = maximum, .help = "default: the mean of both materials' values"});
-    if (given) value = *given;
-  };
-  optional("restitution", law.restitution, 1);
-  optional("friction", law.friction, k_friction_max);
-  optional("rolling_friction", law.rolling_friction, 1);
+/// Binds a pair of names. Returns whether the file has two known ones.
+bool bind_pair(Binder& table, const char* key, const NameList& names, const char* help,
+               std::array<std::uint32_t, 2>& pair) {
+  std::vector<std::string> two;
+  table.texts(key, two, {.count_min = 2, .count_max = 2, .required = true}, a_name(help));
+  for (std::size_t i = 0; i < two.size() && table.valid(key); ++i)
+    pair[i] = names.find(table, key, two[i]);
+  return !two.empty() && table.valid(key);
 }
 
 void bind_materials(Binder& world, SceneDescription& scene, Names& names) {
@@ -63,79 +58,63 @@ void bind_materials(Binder& world, SceneDescription& scene, Names& names) {
                       .maximum = 1e6,
                       .unit = "kg/m3",
                       .help = "density; gives the mass of a body without mass_kg"});
-        bind_law(table, material.law);
+        bind_law(table, false, material.law);
         names.materials.add(table, "name", material.name);
       });
   if (scene.materials.empty())
     scene.materials.push_back({.name = names.materials.all()[names.materials.number("default")]});
 
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
   world.tables<PairLaw>(
       "contact", scene.pairs,
       {.count_max = k_materials_max * k_materials_max,
        .help = "laws between two materials; default: the mean of both materials' values"},
       [&](Binder& table, PairLaw& pair) {
-        std::vector<std::string> two;
-        table.texts("materials", two, {.count_min = 2, .count_max = 2, .required = true},
-                    a_name("names of the two materials, which may be the same"));
-        for (std::size_t i = 0; i < two.size() && table.valid("materials"); ++i)
-          pair.materials[i] = names.materials.find(table, "materials", two[i]);
-        if (table.valid("materials"))
-          pair.law = mean_law(scene.materials[pair.materials[0]].law,
-                              scene.materials[pair.materials[1]].law);
-        bind_pair_law(table, pair.law);
-        if (table.line() == 0 || !table.valid("materials")) return;
-        auto key = std::minmax(pair.materials[0], pair.materials[1]);
-        if (!names.pairs.emplace(key.first, key.second).second)
+        const bool is_known =
+            bind_pair(table, "materials", names.materials,
+                      "names of the two materials, which may be the same", pair.materials);
+        const auto& [a, b] = pair.materials;
+        if (is_known) pair.law = mean_law(scene.materials[a].law, scene.materials[b].law);
+        bind_law(table, true, pair.law);
+        if (is_known && !pairs.emplace(std::minmax(a, b)).second)
           table.error("materials", "another [[world.contact]] already has this pair");
       });
 }
 
-void bind_filters(Binder& world, SceneDescription& scene, Names& names) {
+void bind_filters(Binder& world, SceneDescription& scene, const Names& names) {
   world.tables<std::array<std::uint32_t, 2>>(
       "no_contact", scene.no_contact,
       {.count_max = k_groups_max * k_groups_max, .help = "pairs of groups that never collide"},
       [&](Binder& table, std::array<std::uint32_t, 2>& pair) {
-        std::vector<std::string> two;
-        table.texts("groups", two, {.count_min = 2, .count_max = 2, .required = true},
-                    a_name("names of the two groups; the same name twice: members of the group "
-                           "pass through each other"));
-        for (std::size_t i = 0; i < two.size() && table.valid("groups"); ++i)
-          pair[i] = names.groups.find(table, "groups", two[i]);
+        bind_pair(table, "groups", names.groups,
+                  "names of the two groups; the same name twice: members of the group pass through "
+                  "each other",
+                  pair);
       });
 }
 
 void bind_slow_contacts(Binder& world, SceneDescription& scene) {
-  world.optional_number(
-      "separation_mps", scene.separation_speed_mps,
-      {.minimum = 0,
-       .maximum = 100,
-       .unit = "m/s",
-       .help = "minimum speed of a bounce; 0: bounces never end; default: follows "
-               "from the smallest body"});
-  world.optional_number("rest_mps", scene.rest_speed_mps,
-                        {.minimum = 0,
-                         .maximum = 100,
-                         .unit = "m/s",
-                         .help = "speed below which a body comes to rest; 0: bodies never rest; "
-                                 "default: follows from the smallest body"});
-  world.optional_number(
-      "rest_s", scene.rest_time_s,
-      {.minimum = 1e-6,
-       .maximum = 100,
-       .unit = "s",
-       .help = "time for which a body must be below rest_mps; default: follows from "
-               "the smallest body"});
+  const auto bind = [&](const char* key, std::optional<double>& value, double minimum,
+                        const char* unit, const char* help) {
+    world.optional_number(key, value,
+                          {.minimum = minimum, .maximum = 100, .unit = unit, .help = help});
+  };
+  bind("separation_mps", scene.separation_speed_mps, 0, "m/s",
+       "minimum speed of a bounce; 0: bounces never end; default: follows from the smallest body");
+  bind("rest_mps", scene.rest_speed_mps, 0, "m/s",
+       "speed below which a body comes to rest; 0: bodies never rest; default: follows from the "
+       "smallest body");
+  bind("rest_s", scene.rest_time_s, 1e-6, "s",
+       "time for which a body must be below rest_mps; default: follows from the smallest body");
 }
 
 void bind_scene(Binder& world, SceneDescription& scene, Names& names) {
   world.number("end_s", scene.end_s, in_s("time at which a simulation ends, at the latest", 0.001));
-  std::array<double, 3> gravity{0, 0, -9.81};
-  world.numbers("gravity_mps2", gravity,
+  world.numbers("gravity_mps2", scene.gravity_mps2,
                 {.minimum = -1000,
                  .maximum = 1000,
                  .unit = "m/s2",
                  .help = "gravitational acceleration: x, y, z"});
-  scene.gravity_mps2 = vector_of(gravity);
   bind_slow_contacts(world, scene);
   bind_materials(world, scene, names);
   bind_bodies(world, scene, names);
@@ -159,13 +138,8 @@ void bind(request::WorldSections& sections, Parameters& parameters) {
   Names names;
   bind_scene(sections.world, parameters.scene, names);
   parameters.built = built_of(sections.world, parameters.scene);
-  std::optional<ObjectNames> objects;
-  if (parameters.built) objects.emplace(parameters.scene, *parameters.built);
-  const ObjectNames* const found = objects ? &*objects : nullptr;
-  bind_uncertain(sections.world, parameters, found, names.materials);
-  std::vector<NamedRegion> regions;
-  bind_regions(sections.world, regions);
-  bind_constraints(sections.constraint, parameters, regions, found);
+  bind_uncertain(sections.world, names.materials, parameters);
+  bind_constraints(sections, parameters);
 }
 
 /// A chain that relaxes a find makes as many proposals for each uncertain value.
@@ -175,27 +149,17 @@ constexpr std::uint32_t k_iterations_max = 100;
 
 void serve_best(request::WorldSections& sections, request::SamplerParameters& sampler,
                 const request::StopRule& stop, Parameters& parameters) {
-  request::Settled settled(sections.sampler);
-  std::uint32_t draws = 1;
+  request::Settled settled(sections.sampler, sampler);
+  std::size_t draws = 1;
   if (parameters.built)
-    draws = std::max<std::uint32_t>(
-        1,
-        static_cast<std::uint32_t>(
-            Quantities(parameters.scene, *parameters.built, parameters.uncertain).draws().size()));
-  if (stop.takes) {
-    settled.count("iterations_per_scan", sampler.iterations_per_scan,
-                  std::min(k_iterations_max, k_relax_iterations * draws));
-    settled.count("relax_scans", sampler.relax_scans, k_relax_scans);
-    return;
-  }
-  sampler.method = request::Method::parallel_tempering;
-  settled.word("method", "parallel_tempering");
-  sampler.start = request::Start::search;
-  settled.word("start", "search");
-  settled.count("chains", sampler.chains, 2);
-  settled.count("round_scans", sampler.round_scans, 20);
-  settled.count("iterations_per_scan", sampler.iterations_per_scan,
-                std::min(k_iterations_max, draws));
+    draws = Quantities(parameters.scene, *parameters.built, parameters.uncertain).draws().size();
+  const auto iterations = [draws = static_cast<std::uint32_t>(draws)](std::uint32_t for_each) {
+    return std::min(k_iterations_max, for_each * std::max(1U, draws));
+  };
+  if (stop.takes) return settled.relax(iterations(k_relax_iterations), k_relax_scans);
+  settled.method(request::Method::parallel_tempering, "parallel_tempering");
+  settled.search();
+  settled.chains(2, 20, iterations(1));
 }
 
 }  // namespace

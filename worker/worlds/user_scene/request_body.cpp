@@ -1,5 +1,3 @@
-#include "worker/worlds/user_scene/request_body.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -14,6 +12,7 @@
 #include "worker/worlds/user_scene/body_form.h"
 #include "worker/worlds/user_scene/copies.h"
 #include "worker/worlds/user_scene/request.h"
+#include "worker/worlds/user_scene/request_parts.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -77,26 +76,24 @@ constexpr std::array k_size_keys{
 
 /// Reports sizes that a shape lacks, and keys that it doesn't use. Returns whether all is well.
 bool check_sizes(Binder& table, ShapeKind kind) {
-  bool all_well = true;
-  const std::uint32_t bit = bits({kind});
+  const auto uses = [bit = bits({kind})](const SizeKey& size) {
+    return ((size.needed | size.usable) & bit) != 0;
+  };
   std::vector<std::string_view> used;
-  for (const SizeKey& size : k_size_keys) {
-    if (((size.needed | size.usable) & bit) != 0) used.push_back(size.key);
-  }
+  for (const SizeKey& size : k_size_keys)
+    if (uses(size)) used.push_back(size.key);
+  bool all_well = true;
   for (const SizeKey& size : k_size_keys) {
     const bool given = table.given(size.key);
-    if (given && !table.valid(size.key)) {
-      all_well = false;
-    } else if (given && ((size.needed | size.usable) & bit) == 0) {
+    const bool needed = (size.needed & bits({kind})) != 0;
+    if (given && table.valid(size.key) && !uses(size))
       table.error(size.key, used.empty()
                                 ? fmt::format("a {} has no sizes; remove the key", name_of(kind))
                                 : fmt::format("a {} doesn't use this key; its keys are {}",
                                               name_of(kind), fmt::join(used, ", ")));
-      all_well = false;
-    } else if (!given && (size.needed & bit) != 0) {
+    if (!given && needed)
       table.error(size.key, fmt::format("missing; a {} needs it", name_of(kind)));
-      all_well = false;
-    }
+    if (given || needed) all_well = all_well && table.valid(size.key);
   }
   return all_well;
 }
@@ -130,15 +127,12 @@ bool check_proportions(Binder& table, const ShapeSizes& sizes) {
 
 /// Reads an optional length. Leaves `value_m` unchanged if the file omits it.
 void length_mm(Binder& table, std::string_view key, double& value_m, const NumberOptions& options) {
-  std::optional<double> value_mm;
-  table.optional_number(key, value_mm, options);
-  if (value_mm) value_m = *value_mm / k_mm_per_m;
+  if (table.optional_number(key, value_m, options)) value_m /= k_mm_per_m;
 }
 
 void place_mm(Binder& table, std::string_view key, Vec3& place_m, std::string_view help) {
-  std::array<double, 3> place_mm{};
-  table.numbers(key, place_mm, in_mm(help));
-  place_m = vector_of(place_mm) / k_mm_per_m;
+  table.numbers(key, place_m, in_mm(help));
+  place_m /= k_mm_per_m;
 }
 
 void bind_sizes(Binder& table, ShapeSizes& sizes,
@@ -148,9 +142,8 @@ void bind_sizes(Binder& table, ShapeSizes& sizes,
             in_mm("radius; of a helix or ramp: radius of the half pipe", k_small_mm));
   length_mm(table, "length_mm", sizes.length_m,
             in_mm("length along the axis z, ends included; of a ramp: along x", k_small_mm));
-  std::optional<std::array<double, 3>> size_mm;
-  table.optional_numbers("size_mm", size_mm, in_mm("sides of a box: x, y, z", k_small_mm));
-  if (size_mm) sizes.size_m = vector_of(*size_mm) / k_mm_per_m;
+  if (table.optional_numbers("size_mm", sizes.size_m, in_mm("sides of a box: x, y, z", k_small_mm)))
+    sizes.size_m /= k_mm_per_m;
   length_mm(table, "edge_mm", sizes.edge_m,
             in_mm("radius of rounded edges; default for cylinders and cones: 2% of the "
                   "smaller of radius and length",
@@ -161,7 +154,7 @@ void bind_sizes(Binder& table, ShapeSizes& sizes,
              {.count_min = 3, .count_max = request::k_array_numbers_max / 3},
              in_mm("points of a hull (4 to 1024) or mesh: [[x, y, z], ...]"));
   for (const auto& point_mm : points_mm)
-    sizes.points_m.push_back(vector_of(point_mm) / k_mm_per_m);
+    sizes.points_m.push_back(Vec3(point_mm.data()) / k_mm_per_m);
 }
 
 /// Binds the sizes of shapes that never move.
@@ -177,12 +170,10 @@ void bind_static_sizes(Binder& table, ShapeSizes& sizes) {
             in_mm("of a helix: distance of the channel's middle from the axis", k_small_mm));
   length_mm(table, "drop_mm", sizes.drop_m,
             in_mm("of a helix or ramp: height of its start above its end", -k_far_mm));
-  std::optional<double> turns;
-  table.optional_number("turns", turns,
+  table.optional_number("turns", sizes.turns,
                         {.minimum = -1000,
                          .maximum = 1000,
                          .help = "of a helix: number of turns, anticlockwise if positive"});
-  sizes.turns = turns.value_or(0);
   std::optional<std::uint32_t> steps;
   std::optional<std::uint32_t> strips;
   table.optional_integer(
@@ -204,34 +195,29 @@ void bind_static_sizes(Binder& table, ShapeSizes& sizes) {
 
 /// Reads a turn: Euler angles, or a quaternion.
 void bind_turn(Binder& table, Quat& orientation) {
-  std::optional<std::array<double, 3>> angles_deg;
-  table.optional_numbers("turn_deg", angles_deg,
-                         {.minimum = -360,
-                          .maximum = 360,
-                          .unit = "degrees",
-                          .help = "rotation: about x, then y, then z, each axis fixed"});
-  std::optional<std::array<double, 4>> wxyz;
-  table.optional_numbers(
-      "quaternion", wxyz,
+  Vec3 angles_deg = Vec3::Zero();
+  const bool has_angles =
+      table.optional_numbers("turn_deg", angles_deg,
+                             {.minimum = -360,
+                              .maximum = 360,
+                              .unit = "degrees",
+                              .help = "rotation: about x, then y, then z, each axis fixed"});
+  std::array<double, 4> q{};
+  const bool has_quaternion = table.optional_numbers(
+      "quaternion", q,
       {.minimum = -1, .maximum = 1, .help = "rotation as w, x, y, z, instead of turn_deg"});
-  if (angles_deg && wxyz) {
+  if (has_angles && has_quaternion) {
     table.error("quaternion", "set either turn_deg or quaternion, not both");
-  } else if (angles_deg) {
-    orientation = Quat::Identity();
-    for (int axis = 0; axis < 3; ++axis) {
-      const double angle_rad =
-          request::radians_of_degrees((*angles_deg)[static_cast<std::size_t>(axis)]);
-      orientation = math::composed(
-          math::quaternion_of_rotation_vector(angle_rad * Vec3::Unit(axis)), orientation);
-    }
-  } else if (wxyz) {
-    const auto& q = *wxyz;
-    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (!(square > 0.01)) {
-      table.error("quaternion", "the numbers are too small to be a rotation");
-    } else {
-      orientation = math::normalized(Quat(q[0], q[1], q[2], q[3]));
-    }
+  } else if (has_angles) {
+    for (int axis = 0; axis < 3; ++axis)
+      orientation =
+          math::composed(math::quaternion_of_rotation_vector(
+                             request::radians_of_degrees(angles_deg[axis]) * Vec3::Unit(axis)),
+                         orientation);
+  } else if (has_quaternion) {
+    if (!(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] > 0.01))
+      return table.error("quaternion", "the numbers are too small to be a rotation");
+    orientation = math::normalized(Quat(q[0], q[1], q[2], q[3]));
   }
 }
 
@@ -279,15 +265,14 @@ void bind_ring(Binder& table, Copies& copies) {
   copies.radius_m = radius_mm / k_mm_per_m;
   table.angle_deg("from_deg", copies.from_rad,
                   {.minimum = -360, .maximum = 360, .help = "angle of the first copy, from x"});
-  std::optional<double> to_deg;
-  table.optional_number("to_deg", to_deg,
-                        {.minimum = -3600,
-                         .maximum = 3600,
-                         .unit = "degrees",
-                         .help = "angle of the last copy; default: the copies fill the circle"});
-  copies.full_circle = !to_deg;
-  copies.to_rad = to_deg ? request::radians_of_degrees(*to_deg)
-                         : copies.from_rad + request::radians_of_degrees(360);
+  double to_deg = 360;
+  copies.full_circle = !table.optional_number(
+      "to_deg", to_deg,
+      {.minimum = -3600,
+       .maximum = 3600,
+       .unit = "degrees",
+       .help = "angle of the last copy; default: the copies fill the circle"});
+  copies.to_rad = (copies.full_circle ? copies.from_rad : 0) + request::radians_of_degrees(to_deg);
 }
 
 void bind_copies(Binder& body, Copies& copies) {
@@ -308,9 +293,8 @@ void bind_copies(Binder& body, Copies& copies) {
 
 void bind_friction_patch(Binder& table, FrictionPatch& patch) {
   const auto range = [&](std::string_view key, std::array<double, 2>& range_m) {
-    std::array<double, 2> range_mm{};
-    table.numbers(key, range_mm, in_mm("from and to, in the plane's frame"));
-    range_m = {range_mm[0] / k_mm_per_m, range_mm[1] / k_mm_per_m};
+    table.numbers(key, range_m, in_mm("from and to, in the plane's frame"));
+    range_m = {range_m[0] / k_mm_per_m, range_m[1] / k_mm_per_m};
     if (table.line() > 0 && table.valid(key) && !(range_m[0] < range_m[1]))
       table.error(key, "the first number must be less than the second");
   };
@@ -384,14 +368,14 @@ void bind_body(Binder& table, BodyDescription& body, const SceneDescription& sce
   table.tables<PartDescription>(
       "part", body.parts, {.count_max = k_parts_max, .help = "parts of a compound"}, &bind_part);
   table.boolean("static", body.is_static, "whether the body never moves");
-  std::optional<std::string> material;
-  table.optional_text("material", material,
-                      a_name("name of a [[world.material]]; default: the first"));
-  if (material) body.material = names.materials.find(table, "material", *material);
-  std::optional<std::string> group;
+  std::string material;
+  if (table.optional_text("material", material,
+                          a_name("name of a [[world.material]]; default: the first")))
+    body.material = names.materials.find(table, "material", material);
+  std::string group = "default";
   table.optional_text("group", group,
                       a_name("group for [[world.no_contact]]; default: \"default\""));
-  body.group = names.groups.number(group.value_or("default"));
+  body.group = names.groups.number(group);
   if (names.groups.all().size() > k_groups_max) {
     table.error("group", fmt::format("the scene has more than {} groups", k_groups_max));
     body.group = 0;
@@ -403,20 +387,16 @@ void bind_body(Binder& table, BodyDescription& body, const SceneDescription& sce
                          .help = "mass; default: the material's density times the volume"});
   place_mm(table, "at_mm", body.place.position_m, "place of the shape's origin");
   bind_turn(table, body.place.orientation);
-  std::array<double, 3> velocity{};
-  table.numbers("velocity_mps", velocity,
+  table.numbers("velocity_mps", body.velocity_mps,
                 {.minimum = -1000,
                  .maximum = 1000,
                  .unit = "m/s",
                  .help = "velocity of the shape's origin at the start"});
-  body.velocity_mps = vector_of(velocity);
-  std::array<double, 3> spin{};
-  table.numbers("spin_radps", spin,
+  table.numbers("spin_radps", body.spin_radps,
                 {.minimum = -1000,
                  .maximum = 1000,
                  .unit = "rad/s",
                  .help = "angular velocity at the start"});
-  body.spin_radps = vector_of(spin);
   table.number("start_s", body.start_s, in_s("time at which the body appears and starts"));
   table.boolean("rests", body.rests,
                 "whether the body starts at rest on what it touches, like a bowling pin");

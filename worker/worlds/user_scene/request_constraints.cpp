@@ -1,5 +1,3 @@
-#include "worker/worlds/user_scene/request_constraints.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,6 +10,7 @@
 
 #include "common/request/text.h"
 #include "worker/worlds/user_scene/request.h"
+#include "worker/worlds/user_scene/request_parts.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -30,19 +29,47 @@ constexpr const char* k_sigma_help =
 constexpr const char* k_tolerance_help = "greatest distance at which the constraint is met";
 constexpr const char* k_at_help = "time at which it must hold; default: at the end, at rest";
 
+/// A named box.
+struct NamedRegion {
+  std::string name;
+  Region region;
+};
+
+std::vector<NamedRegion> bind_regions(Binder& world) {
+  std::vector<NamedRegion> regions;
+  NameList names("region");
+  world.tables<NamedRegion>(
+      "region", regions, {.count_max = k_constraints_max, .help = "boxes that constraints name"},
+      [&](Binder& table, NamedRegion& named) {
+        table.required_text("name", named.name, a_name("region's name"));
+        names.add(table, "name", named.name);
+        const auto corner = [&](const char* key, Vec3& corner_m, const char* help) {
+          if (table.optional_numbers(key, corner_m, in_mm(help))) {
+            corner_m *= k_m_per_mm;
+          } else if (table.line() > 0 && table.valid(key)) {
+            table.error(key, "missing; a region needs it");
+          }
+        };
+        corner("low_mm", named.region.low_m, "least x, y, z");
+        corner("high_mm", named.region.high_m, "greatest x, y, z");
+        if (table.line() > 0 && table.is_sound() &&
+            (named.region.high_m - named.region.low_m).minCoeff() < 0)
+          table.error("high_mm", "must be at least low_mm along each axis");
+      });
+  return regions;
+}
+
 /// A constraint's keys, besides those that its kind reads itself.
 struct ConstraintKeys {
   Constraint made;
-  std::optional<std::string> name{};
   std::vector<std::string> bodies{};
   bool any = false;
 };
 
 class ConstraintBinder {
  public:
-  ConstraintBinder(Binder& section, Parameters& parameters, const std::vector<NamedRegion>& regions,
-                   const ObjectNames* objects)
-      : section_(section), parameters_(parameters), regions_(regions), objects_(objects) {}
+  ConstraintBinder(Binder& section, Parameters& parameters, const std::vector<NamedRegion>& regions)
+      : section_(section), parameters_(parameters), regions_(regions) {}
 
   void bind_all() {
     tables("region", Asks::region, "a body must be in a region", &ConstraintBinder::bind_region);
@@ -62,7 +89,7 @@ class ConstraintBinder {
  private:
   using Bind = void (ConstraintBinder::*)(Binder&, ConstraintKeys&);
   bool is_used(const Binder& table) const {
-    return table.line() > 0 && table.is_sound() && objects_ != nullptr;
+    return table.line() > 0 && table.is_sound() && parameters_.built != nullptr;
   }
 
   void tables(const char* key, Asks asks, const char* help, Bind bind) {
@@ -70,20 +97,20 @@ class ConstraintBinder {
     section_.tables<ConstraintKeys>(
         key, all, {.count_max = k_constraints_max, .help = help},
         [&](Binder& table, ConstraintKeys& keys) {
+          const bool names_bodies = asks != Asks::count && asks != Asks::order;
           keys.made.asks = asks;
           keys.made.line = table.line();
-          table.optional_text("name", keys.name,
+          table.optional_text("name", keys.made.name,
                               a_name("name in archives; default: bodies and kind"));
-          if (asks != Asks::count && asks != Asks::order) {
-            keys.bodies = ObjectNames::bind(table);
+          if (names_bodies) {
+            keys.bodies = bind_body_names(table);
             table.boolean("any", keys.any, "whether it suffices that one of the bodies meets it");
           }
           (this->*bind)(table, keys);
           if (!is_used(table)) return;
-          if (asks != Asks::count && asks != Asks::order) {
-            if (keys.bodies.empty()) return table.error("body", "missing; set body or bodies");
-            keys.made.bodies = objects_->find_all(table, keys.bodies);
-          }
+          if (names_bodies && keys.bodies.empty())
+            return table.error("body", "missing; set body or bodies");
+          if (names_bodies) keys.made.bodies = find_moving(table, keys.bodies, parameters_);
           if (asks == Asks::face && table.given("up")) check_boxes(table, keys.made);
           if (table.is_sound()) add(table, keys, key);
         });
@@ -91,32 +118,36 @@ class ConstraintBinder {
 
   void check_boxes(Binder& table, const Constraint& made) const {
     for (const std::uint32_t body : made.bodies) {
-      if (objects_->described(body).sizes.kind == ShapeKind::box) continue;
-      return table.error("up", fmt::format("is for boxes, but {} is a {}; set axis",
-                                           request::toml_string(objects_->object(body).name),
-                                           name_of(objects_->described(body).sizes.kind)));
+      const ShapeKind kind = parameters_.described(body).sizes.kind;
+      if (kind != ShapeKind::box)
+        return table.error("up",
+                           fmt::format("is for boxes, but {} is a {}; set axis",
+                                       request::toml_string(object(body).name), name_of(kind)));
     }
   }
 
   /// Adds a constraint for each body, or one for all.
   void add(Binder& table, const ConstraintKeys& keys, const char* kind) {
-    if (keys.name) names_.add(table, "name", *keys.name);
-    if (hits_itself(keys.made)) table.error("hits", "a body can't hit itself; name another body");
-    if (!table.is_sound()) return;
     const std::vector<std::uint32_t>& bodies = keys.made.bodies;
+    if (table.given("name")) names_.add(table, "name", keys.made.name);
+    if (std::ranges::find_first_of(bodies, keys.made.hits) != bodies.end())
+      table.error("hits", "a body can't hit itself; name another body");
+    if (!table.is_sound()) return;
     const bool each = !keys.any && bodies.size() > 1 && keys.made.asks != Asks::count;
-    const std::string name = keys.name.value_or(
-        fmt::format("{}{}{}", fmt::join(keys.bodies, ", "), keys.bodies.empty() ? "" : " ", kind));
+    std::string name = keys.made.name;
+    if (!table.given("name"))
+      name =
+          fmt::format("{}{}{}", fmt::join(keys.bodies, ", "), keys.bodies.empty() ? "" : " ", kind);
     for (std::size_t i = 0; i < (each ? bodies.size() : 1); ++i) {
       Constraint made = keys.made;
       if (each) made.bodies = {bodies[i]};
-      made.name = each ? fmt::format("{}: {}", name, objects_->object(bodies[i]).name) : name;
+      made.name = each ? fmt::format("{}: {}", name, object(bodies[i]).name) : name;
       for (const Constraint& other : parameters_.constraints) {
         const std::string why = contradiction_of(other, made);
-        if (why.empty()) continue;
-        return table.error(
-            table.given("body") ? "body" : "bodies",
-            fmt::format("contradicts the constraint in line {}: {}", other.line, why));
+        if (!why.empty())
+          return table.error(
+              table.given("body") ? "body" : "bodies",
+              fmt::format("contradicts the constraint in line {}: {}", other.line, why));
       }
       parameters_.constraints.push_back(std::move(made));
     }
@@ -128,19 +159,18 @@ class ConstraintBinder {
       table.error("at_s", fmt::format("is after end_s of [world], {} s", parameters_.scene.end_s));
   }
 
-  void bind_scale(Binder& table, Constraint& made, const char* sigma, const char* tolerance,
-                  const char* unit, double scale) {
-    double given = 0;
-    table.required_number(
-        sigma, given, {.minimum = 1e-6, .maximum = k_far_mm, .unit = unit, .help = k_sigma_help});
-    made.sigma = scale * given;
-    double tolerance_given = 0;
-    table.number(tolerance, tolerance_given,
-                 {.minimum = 0, .maximum = k_far_mm, .unit = unit, .help = k_tolerance_help});
-    made.tolerance = scale * tolerance_given;
+  /// `scale`: the unit in SI units.
+  static void bind_scale(Binder& table, Constraint& made, std::string_view unit, double scale) {
+    NumberOptions options{.minimum = 1e-6, .maximum = k_far_mm, .unit = unit, .help = k_sigma_help};
+    table.required_number(fmt::format("sigma_{}", unit), made.sigma, options);
+    made.sigma *= scale;
+    options.minimum = 0;
+    options.help = k_tolerance_help;
+    table.number(fmt::format("tolerance_{}", unit), made.tolerance, options);
+    made.tolerance *= scale;
   }
 
-  void bind_angles(Binder& table, Constraint& made, double tolerance_rad) {
+  static void bind_angles(Binder& table, Constraint& made, double tolerance_rad) {
     made.sigma = 10 * k_rad_per_deg;
     table.angle_deg("sigma_deg", made.sigma,
                     {.minimum = 0.001, .maximum = 360, .help = k_sigma_help});
@@ -162,7 +192,7 @@ class ConstraintBinder {
       made.region = region.region;
       return;
     }
-    const BuiltScene& built = objects_->built();
+    const BuiltScene& built = *parameters_.built;
     for (std::uint32_t i = built.moving; i < built.objects.size(); ++i) {
       names.push_back(built.objects[i].name);
       if (names.back() != name) continue;
@@ -180,7 +210,7 @@ class ConstraintBinder {
     bind_named_region(table, keys.made);
     table.boolean("whole", keys.made.whole,
                   "whether all of the body must be inside, not only its origin");
-    bind_scale(table, keys.made, "sigma_mm", "tolerance_mm", "mm", k_m_per_mm);
+    bind_scale(table, keys.made, "mm", k_m_per_mm);
     bind_time(table, keys.made);
   }
 
@@ -192,7 +222,7 @@ class ConstraintBinder {
       const auto i = static_cast<Eigen::Index>(axis);
       keys.made.region.low_m[i] = keys.made.region.high_m[i] = k_m_per_mm * place_mm[axis];
     }
-    bind_scale(table, keys.made, "sigma_mm", "tolerance_mm", "mm", k_m_per_mm);
+    bind_scale(table, keys.made, "mm", k_m_per_mm);
     bind_time(table, keys.made);
   }
 
@@ -203,23 +233,20 @@ class ConstraintBinder {
                             .maximum = 6,
                             .help = "face of a box, numbered as a die: 1 is x, 2 is y, 3 is z; "
                                     "opposite faces add up to 7"});
-    std::optional<std::array<double, 3>> axis;
-    table.optional_numbers("axis", axis,
-                           {.minimum = -1,
-                            .maximum = 1,
-                            .help = "direction in the body that must point upward, instead of up"});
+    Vec3& axis = keys.made.axis;
+    const bool has_axis = table.optional_numbers(
+        "axis", axis,
+        {.minimum = -1,
+         .maximum = 1,
+         .help = "direction in the body that must point upward, instead of up"});
     bind_angles(table, keys.made, 20 * k_rad_per_deg);
     bind_time(table, keys.made);
     if (!is_used(table)) return;
-    if (up.has_value() == axis.has_value()) {
-      table.error("up", "set either up or axis");
-    } else if (up) {
-      keys.made.axis = k_faces[*up - 1];
-    } else if (const Vec3 given = vector_of(*axis); math::norm(given) < 0.1) {
-      table.error("axis", "the numbers are too small to be a direction");
-    } else {
-      keys.made.axis = math::normalized(given);
-    }
+    if (up.has_value() == has_axis) return table.error("up", "set either up or axis");
+    if (up) axis = k_faces[*up - 1];
+    if (math::norm(axis) < 0.1)
+      return table.error("axis", "the numbers are too small to be a direction");
+    axis = math::normalized(axis);
   }
 
   void bind_tilt(Binder& table, ConstraintKeys& keys) {
@@ -242,8 +269,8 @@ class ConstraintBinder {
         {.minimum = 0, .maximum = 100, .help = "each missing body divides p_c by e to this power"});
     bind_time(table, keys.made);
     if (!is_used(table)) return;
-    for (std::uint32_t i = 0; i < objects_->built().moving; ++i) {
-      if (parameters_.scene.groups[objects_->described(i).group] == group)
+    for (std::uint32_t i = 0; i < parameters_.built->moving; ++i) {
+      if (parameters_.scene.groups[parameters_.described(i).group] == group)
         keys.made.bodies.push_back(i);
     }
     const auto there = static_cast<std::uint32_t>(keys.made.bodies.size());
@@ -266,13 +293,7 @@ class ConstraintBinder {
                   .maximum = 1000,
                   .unit = "m/s",
                   .help = "minimum speed of approach; slower hits don't count"});
-    if (is_used(table)) made.hits = objects_->find(table, "hits", hits, false);
-  }
-
-  /// Whether a body would have to hit itself.
-  static bool hits_itself(const Constraint& made) {
-    return std::ranges::any_of(
-        made.bodies, [&](std::uint32_t body) { return std::ranges::count(made.hits, body) > 0; });
+    if (is_used(table)) made.hits = find_objects(table, "hits", hits, parameters_);
   }
 
   void bind_event(Binder& table, ConstraintKeys& keys) {
@@ -281,63 +302,56 @@ class ConstraintBinder {
     table.integer("nth", made.nth,
                   {.minimum = 1, .maximum = 10'000, .help = "which of the pair's hits"});
     bind_event_time(table, made);
-    double near_mm = 10;
     table.number("window_s", made.window_s,
                  in_s("greatest difference in time that is told by the hit itself", 0.001));
+    double near_mm = 10;
     table.number("near_mm", near_mm,
-                 {.minimum = 0.001,
-                  .maximum = k_far_mm,
-                  .unit = "mm",
-                  .help = "scale of the gap by which a hit is missed in its window"});
+                 in_mm("scale of the gap by which a hit is missed in its window", 0.001));
     made.near_m = k_m_per_mm * near_mm;
   }
 
-  void bind_event_time(Binder& table, Constraint& made) {
-    const auto time = [&](const char* key, std::optional<double>& value, const char* help) {
-      table.optional_number(key, value, in_s(help));
+  void bind_event_time(Binder& table, Constraint& made) const {
+    const auto time = [&](const char* key, double& value, const char* help) {
+      return table.optional_number(key, value, in_s(help));
     };
-    std::optional<double> at_s;
-    std::optional<double> before_s;
-    std::optional<double> after_s;
-    std::optional<double> frame;
+    double at_s = 0;
+    double frame = 0;
     double frames_per_s = 24;
-    time("at_s", at_s, "time of the hit");
-    time("before_s", before_s, "latest time of the hit");
-    time("after_s", after_s, "earliest time of the hit");
-    table.optional_number("frame", frame,
-                          {.minimum = 0, .maximum = 1e6, .help = "frame of the hit, from 0"});
+    const bool has_at = time("at_s", at_s, "time of the hit");
+    const bool has_before = time("before_s", made.to_s, "latest time of the hit");
+    const bool has_after = time("after_s", made.from_s, "earliest time of the hit");
+    const bool has_frame = table.optional_number(
+        "frame", frame, {.minimum = 0, .maximum = 1e6, .help = "frame of the hit, from 0"});
     table.number("frames_per_s", frames_per_s,
                  {.minimum = 1, .maximum = 10'000, .unit = "1/s", .help = "rate of frames"});
     table.numbers("beats_s", made.times_s, {.count_min = 1, .count_max = 1000},
                   in_s("the hit must be on one of these times"));
-    std::optional<double> sigma_s;
-    time("sigma_s", sigma_s, k_sigma_help);
-    std::optional<double> tolerance_s;
-    time("tolerance_s", tolerance_s, k_tolerance_help);
+    made.sigma = made.window_s;
+    const bool has_sigma = time("sigma_s", made.sigma, k_sigma_help);
+    const bool has_tolerance = time("tolerance_s", made.tolerance, k_tolerance_help);
     if (!is_used(table)) return;
-    if (at_s) made.times_s.push_back(*at_s);
-    if (frame) made.times_s.push_back(*frame / frames_per_s);
+    const bool has_beats = !made.times_s.empty();
+    if (has_at) made.times_s.push_back(at_s);
+    if (has_frame) made.times_s.push_back(frame / frames_per_s);
     std::ranges::sort(made.times_s);
-    const bool has_range = before_s || after_s;
-    const int given =
-        (at_s ? 1 : 0) + (frame ? 1 : 0) + (table.given("beats_s") ? 1 : 0) + (has_range ? 1 : 0);
-    const char* const key = at_s ? "at_s" : frame ? "frame" : before_s ? "before_s" : "after_s";
+    const auto given =
+        std::ranges::count(std::array{has_at, has_frame, has_beats, has_before || has_after}, true);
+    const char* const key = has_at       ? "at_s"
+                            : has_frame  ? "frame"
+                            : has_before ? "before_s"
+                                         : "after_s";
     if (given > 1)
       return table.error(key,
                          "set only one of at_s, frame, beats_s, and the range before_s, after_s");
-    made.from_s = after_s.value_or(0);
-    made.to_s = before_s.value_or(made.to_s);
     if (made.from_s > made.to_s) return table.error("before_s", "must be at least after_s");
     const double latest_s = made.times_s.empty() ? made.from_s : made.times_s.back();
     if (latest_s > parameters_.scene.end_s)
-      return table.error(table.given("beats_s") ? "beats_s" : key,
+      return table.error(has_beats ? "beats_s" : key,
                          fmt::format("is after end_s of [world], {} s", parameters_.scene.end_s));
-    if (given > 0 && !sigma_s)
+    if (given > 0 && !has_sigma)
       return table.error("sigma_s", "missing; an event with a time needs it");
-    if (!made.times_s.empty() && !tolerance_s)
+    if (!made.times_s.empty() && !has_tolerance)
       return table.error("tolerance_s", "missing; an event at a time needs it");
-    made.sigma = sigma_s.value_or(made.window_s);
-    made.tolerance = tolerance_s.value_or(0);
     if (made.sigma <= 0) table.error("sigma_s", "must be above 0");
   }
 
@@ -346,7 +360,7 @@ class ConstraintBinder {
     table.texts("events", events, {.count_min = 2, .count_max = 1000, .required = true},
                 {.characters_max = 2 * k_name_characters_max,
                  .help = "names of [[constraint.event]], the first first"});
-    bind_scale(table, keys.made, "sigma_s", "tolerance_s", "s", 1);
+    bind_scale(table, keys.made, "s", 1);
     if (!is_used(table)) return;
     std::vector<std::string> names;
     std::vector<std::uint32_t> numbers;
@@ -371,42 +385,19 @@ class ConstraintBinder {
                  in_s("scale of the time between the hit and the scene's end", 0.001));
   }
 
+  const Object& object(std::uint32_t number) const { return parameters_.built->objects[number]; }
+
   Binder& section_;
   Parameters& parameters_;
   const std::vector<NamedRegion>& regions_;
-  const ObjectNames* objects_;
   NameList names_{"constraint"};
 };
 
 }  // namespace
 
-void bind_regions(Binder& world, std::vector<NamedRegion>& regions) {
-  NameList names("region");
-  world.tables<NamedRegion>(
-      "region", regions, {.count_max = k_constraints_max, .help = "boxes that constraints name"},
-      [&](Binder& table, NamedRegion& region) {
-        table.required_text("name", region.name, a_name("region's name"));
-        names.add(table, "name", region.name);
-        const auto corner = [&](const char* key, Vec3& corner_m, const char* help) {
-          std::optional<std::array<double, 3>> corner_mm;
-          table.optional_numbers(key, corner_mm, in_mm(help));
-          if (corner_mm) {
-            corner_m = k_m_per_mm * vector_of(*corner_mm);
-          } else if (table.line() > 0 && table.valid(key)) {
-            table.error(key, "missing; a region needs it");
-          }
-        };
-        corner("low_mm", region.region.low_m, "least x, y, z");
-        corner("high_mm", region.region.high_m, "greatest x, y, z");
-        if (table.line() > 0 && table.is_sound() &&
-            (region.region.high_m - region.region.low_m).minCoeff() < 0)
-          table.error("high_mm", "must be at least low_mm along each axis");
-      });
-}
-
-void bind_constraints(Binder& constraint, Parameters& parameters,
-                      const std::vector<NamedRegion>& regions, const ObjectNames* objects) {
-  ConstraintBinder(constraint, parameters, regions, objects).bind_all();
+void bind_constraints(request::WorldSections& sections, Parameters& parameters) {
+  const std::vector<NamedRegion> regions = bind_regions(sections.world);
+  ConstraintBinder(sections.constraint, parameters, regions).bind_all();
 }
 
 }  // namespace sleight::worlds::user_scene

@@ -1,5 +1,3 @@
-#include "worker/worlds/user_scene/request_uncertain.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 
 #include "common/request/text.h"
 #include "worker/worlds/user_scene/request.h"
+#include "worker/worlds/user_scene/request_parts.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -19,52 +18,40 @@ using request::Binder;
 constexpr std::size_t k_uncertain_max = 1000;
 constexpr std::size_t k_choices_max = 300;
 
-std::vector<request::Named<Quantity>> quantity_names() {
-  std::vector<request::Named<Quantity>> names;
-  for (const QuantityKind& kind : all_quantities())
-    names.push_back({kind.key, kind.quantity});
-  return names;
-}
-
-/// The keys of one [[world.uncertain]].
+/// The keys of one [[world.uncertain]] that have no member in Uncertain.
 struct UncertainKeys {
-  std::optional<std::string> name{};
   std::vector<std::string> bodies{};
-  std::optional<std::string> material{};
-  std::vector<double> normal_sd{};
-  std::vector<double> within{};
+  std::string material{};
   std::vector<double> choices{};
-  std::vector<double> shares{};
-  std::optional<double> probability{};
 };
 
 void bind_keys(Binder& table, UncertainKeys& keys, Uncertain& one) {
-  table.optional_text("name", keys.name,
+  table.optional_text("name", one.name,
                       a_name("name in archives; default: the body's name and the quantity"));
-  keys.bodies = ObjectNames::bind(table);
+  keys.bodies = bind_body_names(table);
   table.optional_text("material", keys.material,
                       a_name("name of a [[world.material]], instead of a body"));
-  const std::vector<request::Named<Quantity>> names = quantity_names();
+  std::vector<request::Named<Quantity>> names;
+  for (const QuantityKind& kind : all_quantities())
+    names.push_back({kind.key, kind.quantity});
   table.required_choice<Quantity>(
       "quantity", one.quantity, names,
       "what is uncertain; a turn rotates the body about the world's axes, and an orientation is "
       "uniform among all rotations");
-  const auto numbers = [&](const char* key, std::vector<double>& values, const char* help) {
-    table.numbers(key, values, {.count_min = 1, .count_max = 3},
-                  {.minimum = 0, .maximum = 1e6, .help = help});
+  const auto numbers = [&](const char* key, std::vector<double>& values, std::size_t count_max,
+                           double minimum, const char* help) {
+    table.numbers(key, values, {.count_min = 1, .count_max = count_max},
+                  {.minimum = minimum, .maximum = 1e6, .help = help});
   };
-  numbers("normal_sd", keys.normal_sd,
+  numbers("normal_sd", one.sd, 3, 0,
           "standard deviation of each component around the described value; 0: fixed");
-  numbers("within", keys.within,
+  numbers("within", one.within, 3, 0,
           "greatest difference from the described value; alone: uniform; with normal_sd: a "
           "truncated normal");
-  table.numbers("choices", keys.choices, {.count_min = 1, .count_max = k_choices_max},
-                {.minimum = -1e6,
-                 .maximum = 1e6,
-                 .help = "values to choose from; each vector takes three numbers"});
-  table.numbers("shares", keys.shares, {.count_min = 1, .count_max = k_choices_max},
-                {.minimum = 0, .maximum = 1e6, .help = "shares of the choices; default: equal"});
-  table.optional_number("probability", keys.probability,
+  numbers("choices", keys.choices, k_choices_max, -1e6,
+          "values to choose from; each vector takes three numbers");
+  numbers("shares", one.shares, k_choices_max, 0, "shares of the choices; default: equal");
+  table.optional_number("probability", one.probability,
                         {.minimum = 0,
                          .above_minimum = true,
                          .maximum = 1,
@@ -72,114 +59,93 @@ void bind_keys(Binder& table, UncertainKeys& keys, Uncertain& one) {
   table.boolean("shared", one.shared, "whether one draw serves all bodies instead of one for each");
 }
 
-/// Reads the components' distribution. Returns whether all is well.
-bool read_components(Binder& table, const UncertainKeys& keys, const QuantityKind& kind,
-                     Uncertain& one) {
+/// Reads the components' distribution.
+void read_components(Binder& table, const QuantityKind& kind, Uncertain& one) {
   bool any = false;
-  for (const auto& [key, given, values] : {std::tuple{"normal_sd", &keys.normal_sd, &one.sd},
-                                           std::tuple{"within", &keys.within, &one.within}}) {
-    if (given->empty()) continue;
-    if (given->size() != kind.width) {
-      table.error(key,
-                  fmt::format("expected {} for {}, found {}",
-                              kind.width == 1 ? "1 number" : "3 numbers", kind.key, given->size()));
-      return false;
-    }
-    for (std::size_t i = 0; i < kind.width; ++i)
-      (*values)[i] = kind.scale * (*given)[i];
+  for (const auto& [key, values] :
+       {std::pair{"normal_sd", &one.sd}, std::pair{"within", &one.within}}) {
+    if (!values->empty() && values->size() != kind.width)
+      return table.error(
+          key, fmt::format("expected {} for {}, found {}",
+                           kind.width == 1 ? "1 number" : "3 numbers", kind.key, values->size()));
+    for (double& value : *values)
+      value *= kind.scale;
     any = any || std::ranges::any_of(*values, [](double value) { return value > 0; });
   }
-  if (any) return true;
-  const bool is_given = !keys.normal_sd.empty() || !keys.within.empty();
-  table.error(keys.normal_sd.empty() && is_given ? "within" : "normal_sd",
+  if (any) return;
+  const bool is_given = !one.sd.empty() || !one.within.empty();
+  table.error(one.sd.empty() && is_given ? "within" : "normal_sd",
               fmt::format("{}; give normal_sd, within or choices, so that {} is uncertain",
                           is_given ? "must not be all 0" : "missing", kind.key));
-  return false;
 }
 
-bool read_choices(Binder& table, const UncertainKeys& keys, const QuantityKind& kind,
+void read_choices(Binder& table, const std::vector<double>& given, const QuantityKind& kind,
                   Uncertain& one) {
-  const std::size_t count = keys.choices.size() / kind.width;
-  if (keys.choices.size() % kind.width != 0 || !keys.normal_sd.empty() || !keys.within.empty()) {
-    table.error("choices", keys.choices.size() % kind.width != 0
-                               ? fmt::format("expected 3 numbers for each choice of {}, found {} "
-                                             "numbers",
-                                             kind.key, keys.choices.size())
-                               : "set either choices, or normal_sd and within");
-    return false;
+  if (given.size() % kind.width != 0)
+    return table.error("choices",
+                       fmt::format("expected 3 numbers for each choice of {}, found {} numbers",
+                                   kind.key, given.size()));
+  if (!one.sd.empty() || !one.within.empty())
+    return table.error("choices", "set either choices, or normal_sd and within");
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    if (i % kind.width == 0) one.choices.emplace_back();
+    const double value = one.choices.back().emplace_back(kind.scale * given[i]);
+    if (value < kind.minimum || value > kind.maximum)
+      return table.error("choices", fmt::format("expected numbers from {:.6g} to {:.6g} for {}, "
+                                                "found {}",
+                                                kind.minimum / kind.scale,
+                                                kind.maximum / kind.scale, kind.key, given[i]));
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    std::vector<double>& choice = one.choices.emplace_back();
-    for (std::size_t j = 0; j < kind.width; ++j) {
-      choice.push_back(kind.scale * keys.choices[i * kind.width + j]);
-      if (choice.back() >= kind.minimum && choice.back() <= kind.maximum) continue;
-      table.error("choices", fmt::format("expected numbers from {:.6g} to {:.6g} for {}, found {}",
-                                         kind.minimum / kind.scale, kind.maximum / kind.scale,
-                                         kind.key, keys.choices[i * kind.width + j]));
-      return false;
-    }
-  }
-  one.shares = keys.shares.empty() ? std::vector<double>(count, 1) : keys.shares;
+  const std::size_t count = one.choices.size();
+  if (one.shares.empty()) one.shares.assign(count, 1);
+  if (one.shares.size() != count)
+    return table.error("shares", fmt::format("expected {} shares, one for each choice, found {}",
+                                             count, one.shares.size()));
   const double sum = std::accumulate(one.shares.begin(), one.shares.end(), 0.0);
-  if (one.shares.size() != count || !(sum > 0)) {
-    table.error("shares", one.shares.size() == count
-                              ? "must not be all 0"
-                              : fmt::format("expected {} shares, one for each choice, found {}",
-                                            count, one.shares.size()));
-    return false;
-  }
+  if (!(sum > 0)) return table.error("shares", "must not be all 0");
   for (double& share : one.shares)
     share /= sum;
-  return true;
 }
 
-/// Reports keys that a quantity doesn't have. Returns whether all is well.
-bool check_keys(Binder& table, const QuantityKind& kind) {
+void read_distribution(Binder& table, const UncertainKeys& keys, const QuantityKind& kind,
+                       Uncertain& one) {
   const bool is_presence = kind.quantity == Quantity::presence;
   const bool has_numbers = !is_presence && kind.quantity != Quantity::orientation;
   for (const auto& [key, has] :
        {std::pair{"normal_sd", has_numbers}, std::pair{"within", has_numbers},
         std::pair{"choices", has_numbers}, std::pair{"probability", is_presence},
-        std::pair{"shares", table.given("choices")}}) {
-    if (has || !table.given(key)) continue;
-    table.error(key, has_numbers && std::string_view(key) == "shares"
-                         ? "belongs to choices, which are missing"
-                         : fmt::format("{} has no such key; remove it", kind.key));
-    return false;
+        std::pair{"shares", has_numbers}}) {
+    if (!has && table.given(key))
+      return table.error(key, fmt::format("{} has no such key; remove it", kind.key));
   }
-  if (is_presence && !table.given("probability"))
+  if (!keys.choices.empty()) {
+    read_choices(table, keys.choices, kind, one);
+  } else if (!one.shares.empty()) {
+    table.error("shares", "belongs to choices, which are missing");
+  } else if (has_numbers) {
+    read_components(table, kind, one);
+  } else if (is_presence && !table.given("probability")) {
     table.error("probability", "missing; presence needs it");
-  return table.is_sound();
-}
-
-bool read_distribution(Binder& table, const UncertainKeys& keys, Uncertain& one) {
-  const QuantityKind& kind = kind_of(one.quantity);
-  if (!check_keys(table, kind)) return false;
-  one.sd.assign(kind.width, 0);
-  one.within.assign(kind.width, 0);
-  one.probability = keys.probability.value_or(1);
-  if (one.quantity == Quantity::presence || one.quantity == Quantity::orientation) return true;
-  return keys.choices.empty() ? read_components(table, keys, kind, one)
-                              : read_choices(table, keys, kind, one);
+  }
+  one.sd.resize(kind.width);
+  one.within.resize(kind.width);
 }
 
 /// Reports bodies that don't have the quantity.
-void check_bodies(Binder& table, const Uncertain& one, const ObjectNames& objects) {
+void check_bodies(Binder& table, const Uncertain& one, const Parameters& parameters) {
   for (const std::uint32_t target : one.targets) {
-    const BodyDescription& body = objects.described(target);
-    const std::string name = request::toml_string(objects.object(target).name);
+    const BodyDescription& body = parameters.described(target);
+    const std::string name = request::toml_string(parameters.built->objects[target].name);
     const auto needs = [&](Quantity quantity, ShapeKind shape) {
-      if (one.quantity != quantity || body.sizes.kind == shape) return;
-      table.error("quantity", fmt::format("is for a {}, but {} is a {}", name_of(shape), name,
-                                          name_of(body.sizes.kind)));
+      if (one.quantity == quantity && body.sizes.kind != shape)
+        table.error("quantity", fmt::format("is for a {}, but {} is a {}", name_of(shape), name,
+                                            name_of(body.sizes.kind)));
     };
     needs(Quantity::radius, ShapeKind::sphere);
     needs(Quantity::size, ShapeKind::box);
-    if (!table.is_sound()) return;
-    if (!body.rests) continue;
-    if (one.quantity == Quantity::start || one.quantity == Quantity::presence)
+    if (body.rests && (one.quantity == Quantity::start || one.quantity == Quantity::presence))
       table.error("quantity", fmt::format("{} starts at rest, so it is always there", name));
-    if (one.quantity == Quantity::velocity || one.quantity == Quantity::spin)
+    if (body.rests && (one.quantity == Quantity::velocity || one.quantity == Quantity::spin))
       table.error("quantity", fmt::format("{} starts at rest, so its speed is 0", name));
     if (!table.is_sound()) return;
   }
@@ -187,56 +153,54 @@ void check_bodies(Binder& table, const Uncertain& one, const ObjectNames& object
 
 }  // namespace
 
-std::vector<std::string> ObjectNames::bind(Binder& table) {
-  std::optional<std::string> body;
-  table.optional_text("body", body, a_name("name of a body; a body with copies: all copies"));
+std::vector<std::string> bind_body_names(Binder& table) {
+  std::string body;
+  const bool has_body =
+      table.optional_text("body", body, a_name("name of a body; a body with copies: all copies"));
   std::vector<std::string> bodies;
   table.texts("bodies", bodies, {.count_min = 1, .count_max = k_objects_max},
               a_name("names of several bodies"));
-  if (body && !bodies.empty()) table.error("bodies", "set either body or bodies, not both");
-  if (body) bodies = {*body};
+  if (has_body && !bodies.empty()) table.error("bodies", "set either body or bodies, not both");
+  if (has_body) return {body};
   return bodies;
 }
 
-std::vector<std::uint32_t> ObjectNames::find(Binder& table, std::string_view key,
-                                             const std::string& name, bool must_move) const {
+std::vector<std::uint32_t> find_objects(Binder& table, std::string_view key,
+                                        const std::string& name, const Parameters& parameters) {
   std::vector<std::uint32_t> found;
   std::vector<std::string> names;
-  for (std::uint32_t i = 0; i < built_.objects.size(); ++i) {
-    const Object& object = built_.objects[i];
-    const std::string& base = scene_.bodies[object.description].name;
-    if (object.name == name || base == name) found.push_back(i);
+  for (std::uint32_t i = 0; i < parameters.built->objects.size(); ++i) {
+    const std::string& own = parameters.built->objects[i].name;
+    const std::string& base = parameters.described(i).name;
+    if (own == name || base == name) found.push_back(i);
     if (names.empty() || names.back() != base) names.push_back(base);
-    if (object.name != base) names.push_back(object.name);
+    if (own != base) names.push_back(own);
   }
-  if (found.empty()) {
-    table.error(key, unknown("body", name, names));
-  } else if (must_move && found.front() >= built_.moving) {
-    table.error(key, fmt::format("{} never moves", request::toml_string(name)));
-    return {};
-  }
+  if (found.empty()) table.error(key, unknown("body", name, names));
   return found;
 }
 
-std::vector<std::uint32_t> ObjectNames::find_all(Binder& table,
-                                                 const std::vector<std::string>& names) const {
+std::vector<std::uint32_t> find_moving(Binder& table, const std::vector<std::string>& names,
+                                       const Parameters& parameters) {
   std::vector<std::uint32_t> all;
+  const char* const key = table.given("body") ? "body" : "bodies";
   for (const std::string& name : names) {
-    const char* key = table.given("body") ? "body" : "bodies";
-    for (const std::uint32_t object : find(table, key, name, true)) {
-      if (std::ranges::count(all, object) > 0) {
-        table.error(key, fmt::format("{} is named twice",
-                                     request::toml_string(built_.objects[object].name)));
-        return {};
+    for (const std::uint32_t object : find_objects(table, key, name, parameters)) {
+      const std::string& own = parameters.built->objects[object].name;
+      const bool moves = object < parameters.built->moving;
+      if (moves && std::ranges::count(all, object) == 0) {
+        all.push_back(object);
+        continue;
       }
-      all.push_back(object);
+      table.error(key, moves ? fmt::format("{} is named twice", request::toml_string(own))
+                             : fmt::format("{} never moves", request::toml_string(name)));
+      return {};
     }
   }
   return all;
 }
 
-void bind_uncertain(Binder& world, Parameters& parameters, const ObjectNames* objects,
-                    const NameList& materials) {
+void bind_uncertain(Binder& world, const NameList& materials, Parameters& parameters) {
   std::map<std::pair<Quantity, std::uint32_t>, std::uint32_t> lines;
   NameList names("quantity");
   world.tables<Uncertain>(
@@ -247,33 +211,33 @@ void bind_uncertain(Binder& world, Parameters& parameters, const ObjectNames* ob
         bind_keys(table, keys, one);
         if (table.line() == 0 || !table.is_sound()) return;
         const QuantityKind& kind = kind_of(one.quantity);
-        if (keys.material.has_value() != kind.of_material ||
-            keys.bodies.empty() != kind.of_material)
+        if (table.given("material") != kind.of_material || keys.bodies.empty() != kind.of_material)
           return table.error("quantity", kind.of_material
                                              ? "needs the key material, and neither body nor bodies"
                                              : "needs the key body or bodies, and no material");
-        if (!read_distribution(table, keys, one)) return;
+        read_distribution(table, keys, kind, one);
+        if (!table.is_sound()) return;
         if (kind.of_material) {
-          one.targets = {materials.find(table, "material", *keys.material)};
-        } else if (objects != nullptr) {
-          one.targets = objects->find_all(table, keys.bodies);
-          if (table.is_sound()) check_bodies(table, one, *objects);
+          one.targets = {materials.find(table, "material", keys.material)};
+        } else if (parameters.built) {
+          one.targets = find_moving(table, keys.bodies, parameters);
+          if (table.is_sound()) check_bodies(table, one, parameters);
         }
-        const std::string& of = kind.of_material ? *keys.material : keys.bodies.front();
-        one.name = keys.name.value_or(fmt::format("{} {}", of, kind.key));
-        if (keys.name) names.add(table, "name", *keys.name);
+        if (table.given("name")) {
+          names.add(table, "name", one.name);
+        } else {
+          one.name = fmt::format("{} {}", kind.of_material ? keys.material : keys.bodies.front(),
+                                 kind.key);
+        }
         // A turn and an orientation change the same thing.
         const Quantity same = one.quantity == Quantity::orientation ? Quantity::turn : one.quantity;
         for (const std::uint32_t target : one.targets) {
           const auto [at, is_new] = lines.try_emplace({same, target}, table.line());
           if (is_new) continue;
-          table.error("quantity",
-                      fmt::format("is already uncertain for {} (see line {})",
-                                  request::toml_string(kind.of_material
-                                                           ? parameters.scene.materials[target].name
-                                                           : objects->object(target).name),
-                                  at->second));
-          return;
+          const std::string& name = kind.of_material ? parameters.scene.materials[target].name
+                                                     : parameters.built->objects[target].name;
+          return table.error("quantity", fmt::format("is already uncertain for {} (see line {})",
+                                                     request::toml_string(name), at->second));
         }
       });
 }

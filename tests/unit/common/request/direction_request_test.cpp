@@ -444,7 +444,7 @@ TEST(NestedTables, AreReadCheckedAndNormalised) {
   const std::string normal = normalised_text(request.value());
   EXPECT_THAT(normal, testing::HasSubstr(
                           "surface = \"felt\"\n\n[[world.peg]]\nx_m = 0.5\n\n"
-                          "[[world.peg.ring]]\nat_m = [0.5, -1.0]\n\n"
+                          "[[world.peg.ring]]\nat_m = [0.5, -1.0]\nsurface = \"felt\"\n\n"
                           "[[world.peg.ring]]\nat_m = [1.0, 2.0]\nsurface = \"wood\"\n\n"
                           "[[world.peg]]\nx_m = 0.5\ny_m = 1.0\n\n"
                           "[world.wind]\nscale = 2.0\nfrom = \"NE\"\nmps = [0.0, 0.0, -9.0]\n"

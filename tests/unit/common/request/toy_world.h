@@ -15,7 +15,7 @@ enum class Surface { felt, wood };
 
 struct Ring {
   std::array<double, 2> at_m{0.5, -1};
-  std::optional<Surface> surface{};
+  Surface surface = Surface::felt;
   friend bool operator==(const Ring&, const Ring&) = default;
 };
 
@@ -66,7 +66,9 @@ inline void bind_wind(Binder& table, Wind& wind) {
   table.required_number("scale", wind.scale, {.minimum = 0});
   table.required_text("from", wind.from, {.characters_max = 2});
   table.optional_text("name", wind.name, {.characters_max = 4});
-  table.optional_numbers("mps", wind.mps, {.minimum = -9, .maximum = 9, .unit = "m/s"});
+  std::array<double, 3> mps{};
+  if (table.optional_numbers("mps", mps, {.minimum = -9, .maximum = 9, .unit = "m/s"}))
+    wind.mps = mps;
   table.numbers("gusts", wind.gusts, {.count_max = 3}, {});
   table.rows("path", wind.path, {.count_min = 2, .count_max = 4}, {.minimum = 0});
   table.rows("triangles", wind.triangles, {.count_max = 3}, {.minimum = 0, .maximum = 9});
@@ -94,8 +96,7 @@ inline void bind(WorldSections& sections, Parameters& p) {
         table.optional_number("y_m", peg.y_m, {.maximum = 9});
         table.tables("ring", peg.rings, {.count_max = 2}, [](Binder& inner, Ring& ring) {
           inner.numbers("at_m", ring.at_m, {.minimum = -9, .maximum = 9});
-          inner.optional_choice("surface", ring.surface,
-                                std::span<const Named<Surface>>(k_surfaces), "");
+          inner.choice("surface", ring.surface, std::span<const Named<Surface>>(k_surfaces), "");
         });
         if (peg.y_m == peg.x_m) table.error("y_m", "is x_m");
       });
@@ -124,7 +125,7 @@ inline WorldBinding relaxing_binding() {
       "staged", "a world for tests", &bind,
       [](WorldSections& sections, SamplerParameters& sampler, const StopRule& stop, Parameters& p) {
         if (!stop.takes) return;
-        Settled settled(sections.sampler);
+        Settled settled(sections.sampler, sampler);
         settled.count("relax_scans", sampler.relax_scans, 3);
         settled.number("step", p.step, 0.5);
       });

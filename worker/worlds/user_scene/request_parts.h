@@ -1,16 +1,13 @@
-// Binds [[world.body]] of a scene, and resolves names. Private to this folder.
+// Binds the parts of a scene's request, and resolves names. Private to this folder.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <set>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include "common/request/binder.h"
-#include "worker/worlds/user_scene/description.h"
+#include "common/request/direction_request.h"
+#include "worker/worlds/user_scene/parameters.h"
 
 namespace sleight::worlds::user_scene {
 
@@ -27,10 +24,6 @@ inline request::NumberOptions in_s(std::string_view help, double minimum_s = 0) 
 }
 inline request::TextOptions a_name(std::string_view help) {
   return {.characters_max = k_name_characters_max, .help = help};
-}
-
-inline Vec3 vector_of(const std::array<double, 3>& values) {
-  return {values[0], values[1], values[2]};
 }
 
 /// Says that no `what` has this name, and suggests the nearest one, or lists all if they are few.
@@ -60,10 +53,28 @@ struct Names {
   NameList materials{"material"};
   NameList groups{"group"};
   NameList objects{"body"};
-  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< of materials with a law
-  std::size_t triangles = 0;                                ///< of all meshes and channels so far
+  std::size_t triangles = 0;  ///< of all meshes and channels so far
 };
 
 void bind_bodies(request::Binder& world, SceneDescription& scene, Names& names);
+
+/// Binds the keys `body` and `bodies`, and returns the names. The table must not have both.
+std::vector<std::string> bind_body_names(request::Binder& table);
+
+/// Returns the object with this name, or all copies of the body with this name. If there is none,
+/// reports an error that suggests the nearest name. REQUIRES: the scene is built.
+std::vector<std::uint32_t> find_objects(request::Binder& table, std::string_view key,
+                                        const std::string& name, const Parameters& parameters);
+/// Returns the moving bodies with the names of bind_body_names(). Reports an error if one doesn't
+/// move or is named twice. REQUIRES: the scene is built.
+std::vector<std::uint32_t> find_moving(request::Binder& table,
+                                       const std::vector<std::string>& names,
+                                       const Parameters& parameters);
+
+/// Binds [[world.uncertain]]. If the scene isn't built, bodies aren't looked up.
+void bind_uncertain(request::Binder& world, const NameList& materials, Parameters& parameters);
+
+/// Binds [[world.region]] and [constraint]. If the scene isn't built, constraints aren't made.
+void bind_constraints(request::WorldSections& sections, Parameters& parameters);
 
 }  // namespace sleight::worlds::user_scene
