@@ -26,7 +26,8 @@ enum class Purpose : std::uint32_t {
   guide = 15,        ///< A world's guide.
   blind_throw = 16,  ///< Blind throws, with which finds are compared.
   counted = 17,      ///< The satisfying scan that is a chain's independent solution.
-  prior_draw = 18    ///< Prior draws beside a run's samples.
+  prior_draw = 18,   ///< Prior draws beside a run's samples.
+  noise = 19         ///< An impact's noise; the seed is the state's key.
 };
 
 }  // namespace sleight::random

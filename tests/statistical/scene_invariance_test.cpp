@@ -15,11 +15,11 @@
 #include "worker/sampling/surrogate_transition.h"
 #include "worker/worlds/dice/dice.h"
 #include "worker/worlds/user_scene/request.h"
-#include "worker/worlds/user_scene/user_scene.h"
+#include "worker/worlds/user_scene/scene_search.h"
 
 namespace sleight::statistical::scene_invariance_test {
 
-using worlds::user_scene::Numbers;
+using worlds::user_scene::State;
 using worlds::user_scene::UserScene;
 using Outcome = worlds::user_scene::Outcome;
 
@@ -72,15 +72,85 @@ sigma_mm = 25
 struct Forgetful : UserScene {
   using UserScene::UserScene;
   explicit Forgetful(const UserScene& world) : UserScene(world) {}
-  sampling::Proposal<Numbers> propose(const Numbers& state, std::span<const double> scales,
-                                      random::Stream& stream) const {
-    auto proposal = UserScene::propose(state, scales, stream);
+  sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
+                                    std::span<const double> scales, random::Stream& stream) const {
+    auto proposal = UserScene::propose(state, outcome, scales, stream);
     proposal.log_q_ratio = 0;
     return proposal;
   }
-  sampling::Proposal<Numbers> propose(const Numbers& state, random::Stream& stream) const {
-    return propose(state, {}, stream);
+};
+
+enum class Mistake {
+  none,
+  no_ratio,          ///< shots without N / N'
+  inverted_ratio,    ///< shots with N' / N
+  grows,             ///< shots that step without shrinking
+  positive,          ///< shots whose first value is never negative
+  last_impact,       ///< shots at the last impact
+  first_time,        ///< tails from an impact chosen evenly, without a ratio
+  from_the_end,      ///< tails from the second half of the present simulation
+  better_key,        ///< tails that choose the smaller of two keys' first values
+  forgets_overrides  ///< tails whose ratio lacks the overrides' densities
+};
+
+/// Makes only shots and tails, with a mistake.
+struct Mistaken : UserScene {
+  Mistaken(const UserScene& world, Mistake what) : UserScene(world), mistake(what) {}
+
+  sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
+                                    std::span<const double> /*scales*/,
+                                    random::Stream& stream) const {
+    using worlds::user_scene::with_fresh_tail;
+    sampling::Proposal<State> proposal{.candidate = state};
+    State& candidate = proposal.candidate;
+    const std::vector<physics::Impact>& noised = outcome.noised;
+    if (noised.empty()) return proposal;
+    const auto evenly = random::UniformInteger{.count = noised.size()}.draw(stream);
+    const bool shoots =
+        mistake == Mistake::none ? stream.uniform() < 0.5 : mistake <= Mistake::last_impact;
+    if (shoots) {
+      const auto address =
+          address_of(noised[mistake == Mistake::last_impact ? noised.size() - 1 : evenly]);
+      worlds::user_scene::step_noise(candidate.noise, address, 0.6, stream);
+      physics::NoiseValue value = candidate.noise.at(address);
+      if (mistake == Mistake::grows)
+        for (double& part : value)
+          part *= 1.25;
+      if (mistake == Mistake::positive) value[0] = std::fabs(value[0]);
+      candidate.noise.set(address, value);
+      proposal.ratio_waits = true;
+      proposal.log_q_ratio = 1e9;  // no early rejection
+      return proposal;
+    }
+    const double end_s = parameters().scene.end_s;
+    double from_s = end_s * stream.uniform();
+    if (mistake == Mistake::first_time)
+      from_s = physics::seconds(noised[evenly].tick - physics::Tick{});
+    if (mistake == Mistake::from_the_end)
+      from_s = physics::seconds(noised[noised.size() / 2].tick - physics::Tick{});
+    const physics::Tick from = physics::Tick{} + physics::ticks_after(from_s);
+    candidate.noise = with_fresh_tail(state.noise, noised, from, stream);
+    if (mistake == Mistake::better_key) {
+      const auto other = with_fresh_tail(state.noise, noised, from, stream);
+      const auto address = address_of(noised.back());
+      if (other.at(address)[2] < candidate.noise.at(address)[2]) candidate.noise = other;
+    }
+    proposal.log_q_ratio =
+        mistake == Mistake::forgets_overrides ? 0 : log_prior(state) - log_prior(candidate);
+    return proposal;
   }
+  double log_q_ratio(const State& state, const Outcome& outcome,
+                     const sampling::Proposal<State>& proposal,
+                     const Outcome& candidate_outcome) const {
+    const double ratio =
+        worlds::user_scene::shot_log_ratio(outcome.noised, candidate_outcome.noised);
+    const double counted = mistake == Mistake::no_ratio || mistake == Mistake::last_impact ? 0
+                           : mistake == Mistake::inverted_ratio                            ? -ratio
+                                                                                           : ratio;
+    return log_prior(state) - log_prior(proposal.candidate) + counted;
+  }
+
+  Mistake mistake;
 };
 
 /// Draws from p_w p_c^beta by rejection: p_c <= 1.
@@ -102,10 +172,25 @@ double least_p(const World& world, double beta, int steps) {
   std::vector<std::vector<double>> moved;
   std::vector<std::vector<double>> fresh;
   const auto add = [&](const sampling::Sample<World>& sample, auto& to) {
-    std::vector<double> values = sample.state;
+    std::vector<double> values = sample.state.numbers;
+    // The log prior counts overrides, which exact draws don't have.
+    values.push_back(world.quantities().log_density(sample.state.numbers));
+    if (world.has_noise()) {
+      const std::vector<physics::Impact>& noised = sample.outcome.noised;
+      values.push_back(static_cast<double>(noised.size()));
+      for (const bool last : {false, true}) {
+        physics::NoiseValue value{};
+        if (!noised.empty())
+          value = sample.state.noise.at(address_of(last ? noised.back() : noised.front()));
+        values.insert(values.end(), value.begin(), value.end());
+      }
+      double squares = 0;
+      for (const physics::Impact& impact : noised)
+        squares += std::pow(sample.state.noise.at(address_of(impact))[2], 2);
+      values.push_back(squares);
+    }
     values.insert(values.end(), sample.outcome.judgement.distances.begin(),
                   sample.outcome.judgement.distances.end());
-    values.push_back(world.log_prior(sample.state));
     to.resize(values.size());
     for (std::size_t i = 0; i < values.size(); ++i)
       to[i].push_back(values[i]);
@@ -124,12 +209,60 @@ double least_p(const World& world, double beta, int steps) {
   return least;
 }
 
+/// A ball that bounces on a floor and a block, with noise.
+const std::string k_noised = R"(end_s = 0.8
+[world.contact_noise]
+above_mps = 0.3
+tilt_sd_deg = 8
+restitution_sd = 0.15
+[[world.material]]
+name = "rubber"
+restitution = 0.6
+[[world.body]]
+name = "floor"
+shape = "plane"
+[[world.body]]
+name = "block"
+shape = "box"
+size_mm = [40, 400, 30]
+at_mm = [40, 0, 15]
+static = true
+[[world.body]]
+name = "ball"
+radius_mm = 10
+at_mm = [0, 0, 100]
+velocity_mps = [0.1, 0, 0]
+[[world.uncertain]]
+body = "ball"
+quantity = "velocity_mps"
+normal_sd = [0.1, 0, 0]
+[[constraint.place]]
+body = "ball"
+at_mm = [20, 10]
+at_s = 0.5
+sigma_mm = 40
+)";
+
 class SceneInvariance : public testing::TestWithParam<double> {};
 // 15 values are compared: 0.0005 each makes a false alarm rarer than 1%.
 TEST_P(SceneInvariance, TenStepsKeepExactDrawsExact) {
   EXPECT_GT(least_p(scene_of(k_balls), GetParam(), 10), 0.0005);
 }
+TEST_P(SceneInvariance, AlsoWithContactNoise) {
+  EXPECT_GT(least_p(scene_of(k_noised), GetParam(), 10), 0.0005);
+  EXPECT_GT(least_p(Mistaken(scene_of(k_noised), Mistake::none), GetParam(), 10), 0.0005);
+}
 INSTANTIATE_TEST_SUITE_P(Betas, SceneInvariance, testing::Values(0.3, 1.0));
+
+class SceneInvarianceOf : public testing::TestWithParam<Mistake> {};
+TEST_P(SceneInvarianceOf, MistakesIsBroken) {
+  EXPECT_LT(least_p(Mistaken(scene_of(k_noised), GetParam()), 0.3, 30), 0.0005);
+}
+INSTANTIATE_TEST_SUITE_P(All, SceneInvarianceOf,
+                         testing::Values(Mistake::no_ratio, Mistake::inverted_ratio, Mistake::grows,
+                                         Mistake::positive, Mistake::last_impact,
+                                         Mistake::first_time, Mistake::from_the_end,
+                                         Mistake::better_key, Mistake::forgets_overrides));
 
 TEST(SceneInvarianceOfForgetfulMoves, IsRejected) {
   EXPECT_LT(least_p(Forgetful(scene_of(k_balls)), 0.3, 10), 0.0005);
@@ -170,9 +303,9 @@ sigma_mm = 20
   std::array<double, 4> exact{};
   double sum = 0;
   for (std::size_t i = 0; i < 4; ++i)
-    sum += exact[i] = shares[i] * std::exp(world.log_constraint(world.simulate({middles[i]})));
-  EXPECT_EQ(world.simulate({middles[3]}).judgement.distances[0], 0);
-  EXPECT_GT(world.simulate({middles[0]}).judgement.distances[0], 0.01);
+    sum += exact[i] = shares[i] * std::exp(world.log_constraint(world.simulate({{middles[i]}})));
+  EXPECT_EQ(world.simulate({{middles[3]}}).judgement.distances[0], 0);
+  EXPECT_GT(world.simulate({{middles[0]}}).judgement.distances[0], 0.01);
   // Chains of independent starts; each series tells which choice is present.
   constexpr std::size_t k_chains = 8;
   const std::size_t scans = property::long_run() ? 20'000 : 2000;
@@ -185,7 +318,7 @@ sigma_mm = 20
       for (std::size_t scan = 0; scan < scans; ++scan) {
         sampling::iterate(world, 1, {.seed = 1, .chain = base::ChainId{chain}, .replica = {}}, scan,
                           sample, {}, [](const sampling::StepReport&) {});
-        const double u = sample.state[0];
+        const double u = sample.state.numbers[0];
         const std::size_t now = u < 0.4 ? 0 : u < 0.7 ? 1 : u < 0.9 ? 2 : 3;
         series.push_back(now == choice ? 1 : 0);
       }

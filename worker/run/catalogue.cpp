@@ -30,7 +30,7 @@
 #include "worker/worlds/spelling/pouring_stages.h"
 #include "worker/worlds/spelling/request.h"
 #include "worker/worlds/user_scene/request.h"
-#include "worker/worlds/user_scene/user_scene.h"
+#include "worker/worlds/user_scene/scene_search.h"
 
 namespace sleight::run {
 namespace {

@@ -63,7 +63,8 @@ archive::WorldLayout make_layout(const UserScene& world) {
            {.name = "end_s", .dims = {}, .unit = "s", .meaning = "end of the simulation"},
            {.name = "collisions", .dims = {}, .unit = "1", .meaning = "number of collisions"}},
       .proposal_kinds = {"redraw_all", "redraw_body", "redraw_quantity", "step_all", "step_body",
-                         "step_quantity"}};
+                         "step_quantity", "shot", "tail"}};
+  layout.proposal_kinds.resize(world.proposal_kinds());
   const std::vector<std::string> names = world.quantities().value_names();
   if (!names.empty()) {
     archive::Variable value{.name = "value",
@@ -110,9 +111,9 @@ void set_twins(const Parameters& parameters, scene::Scene& scene) {
 
 /// Extends the view by the motion of a typical draw, but not by what falls far.
 void extend_view(const UserScene& world, scene::Scene& scene) {
-  Numbers typical;
+  State typical;
   for (std::size_t i = 0; i < world.quantities().size(); ++i)
-    typical.push_back(world.quantities().is_normal(i) ? 0 : 0.5);
+    typical.numbers.push_back(world.quantities().is_normal(i) ? 0 : 0.5);
   const Animation animation = world.animate(typical);
   const Vec3 far_m = 2 * Vec3::Constant((scene.high_m - scene.low_m).maxCoeff());
   const Vec3 low_m = scene.low_m - far_m;
@@ -189,10 +190,10 @@ class SceneReader final : public archive::StateReader {
   }
 
  private:
-  std::vector<double> values_of(const Numbers& state) const {
-    std::vector<double> values = world_.quantities().values(state);
+  std::vector<double> values_of(const State& state) const {
+    std::vector<double> values = world_.quantities().values(state.numbers);
     if (values.empty()) return {};
-    const std::vector<double> logs = world_.quantities().log_densities(state);
+    const std::vector<double> logs = world_.quantities().log_densities(state.numbers);
     values.insert(values.end(), logs.begin(), logs.end());
     return values;
   }

@@ -45,6 +45,7 @@ class Builder {
     for_each_copy(ObjectKind::mesh, [&](const Copy& copy) { add_mesh(copy); });
     if (error_) return std::move(*error_);
     built_.scene.slow = slow_contacts();
+    built_.scene.noise = description_.noise;
     surround_all();
     return std::move(built_);
   }

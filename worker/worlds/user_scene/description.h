@@ -145,7 +145,11 @@ struct SceneDescription {
   std::optional<double> separation_speed_mps{};
   std::optional<double> rest_speed_mps{};
   std::optional<double> rest_time_s{};
+  /// Its `values` are null: a state has them.
+  physics::ContactNoise noise{};
   std::vector<BodyDescription> bodies;
+
+  bool has_noise() const { return noise.above_mps > 0; }
 };
 
 }  // namespace sleight::worlds::user_scene

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "common/math/elementary.h"
 
@@ -45,6 +47,32 @@ Judge::Judge(const SceneDescription& description, const BuiltScene& built,
   if (!times_s_.empty()) last_s_ = std::max(last_s_, times_s_.back());
   last_s_ = std::min(last_s_, end_s_);
   if (constraints.empty()) waits_for_rest_ = true;
+  make_stages();
+}
+
+double Judge::until_s(const Constraint& constraint) const {
+  double until_s = std::numeric_limits<double>::infinity();
+  if (constraint.asks == Asks::event) {
+    until_s = (constraint.times_s.empty() ? constraint.to_s : constraint.times_s.back()) +
+              constraint.window_s;
+  } else if (constraint.asks == Asks::order) {
+    until_s = 0;
+    for (const std::uint32_t event : constraint.events)
+      until_s = std::max(until_s, this->until_s(constraints_[event]));
+  } else if (constraint.asks != Asks::never && constraint.asks != Asks::count && constraint.at_s) {
+    until_s = *constraint.at_s;
+  }
+  return until_s < end_s_ ? until_s : std::numeric_limits<double>::infinity();
+}
+
+void Judge::make_stages() {
+  std::map<double, std::vector<std::uint32_t>> by_time;
+  for (std::uint32_t i = 0; i < constraints_.size(); ++i)
+    by_time[until_s(constraints_[i])].push_back(i);
+  for (auto& [until_s, constraints] : by_time)
+    stages_.push_back({until_s, std::move(constraints)});
+  if (stages_.empty()) stages_.emplace_back();
+  stages_.back().until_s = last_s_;
 }
 
 const BodyView& Judge::view(const Constraint& constraint, std::uint32_t body,
@@ -178,33 +206,42 @@ Judge::Measured Judge::of_order(const Constraint& constraint,
   return measured;
 }
 
-Judgement Judge::judge(const Watched& watched) const {
+Judge::Measured Judge::of_constraint(const Constraint& constraint, const Watched& watched,
+                                     std::span<const HitTime> hit_times, HitTime& time) const {
+  if (constraint.asks == Asks::order) return of_order(constraint, hit_times);
+  if (constraint.asks == Asks::count) return of_count(constraint, watched);
+  Measured best{.distance = std::numeric_limits<double>::infinity(), .can_be_met = false};
+  for (const std::uint32_t body : constraint.bodies) {
+    HitTime hit;
+    const Measured one = constraint.looks_at_hits() ? of_event(constraint, body, watched, hit)
+                                                    : of_body(constraint, body, watched);
+    const bool is_better =
+        one.can_be_met == best.can_be_met ? one.distance < best.distance : one.can_be_met;
+    if (!is_better) continue;
+    best = one;
+    time = hit;
+  }
+  return best;
+}
+
+Judgement Judge::judge(const Watched& watched, std::size_t stages) const {
   Judgement judgement;
+  judgement.distances.assign(constraints_.size(), std::numeric_limits<double>::quiet_NaN());
+  judgement.met.assign(constraints_.size(), false);
   std::vector<HitTime> hit_times(constraints_.size());
-  for (std::size_t i = 0; i < constraints_.size(); ++i) {
-    const Constraint& constraint = constraints_[i];
-    Measured best{.distance = std::numeric_limits<double>::infinity(), .can_be_met = false};
-    if (constraint.asks == Asks::order) {
-      best = of_order(constraint, hit_times);
-    } else if (constraint.asks == Asks::count) {
-      best = of_count(constraint, watched);
-    } else {
-      for (const std::uint32_t body : constraint.bodies) {
-        HitTime time;
-        const Measured one = constraint.looks_at_hits() ? of_event(constraint, body, watched, time)
-                                                        : of_body(constraint, body, watched);
-        const bool is_better =
-            one.can_be_met == best.can_be_met ? one.distance < best.distance : one.can_be_met;
-        if (!is_better) continue;
-        best = one;
-        hit_times[i] = time;
-      }
+  // An order comes after its events in the request, and not in an earlier stage.
+  for (std::size_t stage = 0; stage < stages; ++stage) {
+    for (const std::uint32_t i : stages_[stage].constraints) {
+      const Constraint& constraint = constraints_[i];
+      const Measured measured = of_constraint(constraint, watched, hit_times, hit_times[i]);
+      const bool is_met = measured.can_be_met && measured.distance <= constraint.tolerance;
+      judgement.distances[i] = measured.distance;
+      judgement.met[i] = is_met;
+      judgement.all_met = judgement.all_met && is_met;
+      judgement.log_constraint += log_constraint_of(constraint, measured.distance);
+      const double decided_s = hit_times[i] ? *hit_times[i] : constraint.at_s.value_or(0);
+      judgement.decided_s = std::max(judgement.decided_s, decided_s);
     }
-    const bool is_met = best.can_be_met && best.distance <= constraint.tolerance;
-    judgement.distances.push_back(best.distance);
-    judgement.met.push_back(is_met);
-    judgement.all_met = judgement.all_met && is_met;
-    judgement.log_constraint += log_constraint_of(constraint, best.distance);
   }
   return judgement;
 }

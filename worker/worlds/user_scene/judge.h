@@ -33,10 +33,19 @@ struct Watched {
   const physics::Recording* recording = nullptr;  ///< if Judge::needs_recording()
 };
 
+/// Constraints that are decided together, and before those of later stages.
+struct Stage {
+  /// A simulation up to here shows how far the stage's constraints are from being met.
+  double until_s = 0;
+  std::vector<std::uint32_t> constraints;
+};
+
 struct Judgement {
   double log_constraint = 0;
   bool all_met = true;
-  // By constraint.
+  /// Latest time at which a constraint was met. Nothing later changes what has been judged.
+  double decided_s = 0;
+  // By constraint. NaN and false: not judged.
   std::vector<double> distances{};  ///< in SI units
   std::vector<bool> met{};
 };
@@ -55,7 +64,13 @@ class Judge {
   bool waits_for_rest() const { return waits_for_rest_; }
   bool needs_recording() const { return needs_recording_; }
 
-  Judgement judge(const Watched& watched) const;
+  /// All constraints, in ascending order of time. The last stage has those that look at rest, at
+  /// counts, or at no certain time; its until_s is last_s().
+  const std::vector<Stage>& stages() const { return stages_; }
+
+  /// Judges the constraints of the first `stages` stages. REQUIRES: the simulation went on to their
+  /// until_s, or ended as last_s() describes if all stages are judged.
+  Judgement judge(const Watched& watched, std::size_t stages) const;
 
  private:
   struct Measured {
@@ -65,6 +80,11 @@ class Judge {
   /// A hit's time, or nothing if there was none.
   using HitTime = std::optional<double>;
 
+  void make_stages();
+  /// Returns the constraint's Stage::until_s; infinity if it belongs to the last stage.
+  double until_s(const Constraint& constraint) const;
+  Measured of_constraint(const Constraint& constraint, const Watched& watched,
+                         std::span<const HitTime> hit_times, HitTime& time) const;
   Measured of_body(const Constraint& constraint, std::uint32_t body, const Watched& watched) const;
   Measured of_count(const Constraint& constraint, const Watched& watched) const;
   Measured of_event(const Constraint& constraint, std::uint32_t body, const Watched& watched,
@@ -86,6 +106,7 @@ class Judge {
   double last_s_ = 0;
   bool waits_for_rest_ = false;
   bool needs_recording_ = false;
+  std::vector<Stage> stages_;
 };
 
 }  // namespace sleight::worlds::user_scene

@@ -108,6 +108,28 @@ void bind_slow_contacts(Binder& world, SceneDescription& scene) {
        "time for which a body must be below rest_mps; default: follows from the smallest body");
 }
 
+void bind_noise(Binder& world, physics::ContactNoise& noise) {
+  world.table("contact_noise", noise, "random normals and restitution of impacts; default: none",
+              [](Binder& table, physics::ContactNoise& given) {
+                table.required_number("above_mps", given.above_mps,
+                                      {.minimum = 1e-6,
+                                       .maximum = 1000,
+                                       .unit = "m/s",
+                                       .help = "speed of approach above which an impact has noise; "
+                                               "its strength is full at twice this speed"});
+                table.angle_deg("tilt_sd_deg", given.tilt_sd_rad,
+                                {.minimum = 0,
+                                 .maximum = 20,
+                                 .unit = "deg",
+                                 .help = "standard deviation of the normal's tilt in each of two "
+                                         "directions"});
+                table.number("restitution_sd", given.restitution_sd,
+                             {.minimum = 0,
+                              .maximum = 1,
+                              .help = "standard deviation of the coefficient of restitution"});
+              });
+}
+
 void bind_scene(Binder& world, SceneDescription& scene, Names& names) {
   world.number("end_s", scene.end_s, in_s("time at which a simulation ends, at the latest", 0.001));
   world.numbers("gravity_mps2", scene.gravity_mps2,
@@ -119,6 +141,7 @@ void bind_scene(Binder& world, SceneDescription& scene, Names& names) {
   bind_materials(world, scene, names);
   bind_bodies(world, scene, names);
   bind_filters(world, scene, names);
+  bind_noise(world, scene.noise);
   scene.groups = names.groups.all();
 }
 

@@ -1,12 +1,11 @@
 // The world of a user's scene: which of its uncertain values make it end as requested?
 //
-//   `random variables`: a vector of standard normals and uniforms (quantities.h).
+//   `random variables`: a vector of standard normals and uniforms (quantities.h), and the noise of
+//     impacts (state.h).
 //   `outcome`: how the simulation ended, and the constraints' distances (constraints.h).
 //   `log p_c`: at most 0; -infinity if a start is impossible (End).
 //   `satisfied`: all constraints are met.
-//   `proposal`: moves that keep the prior invariant, on a block of numbers: one draw, all draws of
-//     one body, or all. A step mixes old and new numbers: z' = sqrt(1 - s^2) z + s xi for normals,
-//     and a reflected normal step of size s / 2 for uniforms. A redraw draws the block afresh.
+//   `proposal`: see moves.h.
 //
 // A simulation ends when the last constraint has looked; if one looks at bodies at rest, when all
 // bodies have ended (end_watch.h), but at the latest at end_s. Kept takes end there too.
@@ -31,10 +30,11 @@
 #include "worker/physics/reuse/history.h"
 #include "worker/physics/reuse/recording.h"
 #include "worker/sampling/burn_in_judge.h"
-#include "worker/sampling/stage_search.h"
 #include "worker/sampling/target.h"
 #include "worker/worlds/user_scene/judge.h"
+#include "worker/worlds/user_scene/moves.h"
 #include "worker/worlds/user_scene/parameters.h"
+#include "worker/worlds/user_scene/state.h"
 
 namespace sleight::worlds::user_scene {
 
@@ -52,7 +52,8 @@ struct Outcome {
   End end = End::settled;
   double end_s = 0;
   std::uint32_t collisions = 0;
-  Judgement judgement{};  ///< empty if there is no animation
+  Judgement judgement{};                  ///< empty if there is no animation
+  std::vector<physics::Impact> noised{};  ///< in order
   plan::FailurePointer failure{};
   /// Used by simulate_from; null if no history was requested.
   std::shared_ptr<const physics::History> history{};
@@ -65,22 +66,11 @@ struct Animation {
   physics::Recording recording;
 };
 
-/// The kinds of proposals, in this order. Steps have a scale.
-enum class Kind : std::uint8_t {
-  redraw_all,
-  redraw_body,
-  redraw_draw,
-  step_all,
-  step_body,
-  step_draw
-};
-inline constexpr std::uint32_t k_kinds = 6;
-
 class SceneSearch;
 
 class UserScene {
  public:
-  using State = Numbers;
+  using State = user_scene::State;
   using Outcome = user_scene::Outcome;
   struct Guide {};
 
@@ -89,8 +79,13 @@ class UserScene {
   const Parameters& parameters() const { return model_->parameters; }
   const Quantities& quantities() const { return model_->quantities; }
 
-  State draw_prior(random::Stream& stream) const { return quantities().draw_prior(stream); }
-  double log_prior(const State& state) const { return quantities().log_density(state); }
+  const Judge& judge() const { return model_->judge; }
+  bool has_noise() const { return model_->parameters.scene.has_noise(); }
+
+  State draw_prior(random::Stream& stream) const;
+  double log_prior(const State& state) const {
+    return quantities().log_density(state.numbers) + state.noise.log_density();
+  }
   Outcome simulate(const State& state) const { return simulated(state, {}, nullptr); }
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
   double log_constraint(const Outcome& outcome) const;
@@ -103,14 +98,25 @@ class UserScene {
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
     return propose(state, std::span<const double>{}, stream);
   }
+  /// Without an outcome, a shot knows no impacts, so it proposes the present state.
   sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
-                                    random::Stream& stream) const;
-  bool has_scale(std::uint32_t kind) const { return static_cast<Kind>(kind) >= Kind::step_all; }
-  std::uint32_t proposal_kinds() const { return k_kinds; }
+                                    random::Stream& stream) const {
+    return propose(state, {}, scales, stream);
+  }
+  sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
+                                    std::span<const double> scales, random::Stream& stream) const;
+  double log_q_ratio(const State& state, const Outcome& outcome,
+                     const sampling::Proposal<State>& proposal,
+                     const Outcome& candidate_outcome) const;
+  bool has_scale(std::uint32_t kind) const {
+    return static_cast<Kind>(kind) >= Kind::step_all && static_cast<Kind>(kind) != Kind::tail;
+  }
+  std::uint32_t proposal_kinds() const { return has_noise() ? k_move_kinds : k_move_kinds_without_noise; }
 
-  base::Bytes encode(const State& state) const;
-  /// Refuses a wrong length, numbers that aren't finite, and uniforms outside (0, 1).
-  std::optional<State> decode(base::BytesView bytes) const;
+  base::Bytes encode(const State& state) const { return user_scene::encode(state, has_noise()); }
+  std::optional<State> decode(base::BytesView bytes) const {
+    return user_scene::decode(quantities(), has_noise(), bytes);
+  }
   std::size_t owned_bytes(const State& state, const Outcome& outcome) const;
   /// Returns values in the order of the archive layout's outcomes; distances are NaN without an
   /// animation.
@@ -123,8 +129,12 @@ class UserScene {
   std::span<const plan::FailurePointer> failures_of(const Guide& /*guide*/) const { return {}; }
   SceneSearch builder(const Guide& guide) const;
   Outcome simulate_to_rest(const State& state) const { return simulate(state); }
-  std::uint32_t stages() const { return 1; }
-  std::string stage_name(std::uint32_t /*stage*/) const { return "all constraints"; }
+  std::uint32_t stages() const;
+  std::string stage_name(std::uint32_t stage) const;
+  /// Simulates until the first `stages` stages of the search can be judged, and keeps the history.
+  /// Replays `earlier`, which may be null.
+  Outcome simulate_stages(const State& state, std::uint32_t stages,
+                          const std::shared_ptr<const physics::History>& earlier) const;
   std::vector<sampling::BurnInValue> burn_in_values() const {
     return {{.name = "log_prior"}, {.name = "log_constraint"}};
   }
@@ -146,46 +156,16 @@ class UserScene {
   struct Wanted {
     bool history = false;  ///< stored in the outcome
     physics::Recording* recording = nullptr;
+    std::optional<std::uint32_t> stages{};  ///< of the judge; empty: all
   };
   Outcome simulated(const State& state, const Wanted& wanted,
                     const std::shared_ptr<const physics::History>& history) const;
-  /// Calls `act` for each number of a random block: one draw, a body's draws, or all.
-  template <class Act>
-  void for_block(Kind kind, random::Stream& stream, Act act) const;
-
   std::shared_ptr<const Model> model_;
 };
 
 static_assert(sampling::BoundsConstraint<UserScene>);
 static_assert(sampling::MayFail<UserScene>);
-static_assert(sampling::ScalesProposals<UserScene>);
+static_assert(sampling::ProposesByOutcome<UserScene>);
 static_assert(sampling::SimulatesChanges<UserScene>);
-
-/// Search: some draws from the prior, then an annealed walk from the best of them, until all
-/// constraints are met.
-class SceneSearch {
- public:
-  struct Prefix {
-    Numbers state;
-    Outcome outcome;
-  };
-
-  /// REQUIRES: the world outlives the search.
-  explicit SceneSearch(const UserScene& world) : world_(&world) {}
-
-  std::uint32_t stages() const { return 1; }
-  sampling::SearchLimits limits() const { return {.tries_of_stage = 4, .turns_per_stage = 4}; }
-  Prefix start(random::Stream& /*stream*/) const { return {}; }
-  std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
-                                sampling::SearchEffort& effort, random::Stream& stream) const;
-  bool is_solution(const Prefix& prefix) const { return world_->satisfied(prefix.outcome); }
-  const Numbers& state_of(const Prefix& prefix) const { return prefix.state; }
-  const Outcome& outcome_of(const Prefix& prefix) const { return prefix.outcome; }
-
- private:
-  const UserScene* world_;
-};
-
-static_assert(sampling::StageBuilder<SceneSearch>);
 
 }  // namespace sleight::worlds::user_scene

@@ -23,8 +23,8 @@ PriorDraws prior_draws(const UserScene& world, std::uint64_t count_max,
   PriorDraws draws{.constraint_met = std::vector<std::uint64_t>(constraints.size(), 0),
                    .least_distances = std::vector<double>(constraints.size(), k_infinity)};
   while (draws.count < count_max && (draws.count == 0 || go_on(draws.count))) {
-    const Numbers state = sampling::nth_prior_draw(world, draws.count++);
-    const std::vector<double> values = world.quantities().values(state);
+    const State state = sampling::nth_prior_draw(world, draws.count++);
+    const std::vector<double> values = world.quantities().values(state.numbers);
     draws.values.resize(values.size(), {k_infinity, 0, -k_infinity});
     for (std::size_t i = 0; i < values.size(); ++i) {
       auto& [least, mean, greatest] = draws.values[i];

@@ -10,7 +10,7 @@
 #include "tests/unit/worker/worlds/user_scene/read_scene.h"
 #include "worker/physics/reuse/history.h"
 #include "worker/worlds/readers/scene_reader.h"
-#include "worker/worlds/user_scene/user_scene.h"
+#include "worker/worlds/user_scene/scene_search.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -120,11 +120,11 @@ TEST(Quantities, ChangeTheScene) {
   EXPECT_NEAR(body("box").inertia.mass_kg, 1000 * 0.01 * 0.02 * 0.06, 1e-12);
   EXPECT_EQ(body("ball 2").start_tick, physics::k_tick_max);
   EXPECT_NEAR(scene.contacts.between({}, {}).restitution, 0.25, 1e-12);
-  EXPECT_EQ(world.simulate({1, 2, 1, 1, 0.6, 0.5, 0.25}).end, End::settled);
+  EXPECT_EQ(world.simulate({{1, 2, 1, 1, 0.6, 0.5, 0.25}}).end, End::settled);
 }
 
 TEST(UserScene, DrawsThatCantStartAreImpossible) {
-  const auto expect_impossible = [](const UserScene& world, const Numbers& state) {
+  const auto expect_impossible = [](const UserScene& world, const State& state) {
     const Outcome outcome = world.simulate(state);
     EXPECT_EQ(outcome.end, End::impossible);
     EXPECT_EQ(outcome.failure, nullptr);
@@ -132,12 +132,12 @@ TEST(UserScene, DrawsThatCantStartAreImpossible) {
   };
   // The balls' centres are 100 mm apart.
   const UserScene growing = bodies(uncertain("ball 1", "radius_mm", "normal_sd = [40]"));
-  EXPECT_EQ(growing.simulate({1}).end, End::settled);
-  expect_impossible(growing, {2.1});
+  EXPECT_EQ(growing.simulate({{1}}).end, End::settled);
+  expect_impossible(growing, {{2.1}});
   // 0.01 mm by 1 km make no shape.
   const UserScene flat = bodies(uncertain("box", "size_mm", "normal_sd = [1000000, 1000000, 0]"));
-  EXPECT_EQ(flat.simulate({0, 0}).end, End::settled);
-  expect_impossible(flat, {-1, 1});
+  EXPECT_EQ(flat.simulate({{0, 0}}).end, End::settled);
+  expect_impossible(flat, {{-1, 1}});
   const UserScene resting = world_of(R"(end_s = 2
 [[world.body]]
 name = "floor"
@@ -149,16 +149,16 @@ size_mm = [10, 20, 30]
 at_mm = [0, 0, 15]
 rests = true
 )" + uncertain("box", "position_mm", "normal_sd = [1, 0, 1]"));
-  EXPECT_EQ(resting.simulate({1, 0}).end, End::settled);
-  expect_impossible(resting, {0, 1});   // above the floor
-  expect_impossible(resting, {0, -1});  // in the floor
+  EXPECT_EQ(resting.simulate({{1, 0}}).end, End::settled);
+  expect_impossible(resting, {{0, 1}});   // above the floor
+  expect_impossible(resting, {{0, -1}});  // in the floor
 }
 
 // ---- constraints --------------------------------------------------------------------------------
 
 /// The distances of a scene without uncertainty.
 std::vector<double> distances_of(const UserScene& world) {
-  const Outcome outcome = world.simulate({});
+  const Outcome outcome = world.simulate({{}});
   EXPECT_TRUE(outcome.is_animation());
   return outcome.judgement.distances;
 }
@@ -206,7 +206,7 @@ sigma_mm = 1
   EXPECT_NEAR(d[2], std::hypot(above_m, 0.095), 1e-8);
   EXPECT_NEAR(d[3], std::hypot(0.03, fallen_m(0.2)), 1e-8);
   EXPECT_NEAR(d[4], 0.04, 1e-8);
-  EXPECT_NEAR(world.simulate({}).end_s, 0.2, 1e-8);
+  EXPECT_NEAR(world.simulate({{}}).end_s, 0.2, 1e-8);
 }
 
 constexpr const char* k_floor = R"(end_s = 2
@@ -355,7 +355,7 @@ body = "plank 2"
 at_mm = [300, 0]
 sigma_mm = 1
 )");
-  const Outcome outcome = world.simulate({});
+  const Outcome outcome = world.simulate({{}});
   EXPECT_EQ(outcome.end, End::settled);
   const auto& d = outcome.judgement.distances;
   constexpr double k_deg = std::numbers::pi / 180;
@@ -370,7 +370,7 @@ sigma_mm = 1
   // Nobody rests yet at 0.1 s, except plank 2.
   Parameters hasty = world.parameters();
   hasty.scene.end_s = 0.1;
-  const Outcome early = UserScene(hasty).simulate({});
+  const Outcome early = UserScene(hasty).simulate({{}});
   EXPECT_EQ(early.end, End::time_limit);
   EXPECT_EQ(early.judgement.met, (std::vector<bool>{true, false, false, true, false}));
   EXPECT_NEAR(world.log_constraint(outcome), -0.5 * std::pow(d[1] / (10 * k_deg), 2) - 2.5, 1e-9);
@@ -422,13 +422,20 @@ sigma_s = 0.05
 tolerance_s = 0.05
 )";
 
+constexpr const char* k_noise = R"(
+[world.contact_noise]
+above_mps = 0.05
+tilt_sd_deg = 2
+restitution_sd = 0.05
+)";
+
 void expect_equal_replays(const UserScene& world) {
   random::Stream stream({.seed = 5, .purpose = random::Purpose::search}, 0);
-  Numbers state = world.draw_prior(stream);
+  State state = world.draw_prior(stream);
   Outcome outcome = world.simulate(state);
   int replays = 0;
   for (int i = 0; i < 150; ++i) {
-    const auto proposal = world.propose(state, stream);
+    const auto proposal = world.propose(state, outcome, {}, stream);
     const Outcome fresh = world.simulate(proposal.candidate);
     Outcome again = world.simulate_from(proposal.candidate, state, outcome);
     ASSERT_EQ(again.end, fresh.end) << i;
@@ -436,6 +443,7 @@ void expect_equal_replays(const UserScene& world) {
     ASSERT_EQ(again.collisions, fresh.collisions) << i;
     ASSERT_EQ(again.judgement.distances, fresh.judgement.distances) << i;
     ASSERT_EQ(again.judgement.met, fresh.judgement.met) << i;
+    ASSERT_EQ(again.noised, fresh.noised) << i;
     replays += outcome.history && again.history ? 1 : 0;
     state = proposal.candidate;
     outcome = std::move(again);
@@ -448,17 +456,107 @@ TEST(UserScene, ReplaysHaveTheSameOutcome) {
   // Without events, simulations have histories but no recordings.
   const std::string tray = k_tray;
   expect_equal_replays(world_of(tray.substr(0, tray.find("[[constraint.event]]"))));
+  expect_equal_replays(world_of(tray + k_noise));
+}
+
+TEST(UserScene, ATailKeepsWhatCameBeforeIt) {
+  // Goal: a state with a fresh tail has the same impacts before it and others after it, a renewal
+  // changes no impact, and overrides stay bounded by the impacts and the shots since.
+  const UserScene world = world_of(k_tray + std::string(k_noise));
+  random::Stream stream({.seed = 6, .purpose = random::Purpose::search}, 0);
+  State state = sampling::nth_prior_draw(world, 1);
+  const Outcome outcome = world.simulate(state);
+  ASSERT_GT(outcome.noised.size(), 10U);
+  const physics::Tick from = outcome.noised[outcome.noised.size() / 2].tick;
+  State other = state;
+  other.noise = with_fresh_tail(state.noise, outcome.noised, from, stream);
+  const Outcome changed = world.simulate_from(other, state, outcome);
+  EXPECT_NE(changed.noised, outcome.noised);
+  for (std::size_t i = 0; outcome.noised[i].tick <= from; ++i)
+    EXPECT_EQ(changed.noised[i], outcome.noised[i]);
+  State renewed = state;
+  renewed.noise = with_fresh_tail(state.noise, outcome.noised, physics::k_never, stream);
+  EXPECT_NE(renewed.noise.key, state.noise.key);
+  EXPECT_EQ(renewed.noise.overrides.size(), outcome.noised.size());
+  EXPECT_EQ(world.simulate(renewed).noised, outcome.noised);
+  EXPECT_EQ(world.decode(world.encode(renewed)), renewed);
+  std::swap(renewed.noise.overrides[0], renewed.noise.overrides[1]);
+  EXPECT_FALSE(world.decode(world.encode(renewed)));
+}
+
+TEST(UserScene, SearchGoesFrontToBack) {
+  // Goal: constraints with times are stages in their order, and the search meets hits at times that
+  // a single draw rarely meets. Method: a ball must hit a plate three times on a beat.
+  const UserScene world = world_of(R"(end_s = 2
+[world.contact_noise]
+above_mps = 0.1
+restitution_sd = 0.1
+tilt_sd_deg = 0.5
+[[world.material]]
+name = "rubber"
+restitution = 0.8
+[[world.body]]
+name = "plate"
+shape = "plane"
+[[world.body]]
+name = "ball"
+radius_mm = 10
+at_mm = [0, 0, 331]
+[[constraint.region]]
+body = "ball"
+region = "here"
+at_s = 1.5
+sigma_mm = 20
+[[world.region]]
+name = "here"
+low_mm = [-200, -200, 0]
+high_mm = [200, 200, 400]
+[[constraint.event]]
+name = "third"
+body = "ball"
+hits = "plate"
+nth = 3
+at_s = 1.3
+tolerance_s = 0.005
+sigma_s = 0.005
+window_s = 0.1
+[[constraint.event]]
+name = "second"
+body = "ball"
+hits = "plate"
+nth = 2
+at_s = 0.7
+tolerance_s = 0.005
+sigma_s = 0.005
+window_s = 0.1
+)");
+  ASSERT_EQ(world.stages(), 3U);
+  EXPECT_EQ(world.stage_name(0), "'second'");
+  EXPECT_EQ(world.stage_name(1), "'third'");
+  int blind = 0;
+  for (std::uint64_t nth = 0; nth < 200; ++nth)
+    blind += world.satisfied(world.simulate(sampling::nth_prior_draw(world, nth))) ? 1 : 0;
+  EXPECT_LT(blind, 20);
+  const SceneSearch search = world.builder({});
+  for (std::uint64_t n = 0; n < 10; ++n) {
+    random::Stream stream({.seed = 8, .purpose = random::Purpose::search}, n);
+    sampling::SearchEffort effort;
+    const auto find = sampling::search(search, search.limits(), stream, effort);
+    ASSERT_TRUE(find.has_value()) << n;
+    EXPECT_TRUE(world.satisfied(world.simulate(find->state)));
+    EXPECT_GE(find->outcome.noised.size(), 3U);
+  }
 }
 
 TEST(UserScene, StatesHaveBytes) {
   const UserScene world = world_of(k_tray);
-  const Numbers state = sampling::nth_prior_draw(world, 3);
+  const State state = sampling::nth_prior_draw(world, 3);
   const base::Bytes bytes = world.encode(state);
   EXPECT_EQ(world.decode(bytes), state);
-  Numbers wrong = state;
-  wrong.back() = 1;  // a uniform
+  State wrong = state;
+  wrong.numbers.back() = 1;  // a uniform
   EXPECT_FALSE(world.decode(world.encode(wrong)));
-  wrong.back() = std::nan("");
+  wrong.numbers.back() = std::nan("");
   EXPECT_FALSE(world.decode(world.encode(wrong)));
   EXPECT_FALSE(world.decode(std::span(bytes).first(bytes.size() - 8)));
 }
