@@ -9,15 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "common/scene/surface.h"
-#include "worker/physics/motion/segment.h"
-#include "worker/sampling/blind_throws.h"
 #include "worker/worlds/dice/dice.h"
-#include "worker/worlds/readers/last_animations.h"
-#include "worker/worlds/readers/places_likeness.h"
-#include "worker/worlds/readers/played_out.h"
+#include "worker/worlds/readers/places_reader.h"
 #include "worker/worlds/scene_parts/scene_parts.h"
 #include "worker/worlds/segments/recorded_segments.h"
 
@@ -233,70 +228,29 @@ scene::Scene make_scene(const Parameters& parameters) {
   return scene;
 }
 
-class DiceReader final : public archive::StateReader {
+class DiceReader final : public PlacesReader<Dice> {
  public:
-  explicit DiceReader(const Parameters& parameters)
-      : world_(parameters),
-        layout_(make_layout(world_)),
-        scene_(make_scene(parameters)),
-        table_(scene_.find(k_table_name).value()),
-        likeness_{.diameters_m = std::vector<double>(world_.dice(), parameters.world.side_m),
-                  .step = physics::ticks_after(k_likeness_every_s)} {}
-
-  const archive::WorldLayout& layout() const override { return layout_; }
-
-  std::vector<double> variables(base::BytesView bytes) const override {
-    return values_of(decoded(world_, bytes));
-  }
-
-  std::vector<double> likeness(base::BytesView state) const override {
-    const auto animation = animations_.of(world_, state);
-    CHECK(animation->outcome.is_animation());
-    const physics::Recording& recording = animation->recording;
-    return likeness_.numbers(animation->outcome.collisions, recording.end(), centres_of(recording));
-  }
-
-  double likeness_distance(std::span<const double> a, std::span<const double> b) const override {
-    return likeness_.distance(a, b);
-  }
-
-  bool is_unlike(std::span<const double> a, std::span<const double> b,
-                 double distance) const override {
-    return likeness_.distance(a, b, distance) > distance;
-  }
-
-  archive::Motion play(base::BytesView state) const override {
-    const auto animation = animations_.of(world_, state);
-    const archive::PlaysOut ends = played_out(world_, animation->outcome);
-    if (ends != archive::PlaysOut::yes) return {.ends = ends};
-    std::vector<RecordedBody> dice;
-    for (std::uint32_t die = 0; die < world_.dice(); ++die)
-      dice.push_back({.feature = die,
-                      .frame = {.orientation = rotation_of_numbering(
-                                    animation->outcome.judgement.numberings[die])}});
-    return {.segments =
-                recorded_segments(animation->recording, dice, [this](std::uint32_t, std::uint32_t) {
-                  return static_cast<std::int32_t>(table_);
-                })};
-  }
-
-  const scene::Scene& scene() const override { return scene_; }
+  explicit DiceReader(const Dice& world)
+      : PlacesReader(
+            world, make_layout(world), make_scene(world.parameters()),
+            {.diameters_m = std::vector<double>(world.dice(), world.parameters().world.side_m),
+             .step = physics::ticks_after(k_likeness_every_s)}),
+        table_(static_cast<std::int32_t>(scene().find(k_table_name).value())) {}
 
   /// The table's control points near places where dice touch the table.
   scene::Variation variation(base::BytesView bytes,
                              std::span<const motion::Segment> segments) const override {
-    const State state = decoded(world_, bytes);
-    const WorldParameters& world = world_.parameters().world;
+    const State state = decoded(world(), bytes);
+    const WorldParameters& parameters = world().parameters().world;
     std::vector<Vec3> touches_m;
     for (const motion::Segment& segment : segments) {
-      if (segment.partner == static_cast<std::int32_t>(table_) ||
-          segment.mode == motion::Mode::resting)
+      if (segment.partner == table_ || segment.mode == motion::Mode::resting)
         touches_m.push_back(segment.position_m);
     }
     scene::Variation own;
-    for (const auto& [i, j] :
-         scene::indices_about(touches_m, k_half_diagonal * world.side_m, world.table.spacing_m)) {
-      const SurfaceControl control = control_at(world, state, {i, j});
+    for (const auto& [i, j] : scene::indices_about(touches_m, k_half_diagonal * parameters.side_m,
+                                                   parameters.table.spacing_m)) {
+      const SurfaceControl control = control_at(parameters, state, {i, j});
       own.points.push_back({.i = i,
                             .j = j,
                             .height_m = control.height_m,
@@ -306,17 +260,17 @@ class DiceReader final : public archive::StateReader {
     return own;
   }
 
-  std::vector<double> prior_draw(std::uint64_t nth) const override {
-    return archive::prior_values(layout_, values_of(sampling::nth_prior_draw(world_, nth)));
-  }
-
-  std::vector<double> log_priors_of_throws(std::size_t count) const override {
-    return sampling::log_priors_of_throws(
-        world_, count, [&](random::Stream& stream) { return world_.draw_prior(stream); });
-  }
-
  private:
-  static std::vector<double> values_of(const State& state) {
+  std::vector<motion::Segment> segments_of(const Animation& animation) const override {
+    std::vector<RecordedBody> dice;
+    for (const auto& numbering : animation.outcome.judgement.numberings)
+      dice.push_back({.feature = static_cast<std::uint32_t>(dice.size()),
+                      .frame = {.orientation = rotation_of_numbering(numbering)}});
+    return recorded_segments(animation.recording, dice,
+                             [this](std::uint32_t, std::uint32_t) { return table_; });
+  }
+
+  std::vector<double> values_of(const State& state) const override {
     std::vector<double> values{static_cast<double>(state.table_key >> 32U),
                                static_cast<double>(state.table_key & 0xffffffffU),
                                static_cast<double>(state.overrides.size())};
@@ -331,18 +285,13 @@ class DiceReader final : public archive::StateReader {
     return values;
   }
 
-  Dice world_;
-  archive::WorldLayout layout_;
-  scene::Scene scene_;
-  std::uint32_t table_;  ///< number of the table's scene feature
-  PlacesLikeness likeness_;
-  mutable LastAnimations<Dice> animations_;
+  std::int32_t table_;  ///< number of the table's scene feature
 };
 
 }  // namespace
 
 std::unique_ptr<archive::StateReader> make_state_reader(const Parameters& parameters) {
-  return std::make_unique<DiceReader>(parameters);
+  return std::make_unique<DiceReader>(Dice(parameters));
 }
 
 }  // namespace sleight::worlds::dice

@@ -10,10 +10,7 @@
 #include <vector>
 
 #include "worker/physics/motion/segment.h"
-#include "worker/sampling/blind_throws.h"
-#include "worker/worlds/readers/last_animations.h"
-#include "worker/worlds/readers/places_likeness.h"
-#include "worker/worlds/readers/played_out.h"
+#include "worker/worlds/readers/places_reader.h"
 #include "worker/worlds/user_scene/look/look.h"
 #include "worker/worlds/user_scene/user_scene.h"
 
@@ -144,71 +141,30 @@ PlacesLikeness make_likeness(const BuiltScene& built) {
   return likeness;
 }
 
-class SceneReader final : public archive::StateReader {
+class SceneReader final : public PlacesReader<UserScene> {
  public:
-  explicit SceneReader(const Parameters& parameters)
-      : world_(parameters),
-        layout_(make_layout(world_)),
-        scene_(make_scene(world_)),
-        likeness_(make_likeness(*parameters.built)) {}
-
-  const archive::WorldLayout& layout() const override { return layout_; }
-
-  std::vector<double> variables(base::BytesView bytes) const override {
-    return values_of(decoded(world_, bytes));
-  }
-
-  std::vector<double> likeness(base::BytesView state) const override {
-    const auto animation = animations_.of(world_, state);
-    const physics::Recording& recording = animation->recording;
-    return likeness_.numbers(animation->outcome.collisions, recording.end(), centres_of(recording));
-  }
-  double likeness_distance(std::span<const double> a, std::span<const double> b) const override {
-    return likeness_.distance(a, b);
-  }
-  bool is_unlike(std::span<const double> a, std::span<const double> b,
-                 double distance) const override {
-    return likeness_.distance(a, b, distance) > distance;
-  }
-
-  archive::Motion play(base::BytesView state) const override {
-    const auto animation = animations_.of(world_, state);
-    const archive::PlaysOut ends = played_out(world_, animation->outcome);
-    if (ends != archive::PlaysOut::yes) return {.ends = ends};
-    return {.segments = segments_of(*world_.parameters().built, animation->recording)};
-  }
-
-  const scene::Scene& scene() const override { return scene_; }
-
-  std::vector<double> prior_draw(std::uint64_t nth) const override {
-    return archive::prior_values(layout_, values_of(sampling::nth_prior_draw(world_, nth)));
-  }
-
-  std::vector<double> log_priors_of_throws(std::size_t count) const override {
-    return sampling::log_priors_of_throws(
-        world_, count, [&](random::Stream& stream) { return world_.draw_prior(stream); });
-  }
+  explicit SceneReader(const UserScene& world)
+      : PlacesReader(world, make_layout(world), make_scene(world),
+                     make_likeness(*world.parameters().built)) {}
 
  private:
-  std::vector<double> values_of(const State& state) const {
-    std::vector<double> values = world_.quantities().values(state.numbers);
+  std::vector<motion::Segment> segments_of(const Animation& animation) const override {
+    return user_scene::segments_of(*world().parameters().built, animation.recording);
+  }
+
+  std::vector<double> values_of(const State& state) const override {
+    std::vector<double> values = world().quantities().values(state.numbers);
     if (values.empty()) return {};
-    const std::vector<double> logs = world_.quantities().log_densities(state.numbers);
+    const std::vector<double> logs = world().quantities().log_densities(state.numbers);
     values.insert(values.end(), logs.begin(), logs.end());
     return values;
   }
-
-  UserScene world_;
-  archive::WorldLayout layout_;
-  scene::Scene scene_;
-  PlacesLikeness likeness_;
-  mutable LastAnimations<UserScene> animations_;
 };
 
 }  // namespace
 
 std::unique_ptr<archive::StateReader> make_state_reader(const Parameters& parameters) {
-  return std::make_unique<SceneReader>(parameters);
+  return std::make_unique<SceneReader>(UserScene(parameters));
 }
 
 }  // namespace sleight::worlds::user_scene
