@@ -377,6 +377,12 @@ void Binder::angle_deg(std::string_view key, double& value_rad, const NumberOpti
   if (degrees != fallback) value_rad = radians_of_degrees(degrees);
 }
 
+void Binder::length_mm(std::string_view key, double& value_m, NumberOptions options) {
+  options.unit = "mm";
+  const double fallback_mm = std::round(value_m * 1e12) / 1e9;
+  value_m = *read<double>(key, fallback_mm, Presence::defaulted, options) / 1e3;
+}
+
 void Binder::boolean(std::string_view key, bool& value, std::string_view help) {
   const Value* given_value = declare({.key = std::string(key),
                                       .range = "true or false",

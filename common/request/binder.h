@@ -37,6 +37,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <span>
@@ -145,6 +146,9 @@ class Binder {
   /// An angle. The file and `options` give degrees; `value_rad` is in radians. The normalised text
   /// repeats the given degrees, because converting them back from radians could change digits.
   void angle_deg(std::string_view key, double& value_rad, const NumberOptions& options);
+
+  /// A length. The file and `options` give millimetres; `value_m` is in metres.
+  void length_mm(std::string_view key, double& value_m, NumberOptions options);
 
   /// An optional number. Like all functions named optional_... and required_..., returns whether
   /// the file has a valid value; if not, `value` is unchanged. T is double or an optional of it.
@@ -301,6 +305,9 @@ class Binder {
   /// Returns whether the key is declared and its value has no error. Checks of several keys call
   /// valid() first, so that an error is not reported twice.
   bool valid(std::string_view key) const;
+  bool all_valid(std::initializer_list<std::string_view> keys) const {
+    return std::ranges::all_of(keys, [this](std::string_view key) { return valid(key); });
+  }
 
   /// Adds an error: this key conflicts with others. The error's place is the key. If the file omits
   /// the key, the place is the section. In the text, `message` follows `'key' in [section]`.

@@ -33,11 +33,15 @@ constexpr std::string_view k_sigma_help =
 constexpr std::string_view k_tolerance_help = "maximum distance at which the goal is satisfied";
 constexpr std::string_view k_step_help = "standard deviation of proposed steps, before halvings";
 
-void length_mm(Binder& binder, std::string_view key, double& value_m, NumberOptions options) {
-  double value_mm = std::round(value_m * 1e12) / 1e9;
-  options.unit = "mm";
-  binder.number(key, value_mm, options);
-  value_m = value_mm / 1e3;
+/// Binds w, x, y and z.
+void bind_quaternion(Binder& table, std::string_view help, std::array<double, 4>& q) {
+  constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
+  for (std::size_t i = 0; i < 4; ++i)
+    table.number(k_parts[i], q[i], {.minimum = -1, .maximum = 1, .help = help});
+}
+
+bool is_rotation(const std::array<double, 4>& q) {
+  return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] > 0.01;
 }
 
 // Starts.
@@ -52,26 +56,19 @@ struct DieKeys {
 };
 
 void bind_velocities(Binder& die, DieStart& start) {
-  constexpr std::array<const char*, 3> k_velocity{"velocity_x_mps", "velocity_y_mps",
-                                                  "velocity_z_mps"};
-  constexpr std::array<const char*, 3> k_velocity_sd{"velocity_x_sd_mps", "velocity_y_sd_mps",
-                                                     "velocity_z_sd_mps"};
-  constexpr std::array<const char*, 3> k_spin{"spin_x_radps", "spin_y_radps", "spin_z_radps"};
-  constexpr std::array<const char*, 3> k_spin_sd{"spin_x_sd_radps", "spin_y_sd_radps",
-                                                 "spin_z_sd_radps"};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto k = static_cast<Eigen::Index>(axis);
-    die.number(k_velocity[axis], start.velocity_mps[k],
+  for (int k = 0; k < 3; ++k) {
+    const char axis = "xyz"[k];
+    die.number(fmt::format("velocity_{}_mps", axis), start.velocity_mps[k],
                {.minimum = -100, .maximum = 100, .unit = "m/s", .help = "mean velocity"});
-    die.number(k_velocity_sd[axis], start.velocity_sd_mps[k],
+    die.number(fmt::format("velocity_{}_sd_mps", axis), start.velocity_sd_mps[k],
                {.minimum = 0, .maximum = 100, .unit = "m/s", .help = k_sd_help});
   }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto k = static_cast<Eigen::Index>(axis);
+  for (int k = 0; k < 3; ++k) {
+    const char axis = "xyz"[k];
     die.number(
-        k_spin[axis], start.spin_radps[k],
+        fmt::format("spin_{}_radps", axis), start.spin_radps[k],
         {.minimum = -1000, .maximum = 1000, .unit = "rad/s", .help = "mean angular velocity"});
-    die.number(k_spin_sd[axis], start.spin_sd_radps[k],
+    die.number(fmt::format("spin_{}_sd_radps", axis), start.spin_sd_radps[k],
                {.minimum = 0, .maximum = 1000, .unit = "rad/s", .help = k_sd_help});
   }
 }
@@ -88,25 +85,17 @@ void bind_orientation(Binder& die, DieKeys& keys) {
       {.minimum = -360,
        .maximum = 360,
        .help = "for a fixed orientation: rotation about the vertical; face `up` stays on top"});
-  constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
-  bool gives_quaternion = false;
-  double square = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    die.number(k_parts[i], keys.quaternion[i],
-               {.minimum = -1,
-                .maximum = 1,
-                .help = "quaternion of a fixed orientation, instead of `up` and yaw_deg"});
-    // Compare values, because a normalised request has every key.
-    gives_quaternion = gives_quaternion || keys.quaternion[i] != (i == 0 ? 1 : 0);
-    square += keys.quaternion[i] * keys.quaternion[i];
-  }
+  bind_quaternion(die, "quaternion of a fixed orientation, instead of `up` and yaw_deg",
+                  keys.quaternion);
+  // Compare values, because a normalised request has every key.
+  const bool gives_quaternion = keys.quaternion != DieKeys{}.quaternion;
   if (!die.valid("orientation")) return;
   const bool is_fixed = keys.start.orientation == StartOrientation::fixed;
   if (!is_fixed && (keys.up || gives_quaternion)) {
     die.error("orientation", "must be \"fixed\" if `up` or a quaternion is given");
   } else if (keys.up && gives_quaternion) {
     die.error("up", "set either `up` or a quaternion, not both");
-  } else if (!(square > 0.01)) {
+  } else if (!is_rotation(keys.quaternion)) {
     die.error("qw", "the quaternion is too small to be a rotation");
   } else if (is_fixed) {
     const auto& q = keys.quaternion;
@@ -119,10 +108,10 @@ void bind_orientation(Binder& die, DieKeys& keys) {
 void bind_die(Binder& die, DieKeys& keys) {
   DieStart& start = keys.start;
   const auto place = [&](std::string_view key, double& value_m, std::string_view help) {
-    length_mm(die, key, value_m, {.minimum = -k_far_mm, .maximum = k_far_mm, .help = help});
+    die.length_mm(key, value_m, {.minimum = -k_far_mm, .maximum = k_far_mm, .help = help});
   };
   const auto sd = [&](std::string_view key, double& value_m) {
-    length_mm(die, key, value_m, {.minimum = 0, .maximum = 1000, .help = k_sd_help});
+    die.length_mm(key, value_m, {.minimum = 0, .maximum = 1000, .help = k_sd_help});
   };
   place("x_mm", start.position_m.x(), "mean initial position of the centre");
   die.optional_number("y_mm", keys.y_mm,
@@ -130,8 +119,8 @@ void bind_die(Binder& die, DieKeys& keys) {
                        .maximum = k_far_mm,
                        .unit = "mm",
                        .help = "mean initial position of the centre; default: dice 45 mm apart"});
-  length_mm(die, "height_mm", start.position_m.z(),
-            {.minimum = 0, .maximum = k_far_mm, .help = "mean initial height of the centre"});
+  die.length_mm("height_mm", start.position_m.z(),
+                {.minimum = 0, .maximum = k_far_mm, .help = "mean initial height of the centre"});
   sd("x_sd_mm", start.position_sd_m.x());
   sd("y_sd_mm", start.position_sd_m.y());
   sd("height_sd_mm", start.position_sd_m.z());
@@ -179,7 +168,7 @@ void bind_range(Binder& world, const std::string& name, Range& range, double max
                 .maximum = maximum,
                 .help = "maximum of the coefficient at the table's control points; if it equals "
                         "the minimum, the coefficient is constant"});
-  if (world.valid(low) && world.valid(high) && range.low > range.high) {
+  if (world.all_valid({low, high}) && range.low > range.high) {
     world.error(high, fmt::format("must be at least {}", low));
     range = {range.high, range.high};
   }
@@ -187,8 +176,8 @@ void bind_range(Binder& world, const std::string& name, Range& range, double max
 
 void bind_world(Binder& world, WorldParameters& p) {
   bind_dice(world, p);
-  length_mm(world, "side_mm", p.side_m,
-            {.minimum = 1, .maximum = 1000, .help = "edge length of a die"});
+  world.length_mm("side_mm", p.side_m,
+                  {.minimum = 1, .maximum = 1000, .help = "edge length of a die"});
   world.number("density_kgpm3", p.density_kgpm3,
                {.minimum = 1, .maximum = 30000, .unit = "kg/m3", .help = "density of the dice"});
   world.number("dice_restitution", p.dice_restitution,
@@ -204,23 +193,22 @@ void bind_world(Binder& world, WorldParameters& p) {
                 .unit = "s",
                 .help = "time limit for dice that do not come to rest"});
   TableParameters& table = p.table;
-  length_mm(
-      world, "spacing_mm", table.spacing_m,
+  world.length_mm(
+      "spacing_mm", table.spacing_m,
       {.minimum = 1, .maximum = 10000, .help = "distance between the table's control points"});
   world.integer("columns", table.columns,
                 {.minimum = 1, .maximum = k_grid_max, .help = "number of control points along x"});
   world.integer("rows", table.rows,
                 {.minimum = 1, .maximum = k_grid_max, .help = "number of control points along y"});
-  length_mm(world, "height_sd_mm", table.height_sd_m,
-            {.minimum = 0,
-             .maximum = 1000,
-             .help = "standard deviation of control point heights; the standard deviation of the "
-                     "surface's heights is 0.48 times as large"});
+  world.length_mm(
+      "height_sd_mm", table.height_sd_m,
+      {.minimum = 0,
+       .maximum = 1000,
+       .help = "standard deviation of control point heights; the standard deviation of the "
+               "surface's heights is 0.48 times as large"});
   bind_range(world, "restitution", table.restitution, 1);
   bind_range(world, "friction", table.friction, 10);
-  for (const char* key : {"spacing_mm", "height_sd_mm"}) {
-    if (!world.valid(key)) return;
-  }
+  if (!world.all_valid({"spacing_mm", "height_sd_mm"})) return;
   constexpr double k_steepest = 0.5;
   if (table.height_sd_m > k_steepest * table.spacing_m) {
     world.error("height_sd_mm", fmt::format("must be at most {:.6g} (half of spacing_mm)",
@@ -272,10 +260,10 @@ struct GoalBinder {
     }
   }
   static void bind_lengths(Binder& table, GoalKeys& keys, double tolerance_min) {
-    length_mm(table, "sigma_mm", keys.goal.sigma,
-              {.minimum = 0.001, .maximum = k_far_mm, .help = k_sigma_help});
-    length_mm(table, "tolerance_mm", keys.goal.tolerance,
-              {.minimum = tolerance_min, .maximum = k_far_mm, .help = k_tolerance_help});
+    table.length_mm("sigma_mm", keys.goal.sigma,
+                    {.minimum = 0.001, .maximum = k_far_mm, .help = k_sigma_help});
+    table.length_mm("tolerance_mm", keys.goal.tolerance,
+                    {.minimum = tolerance_min, .maximum = k_far_mm, .help = k_tolerance_help});
   }
   static void bind_angles(Binder& table, GoalKeys& keys) {
     table.angle_deg("sigma_deg", keys.goal.sigma,
@@ -285,21 +273,23 @@ struct GoalBinder {
         {.minimum = 0.001, .maximum = k_face_tolerance_max_deg, .help = k_tolerance_help});
   }
 
-  /// Binds an array of tables. Each table is a goal, which `bind` reads.
-  template <class Keys>
-  void tables(std::string_view key, std::string_view help,
-              const std::function<void(Binder&, Keys&)>& bind) {
-    std::vector<Keys> given;
-    constraint.tables<Keys>(key, given, {.count_max = k_goals_max, .help = help},
-                            [&](Binder& table, Keys& keys) {
-                              bind_die(table, keys);
-                              bind(table, keys);
-                              // A call without a table only registers keys.
-                              if (table.line() == 0 || !table.is_sound()) return;
-                              refuse_contradictions(table, keys.goal);
-                              goals.push_back(keys.goal);
-                              places.push_back({table.section_name(), table.line()});
-                            });
+  /// Binds an array of tables. Each table is a goal, which `bind` reads. `sigma` and `tolerance`
+  /// are defaults.
+  void tables(std::string_view key, std::string_view help, double sigma, double tolerance,
+              const std::function<void(Binder&, GoalKeys&)>& bind) {
+    std::vector<GoalKeys> given;
+    constraint.tables<GoalKeys>(key, given, {.count_max = k_goals_max, .help = help},
+                                [&](Binder& table, GoalKeys& keys) {
+                                  keys.goal.sigma = sigma;
+                                  keys.goal.tolerance = tolerance;
+                                  bind_die(table, keys);
+                                  bind(table, keys);
+                                  // A call without a table only registers keys.
+                                  if (table.line() == 0 || !table.is_sound()) return;
+                                  refuse_contradictions(table, keys.goal);
+                                  goals.push_back(keys.goal);
+                                  places.push_back({table.section_name(), table.line()});
+                                });
   }
 
   void refuse_contradictions(Binder& table, const Goal& goal) const {
@@ -318,52 +308,6 @@ struct GoalBinder {
   void bind_motion();
 };
 
-struct PlaceKeys : GoalKeys {
-  Place place;
-  PlaceKeys() { goal.sigma = 0.0025, goal.tolerance = 0.005; }
-};
-struct RegionKeys : GoalKeys {
-  Region region{.low_m = {-0.05, -0.05}, .high_m = {0.05, 0.05}};
-  RegionKeys() { goal.sigma = 0.005, goal.tolerance = 0; }
-};
-struct FaceKeys : GoalKeys {
-  std::uint32_t up = 6;
-  FaceKeys() { goal.sigma = 0.17453292519943295, goal.tolerance = 0.3490658503988659; }
-};
-struct YawKeys : GoalKeys {
-  std::uint32_t face = 1;
-  double yaw_rad = 0;
-  YawKeys() { goal.sigma = 0.087266462599716474, goal.tolerance = 0.17453292519943295; }
-};
-struct TurnKeys : GoalKeys {
-  std::array<double, 4> quaternion{1, 0, 0, 0};
-  TurnKeys() { goal.sigma = 0.087266462599716474, goal.tolerance = 0.17453292519943295; }
-};
-struct VelocityKeys : GoalKeys {
-  Vec3 velocity_mps{0, 0, 0};
-  VelocityKeys() { goal.sigma = 0.05, goal.tolerance = 0.1; }
-};
-struct BeforeKeys : GoalKeys {
-  double time_s = 2;
-  BeforeKeys() { goal.sigma = 0.1, goal.tolerance = 0; }
-};
-
-void bind_turn(Binder& table, TurnKeys& keys) {
-  constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
-  double square = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    table.number(k_parts[i], keys.quaternion[i],
-                 {.minimum = -1, .maximum = 1, .help = "quaternion of the orientation"});
-    square += keys.quaternion[i] * keys.quaternion[i];
-  }
-  const auto& q = keys.quaternion;
-  if (!(square > 0.01)) {
-    table.error("qw", "the quaternion is too small to be a rotation");
-  } else {
-    keys.goal.wanted = Turn{math::normalized(Quat(q[0], q[1], q[2], q[3]))};
-  }
-}
-
 void GoalBinder::bind_all() {
   bind_places();
   bind_directions();
@@ -375,95 +319,112 @@ void GoalBinder::bind_places() {
       .minimum = -k_far_mm, .maximum = k_far_mm, .help = "position of the centre"};
   NumberOptions bound = place;
   bound.help = "bound of the centre's position";
-  tables<PlaceKeys>("place", "goal: position of a die's centre",
-                    [&](Binder& table, PlaceKeys& keys) {
-                      length_mm(table, "x_mm", keys.place.centre_m.x(), place);
-                      length_mm(table, "y_mm", keys.place.centre_m.y(), place);
-                      bind_lengths(table, keys, 0.001);
-                      bind_time(table, keys);
-                      keys.goal.wanted = keys.place;
-                    });
-  tables<RegionKeys>("region", "goal: rectangle that contains a die's centre",
-                     [&](Binder& table, RegionKeys& keys) {
-                       Region& region = keys.region;
-                       length_mm(table, "x_low_mm", region.low_m.x(), bound);
-                       length_mm(table, "x_high_mm", region.high_m.x(), bound);
-                       length_mm(table, "y_low_mm", region.low_m.y(), bound);
-                       length_mm(table, "y_high_mm", region.high_m.y(), bound);
-                       bind_lengths(table, keys, 0);
-                       bind_time(table, keys);
-                       keys.goal.wanted = region;
-                       if (region.low_m.x() > region.high_m.x())
-                         table.error("x_high_mm", "must be at least x_low_mm");
-                       if (region.low_m.y() > region.high_m.y())
-                         table.error("y_high_mm", "must be at least y_low_mm");
-                     });
+  tables("place", "goal: position of a die's centre", 0.0025, 0.005,
+         [&](Binder& table, GoalKeys& keys) {
+           Place wanted;
+           table.length_mm("x_mm", wanted.centre_m.x(), place);
+           table.length_mm("y_mm", wanted.centre_m.y(), place);
+           bind_lengths(table, keys, 0.001);
+           bind_time(table, keys);
+           keys.goal.wanted = wanted;
+         });
+  tables("region", "goal: rectangle that contains a die's centre", 0.005, 0,
+         [&](Binder& table, GoalKeys& keys) {
+           Region region{.low_m = {-0.05, -0.05}, .high_m = {0.05, 0.05}};
+           table.length_mm("x_low_mm", region.low_m.x(), bound);
+           table.length_mm("x_high_mm", region.high_m.x(), bound);
+           table.length_mm("y_low_mm", region.low_m.y(), bound);
+           table.length_mm("y_high_mm", region.high_m.y(), bound);
+           bind_lengths(table, keys, 0);
+           bind_time(table, keys);
+           keys.goal.wanted = region;
+           if (region.low_m.x() > region.high_m.x())
+             table.error("x_high_mm", "must be at least x_low_mm");
+           if (region.low_m.y() > region.high_m.y())
+             table.error("y_high_mm", "must be at least y_low_mm");
+         });
 }
 
 void GoalBinder::bind_directions() {
-  tables<FaceKeys>("face", "goal: top face of a die", [&](Binder& table, FaceKeys& keys) {
+  constexpr double k_5_rad = 0.087266462599716474;  // 5, 10 and 20 degrees
+  constexpr double k_10_rad = 0.17453292519943295;
+  constexpr double k_20_rad = 0.3490658503988659;
+  tables("face", "goal: top face of a die", k_10_rad, k_20_rad, [&](Binder& table, GoalKeys& keys) {
+    std::uint32_t up = 6;
     table.integer(
-        "up", keys.up,
+        "up", up,
         {.minimum = 1, .maximum = k_faces, .help = "face on top; opposite faces add up to 7"});
     bind_angles(table, keys);
     bind_time(table, keys);
-    keys.goal.wanted = FaceDirection{.face = keys.up, .direction = Vec3(0, 0, 1)};
+    keys.goal.wanted = FaceDirection{.face = up, .direction = Vec3(0, 0, 1)};
   });
-  tables<YawKeys>(
-      "yaw", "goal: direction of a side face of a die", [&](Binder& table, YawKeys& keys) {
-        table.integer("face", keys.face,
-                      {.minimum = 1, .maximum = k_faces, .help = "number of the face"});
-        table.angle_deg(
-            "yaw_deg", keys.yaw_rad,
-            {.minimum = -360,
-             .maximum = 360,
-             .help = "azimuth of the face's outward normal, from the x axis towards the y axis"});
-        bind_angles(table, keys);
-        bind_time(table, keys);
-        const math::SinCos yaw = math::sincos(keys.yaw_rad);
-        keys.goal.wanted = FaceDirection{.face = keys.face, .direction = Vec3(yaw.cos, yaw.sin, 0)};
-      });
-  tables<TurnKeys>("orientation", "goal: orientation of a die", [&](Binder& table, TurnKeys& keys) {
-    bind_turn(table, keys);
-    bind_angles(table, keys);
-    bind_time(table, keys);
-  });
+  tables("yaw", "goal: direction of a side face of a die", k_5_rad, k_10_rad,
+         [&](Binder& table, GoalKeys& keys) {
+           std::uint32_t face = 1;
+           double yaw_rad = 0;
+           table.integer("face", face,
+                         {.minimum = 1, .maximum = k_faces, .help = "number of the face"});
+           table.angle_deg("yaw_deg", yaw_rad,
+                           {.minimum = -360,
+                            .maximum = 360,
+                            .help = "azimuth of the face's outward normal, from the x axis towards "
+                                    "the y axis"});
+           bind_angles(table, keys);
+           bind_time(table, keys);
+           const math::SinCos yaw = math::sincos(yaw_rad);
+           keys.goal.wanted = FaceDirection{.face = face, .direction = Vec3(yaw.cos, yaw.sin, 0)};
+         });
+  tables("orientation", "goal: orientation of a die", k_5_rad, k_10_rad,
+         [&](Binder& table, GoalKeys& keys) {
+           std::array<double, 4> q{1, 0, 0, 0};
+           bind_quaternion(table, "quaternion of the orientation", q);
+           if (!is_rotation(q)) {
+             table.error("qw", "the quaternion is too small to be a rotation");
+           } else {
+             keys.goal.wanted = Turn{math::normalized(Quat(q[0], q[1], q[2], q[3]))};
+           }
+           bind_angles(table, keys);
+           bind_time(table, keys);
+         });
 }
 
 void GoalBinder::bind_motion() {
-  tables<VelocityKeys>(
-      "velocity", "goal: velocity of a die", [&](Binder& table, VelocityKeys& keys) {
-        constexpr std::array<const char*, 3> k_parts{"x_mps", "y_mps", "z_mps"};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          table.number(
-              k_parts[axis], keys.velocity_mps[static_cast<Eigen::Index>(axis)],
-              {.minimum = -100, .maximum = 100, .unit = "m/s", .help = "velocity of the centre"});
-        }
-        table.number("sigma_mps", keys.goal.sigma,
-                     {.minimum = 1e-6, .maximum = 100, .unit = "m/s", .help = k_sigma_help});
-        table.number("tolerance_mps", keys.goal.tolerance,
-                     {.minimum = 1e-6, .maximum = 100, .unit = "m/s", .help = k_tolerance_help});
-        bind_time(table, keys);
-        keys.goal.wanted = Velocity{keys.velocity_mps};
-      });
-  tables<BeforeKeys>(
-      "before", "goal: time by which a die comes to rest", [&](Binder& table, BeforeKeys& keys) {
-        table.number("time_s", keys.time_s,
-                     {.minimum = 0,
-                      .maximum = 100,
-                      .unit = "s",
-                      .help = "maximum time from the first release until the die comes to rest"});
-        table.number("sigma_s", keys.goal.sigma,
-                     {.minimum = 1e-6, .maximum = 100, .unit = "s", .help = k_sigma_help});
-        table.number("tolerance_s", keys.goal.tolerance,
-                     {.minimum = 0, .maximum = 100, .unit = "s", .help = k_tolerance_help});
-        keys.goal.wanted = RestBefore{keys.time_s};
-        const auto first = std::ranges::min_element(world.dice, {}, &DieStart::start_s);
-        const double start_s = world.dice.at(keys.goal.die).start_s - first->start_s;
-        if (keys.time_s + keys.goal.tolerance < start_s)
-          table.error("time_s", fmt::format("too early: die {} starts {:.3g} s after the first die",
-                                            keys.die, start_s));
-      });
+  const auto scale = [](Binder& table, GoalKeys& keys, const std::string& unit, const char* shown,
+                        double tolerance_min) {
+    table.number("sigma_" + unit, keys.goal.sigma,
+                 {.minimum = 1e-6, .maximum = 100, .unit = shown, .help = k_sigma_help});
+    table.number(
+        "tolerance_" + unit, keys.goal.tolerance,
+        {.minimum = tolerance_min, .maximum = 100, .unit = shown, .help = k_tolerance_help});
+  };
+  tables("velocity", "goal: velocity of a die", 0.05, 0.1, [&](Binder& table, GoalKeys& keys) {
+    Vec3 velocity_mps{0, 0, 0};
+    for (int k = 0; k < 3; ++k)
+      table.number(
+          fmt::format("{}_mps", "xyz"[k]), velocity_mps[k],
+          {.minimum = -100, .maximum = 100, .unit = "m/s", .help = "velocity of the centre"});
+    scale(table, keys, "mps", "m/s", 1e-6);
+    bind_time(table, keys);
+    keys.goal.wanted = Velocity{velocity_mps};
+  });
+  tables("before", "goal: time by which a die comes to rest", 0.1, 0,
+         [&](Binder& table, GoalKeys& keys) {
+           double time_s = 2;
+           table.number("time_s", time_s,
+                        {.minimum = 0,
+                         .maximum = 100,
+                         .unit = "s",
+                         .help = "maximum time from the first release until the die comes to "
+                                 "rest"});
+           scale(table, keys, "s", "s", 0);
+           keys.goal.wanted = RestBefore{time_s};
+           const auto first = std::ranges::min_element(world.dice, {}, &DieStart::start_s);
+           const double start_s = world.dice.at(keys.goal.die).start_s - first->start_s;
+           if (time_s + keys.goal.tolerance < start_s)
+             table.error("time_s",
+                         fmt::format("too early: die {} starts {:.3g} s after the first die",
+                                     keys.die, start_s));
+         });
 }
 
 /// Checks face goals against each other and against the dice's starts.
@@ -506,8 +467,8 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
         "share of proposals that change a random control point");
   share("change_contact", p.change_contact,
         "share of proposals that change a control point at a collision");
-  length_mm(sampler, "position_step_mm", p.position_m,
-            {.minimum = 1e-6, .maximum = 1000, .help = k_step_help});
+  sampler.length_mm("position_step_mm", p.position_m,
+                    {.minimum = 1e-6, .maximum = 1000, .help = k_step_help});
   const auto step = [&](std::string_view key, double& value, std::string_view unit,
                         double maximum) {
     sampler.number(key, value,
@@ -519,10 +480,10 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
                     {.minimum = 1e-6,
                      .maximum = 360,
                      .help = "standard deviation of rotation steps, before halvings"});
-  length_mm(sampler, "height_step_mm", p.height_m,
-            {.minimum = 1e-6,
-             .maximum = 1000,
-             .help = "standard deviation of changes of a point's height, before halvings"});
+  sampler.length_mm("height_step_mm", p.height_m,
+                    {.minimum = 1e-6,
+                     .maximum = 1000,
+                     .help = "standard deviation of changes of a point's height, before halvings"});
   step("restitution_step", p.restitution, "", 1);
   step("friction_step", p.friction, "", 10);
   sampler.integer("halvings", p.halvings,
@@ -530,10 +491,9 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
                    .maximum = 40,
                    .help = "maximum number of halvings of a step; every number from 0 to this "
                            "maximum is equally likely"});
-  for (const char* key :
-       {"change_all", "change_die", "change_start", "change_control", "change_contact"}) {
-    if (!sampler.valid(key)) return;
-  }
+  if (!sampler.all_valid(
+          {"change_all", "change_die", "change_start", "change_control", "change_contact"}))
+    return;
   const double sum =
       p.change_all + p.change_die + p.change_start + p.change_control + p.change_contact;
   if (std::fabs(sum - 1) > 1e-9)

@@ -40,21 +40,10 @@ std::uint64_t particles_max(std::uint64_t balls) {
 /// Minimum of rest_speed and minimum of rest_time, both in multiples of bounce_end.
 constexpr double k_bounce_ends_min = 2;
 
-struct Lengths {
-  double minimum_mm = 0.001;
-  double maximum_mm = 1000;
-  std::string_view help;
-};
-
-void length_mm(request::Binder& binder, std::string_view key, double& value_m,
-               const Lengths& options) {
-  double value_mm = std::round(value_m * 1e12) / 1e9;
-  binder.number(key, value_mm,
-                {.minimum = options.minimum_mm,
-                 .maximum = options.maximum_mm,
-                 .unit = "mm",
-                 .help = options.help});
-  value_m = value_mm / 1e3;
+/// Binds a length of at most 1 m.
+void length_mm(request::Binder& binder, std::string_view key, double& value_m, double minimum_mm,
+               std::string_view help) {
+  binder.length_mm(key, value_m, {.minimum = minimum_mm, .maximum = 1000, .help = help});
 }
 
 /// Returns the pattern of the given word or bitmap. If neither is given, returns the thesis's HI.
@@ -129,11 +118,9 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
       {.minimum = 1,
        .maximum = k_rows_max,
        .help = "number of rows of bins; default: the pattern's height"});
-  if (!world.valid("word") || !world.valid("bitmap") || !world.valid("font")) return;
-  if (!word.empty() && !bitmap.empty()) {
-    world.error("bitmap", "set either `word` or `bitmap`, not both");
-    return;
-  }
+  if (!world.all_valid({"word", "bitmap", "font"})) return;
+  if (!word.empty() && !bitmap.empty())
+    return world.error("bitmap", "set either `word` or `bitmap`, not both");
   const std::optional<Pattern> given = given_pattern(world, word, bitmap, font);
   if (!given || !world.valid("columns") || !world.valid("rows")) return;
   const char* key = word.empty() ? "bitmap" : "word";
@@ -141,45 +128,35 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
 }
 
 void check_sizes(request::Binder& world, const WorldParameters& p) {
-  for (const char* key : {"bin_mm", "partition_mm", "partition_height_mm", "drop_height_mm",
-                          "vertex_sd_mm", "dome_mm", "ball_diameter_mm"}) {
-    if (!world.valid(key)) return;
-  }
+  if (!world.all_valid({"bin_mm", "partition_mm", "partition_height_mm", "drop_height_mm",
+                        "vertex_sd_mm", "dome_mm", "ball_diameter_mm"}))
+    return;
   const auto mm = [](double value_m) { return fmt::format("{:.6g}", 1e3 * value_m); };
   // Leave some room on each side; otherwise a box that is one bin wide has no drop region.
   constexpr double k_room_m = 1e-5;
-  if (p.ball_diameter_m > p.bin_m - k_room_m) {
-    world.error("ball_diameter_mm", fmt::format("must be at most {} ({} less than bin_mm)",
-                                                mm(p.bin_m - k_room_m), mm(k_room_m)));
-    return;
-  }
+  if (p.ball_diameter_m > p.bin_m - k_room_m)
+    return world.error("ball_diameter_mm", fmt::format("must be at most {} ({} less than bin_mm)",
+                                                       mm(p.bin_m - k_room_m), mm(k_room_m)));
   constexpr double k_slack = 1 + 1e-9;
   const double most_sd_m = 0.1 * std::min(p.partition_m, p.partition_height_m);
-  if (p.vertex_sd_m > k_slack * most_sd_m) {
-    world.error(
+  if (p.vertex_sd_m > k_slack * most_sd_m)
+    return world.error(
         "vertex_sd_mm",
         fmt::format("must be at most {} (a tenth of partition_mm and of partition_height_mm)",
                     mm(most_sd_m)));
-    return;
-  }
   const double least_drop_m = p.partition_height_m + 10 * p.vertex_sd_m;
-  if (p.drop_height_m < least_drop_m) {
-    world.error("drop_height_mm",
-                fmt::format("must be at least {} (partition_height_mm plus 10 times vertex_sd_mm)",
-                            mm(least_drop_m)));
-    return;
-  }
+  if (p.drop_height_m < least_drop_m)
+    return world.error(
+        "drop_height_mm",
+        fmt::format("must be at least {} (partition_height_mm plus 10 times vertex_sd_mm)",
+                    mm(least_drop_m)));
   constexpr double k_thinnest = 1000;
-  if (p.bin_m > k_thinnest * p.partition_m) {
-    world.error("partition_mm", fmt::format("must be at least {} (a thousandth of bin_mm)",
-                                            mm(p.bin_m / k_thinnest)));
-    return;
-  }
-  if (p.dome_m > p.partition_height_m) {
-    world.error("dome_mm",
-                fmt::format("must be at most {} (partition_height_mm)", mm(p.partition_height_m)));
-    return;
-  }
+  if (p.bin_m > k_thinnest * p.partition_m)
+    return world.error("partition_mm", fmt::format("must be at least {} (a thousandth of bin_mm)",
+                                                   mm(p.bin_m / k_thinnest)));
+  if (p.dome_m > p.partition_height_m)
+    return world.error("dome_mm", fmt::format("must be at most {} (partition_height_mm)",
+                                              mm(p.partition_height_m)));
   // A ball at rest touches two partitions and the dome's slope.
   const double radius_m = 0.5 * p.ball_diameter_m;
   const double slope = 2 * p.dome_m / p.bin_m;
@@ -194,21 +171,18 @@ void check_sizes(request::Binder& world, const WorldParameters& p) {
 }
 
 void bind_world(request::Binder& world, WorldParameters& p) {
-  length_mm(world, "bin_mm", p.bin_m, {.minimum_mm = 1, .help = "inner side length of a bin"});
-  length_mm(world, "partition_mm", p.partition_m,
-            {.minimum_mm = 0.1, .maximum_mm = 30, .help = "thickness of the partitions"});
-  length_mm(world, "partition_height_mm", p.partition_height_m,
-            {.minimum_mm = 0.1, .help = "height of the partitions"});
-  length_mm(world, "box_height_mm", p.box_height_m,
-            {.minimum_mm = 1, .help = "height of the box's walls"});
-  length_mm(world, "drop_height_mm", p.drop_height_m,
-            {.minimum_mm = 1, .help = "height of a ball's lowest point at the start of its drop"});
-  length_mm(world, "vertex_sd_mm", p.vertex_sd_m,
-            {.help = "standard deviation of each coordinate of a partition's vertices"});
-  length_mm(world, "dome_mm", p.dome_m,
-            {.help = "height of the centre of a bin's floor above the floor's rim"});
-  length_mm(world, "ball_diameter_mm", p.ball_diameter_m,
-            {.minimum_mm = 0.5, .help = "diameter of a ball"});
+  length_mm(world, "bin_mm", p.bin_m, 1, "inner side length of a bin");
+  world.length_mm("partition_mm", p.partition_m,
+                  {.minimum = 0.1, .maximum = 30, .help = "thickness of the partitions"});
+  length_mm(world, "partition_height_mm", p.partition_height_m, 0.1, "height of the partitions");
+  length_mm(world, "box_height_mm", p.box_height_m, 1, "height of the box's walls");
+  length_mm(world, "drop_height_mm", p.drop_height_m, 1,
+            "height of a ball's lowest point at the start of its drop");
+  length_mm(world, "vertex_sd_mm", p.vertex_sd_m, 0.001,
+            "standard deviation of each coordinate of a partition's vertices");
+  length_mm(world, "dome_mm", p.dome_m, 0.001,
+            "height of the centre of a bin's floor above the floor's rim");
+  length_mm(world, "ball_diameter_mm", p.ball_diameter_m, 0.5, "diameter of a ball");
   world.number("density_kgpm3", p.density_kgpm3,
                {.minimum = 1,
                 .maximum = 30000,
@@ -234,7 +208,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                 .help = "speed below which a balanced ball comes to rest, in units of sqrt(gravity "
                         "x diameter)"});
   // If rest_speed were lower, the slowest bounces would keep a ball from resting.
-  if (world.valid("bounce_end") && world.valid("rest_speed") &&
+  if (world.all_valid({"bounce_end", "rest_speed"}) &&
       p.rest_speed < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_speed",
                 fmt::format("must be at least {:g} ({} times bounce_end), found {:g}",
@@ -247,7 +221,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                         "sqrt(diameter / gravity)"});
   // If rest_time were shorter, a touch would expire before the ball's next bounce, and the ball
   // would never be in balance.
-  if (world.valid("bounce_end") && world.valid("rest_time") &&
+  if (world.all_valid({"bounce_end", "rest_time"}) &&
       p.rest_time < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_time",
                 fmt::format("must be at least {:g} ({} times bounce_end, the "
@@ -322,19 +296,18 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
         "place; these proposals reverse aim_ball");
   share("vertex_probability", p.vertex_probability,
         "probability that a change_vertices proposal moves a given vertex");
-  length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m,
-            {.minimum_mm = 1e-6, .help = "standard deviation of each coordinate of a vertex move"});
-  std::optional<double> vertex_redraw;
+  length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m, 1e-6,
+            "standard deviation of each coordinate of a vertex move");
+  p.vertex_redraw = 0;
   sampler.optional_number(
-      "vertex_redraw", vertex_redraw,
+      "vertex_redraw", p.vertex_redraw,
       {.minimum = 0,
        .above_minimum = true,
        .maximum = 1,
        .help =
            "share of change_vertices proposals that redraw one vertex from the prior; default: 0"});
-  p.vertex_redraw = vertex_redraw.value_or(0);
-  length_mm(sampler, "ball_move_sd_mm", p.ball_sd_m,
-            {.help = "standard deviation of the distance by which change_ball moves a drop"});
+  length_mm(sampler, "ball_move_sd_mm", p.ball_sd_m, 0.001,
+            "standard deviation of the distance by which change_ball moves a drop");
   sampler.number("flip_probability", p.flip_probability,
                  {.minimum = 0,
                   .above_minimum = true,
@@ -348,10 +321,9 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
                    .help = "number of proposals per iteration; each is first tested by a "
                            "simulation of only the balls that it changes; 0: off, one ordinary "
                            "proposal per iteration"});
-  for (const char* key : {"change_all", "change_vertices", "change_ball", "disable_balls",
-                          "enable_balls", "aim_ball", "scatter_ball", "solo_steps"}) {
-    if (!sampler.valid(key)) return;
-  }
+  if (!sampler.all_valid({"change_all", "change_vertices", "change_ball", "disable_balls",
+                          "enable_balls", "aim_ball", "scatter_ball", "solo_steps"}))
+    return;
   const double sum = p.change_all + p.change_vertices + p.change_ball + p.disable_balls +
                      p.enable_balls + p.aim_ball + p.scatter_ball;
   if (std::fabs(sum - 1) > 1e-9)
@@ -363,18 +335,14 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
     sampler.error(
         "scatter_ball",
         "must be used together with aim_ball, because the two proposals reverse each other");
-  if (p.kernel == Kernel::thesis && p.aim_ball > 0)
-    sampler.error(
-        "aim_ball",
-        "can't be used with kernel \"thesis\", which implements A.2.2 of the thesis as printed");
-  if (p.kernel == Kernel::thesis && p.vertex_redraw > 0)
-    sampler.error(
-        "vertex_redraw",
-        "can't be used with kernel \"thesis\", which implements A.2.2 of the thesis as printed");
-  if (p.kernel == Kernel::thesis && p.solo_steps > 0)
-    sampler.error(
-        "solo_steps",
-        "can't be used with kernel \"thesis\", which implements A.2.2 of the thesis as printed");
+  for (const auto& [key, value] :
+       {std::pair{"aim_ball", p.aim_ball}, std::pair{"vertex_redraw", p.vertex_redraw},
+        std::pair{"solo_steps", static_cast<double>(p.solo_steps)}}) {
+    if (p.kernel == Kernel::thesis && value > 0)
+      sampler.error(
+          key,
+          "can't be used with kernel \"thesis\", which implements A.2.2 of the thesis as printed");
+  }
 }
 
 /// Above this number of balls, weights of 32-particle islands differ so much that chains of islands
