@@ -61,6 +61,18 @@ struct BuiltScene {
 /// REQUIRES: the limits of description.h; names of objects are distinct.
 base::Result<BuiltScene, BuildError> build(const SceneDescription& description);
 
+/// One body of a scene, after copying: rows, grids and rings.
+struct Copy {
+  std::string name;
+  Pose place;
+  /// Rotation of this copy relative to the described body; a ring turns its copies. Velocities turn
+  /// too.
+  Quat turn = Quat::Identity();
+};
+/// Returns how many bodies a description stands for.
+std::size_t count_of(const Copies& copies);
+std::vector<Copy> copies_of(const BodyDescription& body);
+
 /// Returns the start of a body's frame.
 physics::StartState start_of(const Object& object);
 

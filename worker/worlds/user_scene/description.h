@@ -9,7 +9,12 @@
 //   - pin: The origin is the middle of the foot. The axis is z.
 //   - hull, compound, mesh: The frame is that of the points or parts.
 //   - plane: The origin is a point of the plane, and +z is its free side.
-//   - helix and ramp: See channel.h.
+//   - helix and ramp: A channel is a half pipe, open above: the lower half of a circle, swept along
+//     a middle line. Its mesh is a sheet of zero thickness, which bodies meet from both sides. A
+//     helix's middle line begins at (path_radius, 0, 0) and turns about the z axis; it ends `drop`
+//     below its beginning. A ramp's leads from (0, 0, 0) to (length, 0, -drop). The circle's plane
+//     contains z and is perpendicular to the middle line seen from above. So the channel is lowest
+//     exactly below its middle line, by the circle's radius.
 // A body's place is its shape's origin in the world, and its turn rotates the shape's frame. The
 // centre of mass and the principal axes appear only inside (body_form.h).
 //

@@ -17,7 +17,7 @@ namespace sleight::worlds::user_scene {
 namespace {
 
 constexpr double k_value_max = 1e3;  ///< in SI units
-constexpr std::array<QuantityKind, k_quantities> k_kinds{{
+constexpr std::array<QuantityKind, k_quantities> k_quantity_kinds{{
     {Quantity::position, "position_mm", 3, k_m_per_mm, -k_value_max, k_value_max},
     {Quantity::velocity, "velocity_mps", 3, 1, -k_value_max, k_value_max},
     {Quantity::spin, "spin_radps", 3, 1, -k_value_max, k_value_max},
@@ -53,6 +53,20 @@ bool is_random(const Uncertain& one, std::size_t component) {
   return one.sd[component] > 0 || one.within[component] > 0;
 }
 
+/// Returns a quantity of a material.
+auto& value_of(auto& material, Quantity quantity) {
+  switch (quantity) {
+    case Quantity::density:
+      return material.density_kgpm3;
+    case Quantity::restitution:
+      return material.law.restitution;
+    case Quantity::friction:
+      return material.law.friction;
+    default:
+      return material.law.rolling_friction;
+  }
+}
+
 Vec3 xyz_of(const std::array<double, 4>& values) {
   return {values[0], values[1], values[2]};
 }
@@ -60,10 +74,10 @@ Vec3 xyz_of(const std::array<double, 4>& values) {
 }  // namespace
 
 const QuantityKind& kind_of(Quantity quantity) {
-  return k_kinds[static_cast<std::size_t>(quantity)];
+  return k_quantity_kinds[static_cast<std::size_t>(quantity)];
 }
 std::span<const QuantityKind> all_quantities() {
-  return k_kinds;
+  return k_quantity_kinds;
 }
 
 Quantities::Quantities(const SceneDescription& scene, const BuiltScene& built,
@@ -122,19 +136,7 @@ double Quantities::log_density(const Numbers& numbers) const {
 
 double Quantities::nominal(Quantity quantity, std::uint32_t target, std::size_t component) const {
   const auto axis = static_cast<Eigen::Index>(component);
-  if (kind_of(quantity).of_material) {
-    const Material& material = scene_.materials[target];
-    switch (quantity) {
-      case Quantity::density:
-        return material.density_kgpm3;
-      case Quantity::restitution:
-        return material.law.restitution;
-      case Quantity::friction:
-        return material.law.friction;
-      default:
-        return material.law.rolling_friction;
-    }
-  }
+  if (kind_of(quantity).of_material) return value_of(scene_.materials[target], quantity);
   const Object& object = built_.objects[target];
   const BodyDescription& body = scene_.bodies[object.description];
   switch (quantity) {
@@ -293,15 +295,8 @@ void Quantities::change_materials(const Numbers& numbers, physics::Scene& scene)
     const Quantity quantity = of(draw).quantity;
     if (!kind_of(quantity).of_material) continue;
     changed = true;
-    for (const std::uint32_t target : draw.targets) {
-      const double value = values_of(draw, target, numbers)[0];
-      physics::SurfaceLaw& law = materials[target].law;
-      double& changes = quantity == Quantity::density       ? materials[target].density_kgpm3
-                        : quantity == Quantity::restitution ? law.restitution
-                        : quantity == Quantity::friction    ? law.friction
-                                                            : law.rolling_friction;
-      changes = value;
-    }
+    for (const std::uint32_t target : draw.targets)
+      value_of(materials[target], quantity) = values_of(draw, target, numbers)[0];
   }
   if (!changed) return;
   scene.contacts = contact_table(materials, scene_.pairs);

@@ -10,7 +10,6 @@
 #include "common/request/nearest.h"
 #include "common/request/text.h"
 #include "worker/worlds/user_scene/body_form.h"
-#include "worker/worlds/user_scene/copies.h"
 #include "worker/worlds/user_scene/request.h"
 #include "worker/worlds/user_scene/request_parts.h"
 
