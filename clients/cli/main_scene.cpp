@@ -77,10 +77,10 @@ void draw(const user_scene::UserScene& world, const user_scene::SceneReport& rep
   if (!throws.empty())
     return plot::save(pictures::animation_figure(arguments.path, look, throws), arguments.drawing);
   const user_scene::NominalRun& run = report.run.value();
-  std::vector<pictures::ShownAnimation> strip{shown(built, look, *run.recording, "")};
+  pictures::ShownAnimation strip = shown(built, look, *run.recording, "");
   const bool is_over = run.end == user_scene::RunEnd::all_ended;
-  const double end_s = is_over ? strip.front().motion.end_s() : run.end_s;
-  strip.front().title = fmt::format("simulated to {:.2f} s", end_s);
+  const double end_s = is_over ? strip.motion.end_s() : run.end_s;
+  strip.title = fmt::format("simulated to {:.2f} s", end_s);
   plot::save(pictures::strip_figure(arguments.path, look, strip, end_s), arguments.drawing);
 }
 

@@ -1,10 +1,8 @@
-// Draws animations as strips: each strip shows the bodies at equally spaced times, from above and
-// from the front, from the first start to the end.
-// Thread safety: pure functions.
+// Draws an animation as a strip: the bodies at equally spaced times, from above and from the front.
+// Thread safety: a pure function.
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "clients/pictures/animation_figures.h"
 #include "clients/plot/figure.h"
@@ -15,9 +13,8 @@ namespace sleight::pictures {
 /// Number of pictures in a strip.
 inline constexpr std::size_t k_strip_pictures = 8;
 
-/// Draws one panel per animation. `end_s`: time of the last picture. REQUIRES: at least one
-/// animation; a valid scene description.
+/// `end_s`: time of the last picture. REQUIRES: a valid scene description.
 plot::Figure strip_figure(const std::string& title, const scene::Scene& scene,
-                          const std::vector<ShownAnimation>& animations, double end_s);
+                          const ShownAnimation& animation, double end_s);
 
 }  // namespace sleight::pictures
