@@ -45,23 +45,29 @@ enum class Numbering : std::uint8_t { free, fixed };
 
 struct Place {
   Vec2 centre_m{0, 0};
+  friend bool operator==(const Place&, const Place&) = default;
 };
 struct Region {
   Vec2 low_m{0, 0};
   Vec2 high_m{0, 0};
+  friend bool operator==(const Region&, const Region&) = default;
 };
 struct FaceDirection {
   std::uint32_t face = 6;
   Vec3 direction{0, 0, 1};  ///< of length 1, in the world's frame
+  friend bool operator==(const FaceDirection&, const FaceDirection&) = default;
 };
 struct Turn {
   Quat orientation = Quat::Identity();  ///< of the numbered die
+  friend bool operator==(const Turn&, const Turn&) = default;
 };
 struct Velocity {
   Vec3 velocity_mps{0, 0, 0};
+  friend bool operator==(const Velocity&, const Velocity&) = default;
 };
 struct RestBefore {
   double time_s = 0;
+  friend bool operator==(const RestBefore&, const RestBefore&) = default;
 };
 
 struct Goal {
@@ -74,6 +80,7 @@ struct Goal {
   bool is_of_faces() const {
     return std::holds_alternative<FaceDirection>(wanted) || std::holds_alternative<Turn>(wanted);
   }
+  friend bool operator==(const Goal&, const Goal&) = default;
 };
 
 /// If a tolerance were greater, two faces could meet one goal.

@@ -1,7 +1,6 @@
 #include "worker/worlds/readers/dice_reader.h"
 
 #include <cmath>
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -133,39 +132,15 @@ archive::WorldLayout make_layout(const Dice& world) {
   return layout;
 }
 
-/// A goal as text, without its die.
-std::string words_of(const Goal& goal) {
-  const auto numbers = [](const auto&... vectors) {
-    std::string text;
-    const auto add = [&text](const auto& vector) {
-      for (Eigen::Index i = 0; i < vector.size(); ++i)
-        text += fmt::format(" {}", vector[i]);
-    };
-    (add(vectors), ...);
-    return text;
-  };
-  struct Words {
-    decltype(numbers)& of;
-    std::string operator()(const Place& place) const { return of(place.centre_m); }
-    std::string operator()(const Region& region) const { return of(region.low_m, region.high_m); }
-    std::string operator()(const FaceDirection& face) const {
-      return fmt::format(" {}{}", face.face, of(face.direction));
-    }
-    std::string operator()(const Turn& turn) const { return of(turn.orientation.coeffs()); }
-    std::string operator()(const Velocity& velocity) const { return of(velocity.velocity_mps); }
-    std::string operator()(const RestBefore& rest) const { return fmt::format(" {}", rest.time_s); }
-  };
-  return fmt::format("{} at {} within {}, {}:{}", name_of(goal), goal.at_s.value_or(-1),
-                     goal.tolerance, goal.sigma, std::visit(Words{numbers}, goal.wanted));
-}
-
-/// All goals of a die as text, in the order of goals.
-std::string wishes_of(std::span<const Goal> goals, std::uint32_t die) {
-  std::string wishes;
+/// Returns a die's goals, as if it were the first die.
+std::vector<Goal> goals_of(std::span<const Goal> goals, std::uint32_t die) {
+  std::vector<Goal> own;
   for (const Goal& goal : goals) {
-    if (goal.die == die) wishes += words_of(goal) + "\n";
+    if (goal.die != die) continue;
+    own.push_back(goal);
+    own.back().die = 0;
   }
-  return wishes;
+  return own;
 }
 
 void add_goal(scene::Scene& scene, const Goal& goal, std::size_t number) {
@@ -209,13 +184,13 @@ void set_view(scene::Scene& scene, const WorldParameters& world) {
 scene::Scene make_scene(const Parameters& parameters) {
   const WorldParameters& world = parameters.world;
   scene::Scene scene;
-  std::map<std::string, std::uint32_t> first_with;
   for (std::uint32_t die = 0; die < world.dice.size(); ++die) {
     add_feature(scene, scene::FeatureKind::body, fmt::format("die {}", die + 1));
     add_part(scene, scene::Shape::die, Vec3::Constant(world.side_m));
     // Dice with the same goals look alike.
-    scene.features.back().twin_of =
-        first_with.emplace(wishes_of(parameters.goals, die), die).first->second;
+    std::uint32_t& twin = scene.features.back().twin_of;
+    for (twin = 0; goals_of(parameters.goals, twin) != goals_of(parameters.goals, die);)
+      ++twin;
   }
   add_feature(scene, scene::FeatureKind::fixed, k_table_name);
   const TableParameters& table = world.table;
