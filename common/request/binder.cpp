@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "common/request/nearest.h"
-#include "common/request/sets.h"
 #include "common/request/text.h"
 
 namespace sleight::request {
@@ -341,10 +340,7 @@ std::vector<const Section*> Binder::declare_tables(const BoundTables& tables,
   if (value == nullptr) return {};
   std::vector<const Section*> given = section_->tables(tables.key);
   const bool is_set = value->place.line == 0;
-  if (is_set && std::holds_alternative<Section>(value->held)) {
-    invalid_.push_back(tables.key);
-    diagnostics_.add(value->place, std::string(k_set_within_table));
-  } else if (given.empty() || is_set) {
+  if (given.empty() || is_set) {
     refuse(*value);
     given.clear();
   } else if (given.size() > options.count_max) {

@@ -31,22 +31,6 @@ struct Written {
   std::string_view value;
 };
 
-/// Splits a key at its dots.
-std::vector<std::string> names_of(std::string_view key) {
-  std::vector<std::string> names;
-  for (std::size_t dot = key.find('.'); dot != std::string_view::npos; dot = key.find('.')) {
-    names.emplace_back(key.substr(0, dot));
-    key.remove_prefix(dot + 1);
-  }
-  names.emplace_back(key);
-  return names;
-}
-
-/// Returns whether `key` is `table`, or a key in that table.
-bool is_within(std::string_view key, std::string_view table) {
-  return key.starts_with(table) && (key.size() == table.size() || key[table.size()] == '.');
-}
-
 base::Result<Written, std::string> split(std::string_view text) {
   if (!is_utf8(text)) return std::string("expected UTF-8 text");
   const std::size_t equals = text.find('=');
@@ -59,9 +43,10 @@ base::Result<Written, std::string> split(std::string_view text) {
     written.key = path.substr(dot + 1);
     if (written.section.empty()) return std::string(k_form);
   }
-  const std::vector<std::string> names = names_of(written.key);
-  if (std::find(names.begin(), names.end(), "") != names.end()) return std::string(k_form);
-  if (names.size() >= k_set_names_max) return std::string(k_set_within_table);
+  if (written.key.empty()) return std::string(k_form);
+  if (written.key.find('.') != std::string::npos)
+    return fmt::format("{}; keys of a table within a section can be set only in the request file",
+                       k_form);
   if (written.value.empty())
     return std::string("missing value after '='; write an empty string as '\"\"'");
   return written;
@@ -76,10 +61,6 @@ base::Result<Value, std::string> value_of(std::string_view text) {
     // If the document has more than one entry, `text` has several lines.
     if (entries.size() == 1 && entries.front().key == name && document.value().sections.empty())
       return Value{entries.front().value.held, k_no_place};
-    if (entries.empty() && document.value().sections.size() == 1) {
-      Section table = document.value().sections.front();
-      if (table.name == name) return Value{std::move(table), k_no_place};
-    }
   } else if (std::string_view("\"'[{").find(text.front()) != std::string_view::npos) {
     return document.error().message;
   }
@@ -219,8 +200,7 @@ base::Result<ReadSets, std::vector<Diagnostic>> read_sets(std::span<const std::s
     const KeySet& first = set.value().choices.front();
     for (const Spread& other : read.sets) {
       const KeySet& same = other.choices.front();
-      if (same.section == first.section &&
-          (is_within(same.key, first.key) || is_within(first.key, same.key)))
+      if (same.section == first.section && same.key == first.key)
         errors.push_back(wrong(text, "the key is set twice; remove one of the two"));
     }
     // The product can't overflow, because neither factor exceeds the limit for combinations.
@@ -245,24 +225,7 @@ void move_to(Place place, Value& value) {
   if (auto* array = std::get_if<std::vector<Value>>(&value.held)) {
     for (Value& element : *array)
       move_to(place, element);
-  } else if (auto* table = std::get_if<Section>(&value.held)) {
-    table->place = place;
-    for (Entry& entry : table->entries) {
-      move_to(place, entry.value);
-      entry.place = place;
-    }
   }
-}
-
-/// Returns the table `[section.key]`. Makes it if there is none.
-Section& table_of(Section& section, const std::string& key, Place place) {
-  auto entry = std::find_if(section.entries.begin(), section.entries.end(),
-                            [&](const Entry& old) { return old.key == key; });
-  if (entry == section.entries.end())
-    entry = section.entries.insert(entry, {.key = key, .place = place, .value = {}});
-  if (!std::holds_alternative<Section>(entry->value.held))
-    *entry = {.key = key, .place = place, .value = {Section{.place = place, .entries = {}}, place}};
-  return std::get<Section>(entry->value.held);
 }
 
 }  // namespace
@@ -332,13 +295,8 @@ void apply_sets(Document& document, std::span<const KeySet> sets) {
                                                    .place = place,
                                                    .entries = {}});
     }
-    const std::vector<std::string> names = names_of(set.key);
-    Section* table = &*section;
-    for (const std::string& name : std::span(names).first(names.size() - 1))
-      table = &table_of(*table, name, place);
-    entry.key = names.back();
-    std::erase_if(table->entries, [&](const Entry& old) { return old.key == entry.key; });
-    table->entries.push_back(std::move(entry));
+    std::erase_if(section->entries, [&](const Entry& old) { return old.key == entry.key; });
+    section->entries.push_back(std::move(entry));
   }
 }
 

@@ -1,18 +1,16 @@
 // Keys given on the command line instead of in a request's file: `--set sampler.seed=7`.
 //
 // A set is SECTION.KEY=VALUE. VALUE is a TOML value. A word that is no TOML value counts as a
-// string, so `--set world.word=HI` needs no nested quotes. A key of a table in a section has the
-// table's name before it: `--set world.ring.count=3`. An array's tables, and their keys, can't be
-// set. Each `--set` replaces or adds its key before the request is read. So a `--set` is checked
-// like a file, and errors have a place such as `--set sampler.sed=1`.
+// string, so `--set world.word=HI` needs no nested quotes. Tables within a section, and their keys,
+// can't be set. Each `--set` replaces or adds its key before the request is read. So a `--set` is
+// checked like a file, and errors have a place such as `--set sampler.sed=1`.
 //
 // A range makes a group of requests, one per value. A range is `sampler.seed=1..20` (integers, both
 // ends included), or a list such as `sampler.chains={1,4,16}`. A list's items are values and
 // ranges. Several ranges yield all combinations. The first range's value changes slowest.
 //
 // Invariants
-//   1. Sets of a combination have distinct keys, none within another's table, so their order
-//      doesn't matter.
+//   1. Sets of a combination have distinct keys, so their order doesn't matter.
 //   2. A group has 1 to k_combinations_max requests.
 // Values and pure functions; thread-safe.
 #pragma once
@@ -33,21 +31,14 @@ namespace sleight::request {
 struct KeySet {
   std::string text;     ///< "sampler.seed=3", printable
   std::string section;  ///< empty: no section given, which is an error on reading
-  std::string key;      ///< "seed", or "ring.count" for a key of a table in the section
+  std::string key;      ///< "seed"
   Value value;
 };
 
 /// Maximum requests of a group.
 inline constexpr std::size_t k_combinations_max = 10'000;
-/// Maximum names in a set's path: a section, tables and a key.
-inline constexpr std::size_t k_set_names_max = 8;
 /// Maximum sets of a request.
 inline constexpr std::size_t k_sets_max = 100;
-
-/// The error of a set whose key is in an array's tables, and can't tell in which of them.
-inline constexpr std::string_view k_set_within_table =
-    "expected SECTION.KEY=VALUE, for example sampler.seed=7; keys of a table within a section can "
-    "be set only in the request file";
 
 /// Returns the sets of each request described by `texts`, or the errors. Without ranges there is
 /// one combination. Without texts, the only combination is empty.
