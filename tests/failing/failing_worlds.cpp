@@ -5,7 +5,7 @@
 #include "tests/failing/pucks.h"
 #include "worker/run/world_entry.h"
 #include "worker/worlds/ball_2d/request.h"
-#include "worker/worlds/readers/ball_2d_reader.h"
+#include "worker/worlds/readers/readers.h"
 
 namespace sleight::programs {
 

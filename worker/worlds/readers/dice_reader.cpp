@@ -1,4 +1,4 @@
-#include "worker/worlds/readers/dice_reader.h"
+#include "worker/worlds/readers/readers.h"
 
 #include <cmath>
 #include <memory>

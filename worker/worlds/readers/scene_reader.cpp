@@ -1,4 +1,4 @@
-#include "worker/worlds/readers/scene_reader.h"
+#include "worker/worlds/readers/readers.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "worker/worlds/readers/spelling_reader.h"
+#include "worker/worlds/readers/readers.h"
 
 #include <cstdint>
 #include <string_view>

@@ -24,6 +24,15 @@ bool is_mesh(ShapeKind kind) {
   return kind == ShapeKind::mesh || kind == ShapeKind::helix || kind == ShapeKind::ramp;
 }
 
+/// Returns the least width of a body along the axes of its frame. Slow contacts depend on it.
+double least_width_m(const physics::Shape& shape) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis)
+    least_m =
+        std::min(least_m, support_m(shape, Vec3::Unit(axis)) + support_m(shape, -Vec3::Unit(axis)));
+  return least_m;
+}
+
 class Builder {
  public:
   explicit Builder(const SceneDescription& description) : description_(description) {}
@@ -279,14 +288,6 @@ double support_m(const physics::Shape& shape, const Vec3& direction) {
   for (const physics::RoundPiece& piece : compound.round_parts)
     most_m = std::max(most_m, piece.reach_m(direction));
   return most_m;
-}
-
-double least_width_m(const physics::Shape& shape) {
-  double least_m = std::numeric_limits<double>::infinity();
-  for (int axis = 0; axis < 3; ++axis)
-    least_m =
-        std::min(least_m, support_m(shape, Vec3::Unit(axis)) + support_m(shape, -Vec3::Unit(axis)));
-  return least_m;
 }
 
 base::Result<BuiltScene, BuildError> build(const SceneDescription& description) {

@@ -86,7 +86,4 @@ physics::SurfaceLaw mean_law(const physics::SurfaceLaw& a, const physics::Surfac
 /// Returns how far a shape reaches from the origin of the body's frame along a direction in it.
 double support_m(const physics::Shape& shape, const Vec3& direction);
 
-/// Returns the least width of a body along the axes of its frame. Slow contacts depend on it.
-double least_width_m(const physics::Shape& shape);
-
 }  // namespace sleight::worlds::user_scene

@@ -1,5 +1,5 @@
 // Tells when bodies of a running simulation have ended: they rest, or have left the scene.
-// Not thread-safe.
+// Thread safety: pure functions.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +19,12 @@ enum class BodyEnd : std::uint8_t {
 /// Interval at which a simulation should be asked whether all bodies have ended.
 inline constexpr physics::TickCount k_look_every = physics::ticks_after(1.0 / 64);
 
-class EndWatch {
- public:
-  /// REQUIRES: both outlive this object; the simulation is of a scene with the same static objects.
-  EndWatch(const BuiltScene& built, const physics::Simulation& simulation)
-      : built_(built), simulation_(simulation) {}
-
-  BodyEnd end_of(physics::BodyId body) const;
-  /// Whether all moving bodies have ended. Bodies that start at k_tick_max don't count.
-  bool all_ended(const physics::Scene& scene) const;
-
- private:
-  const BuiltScene& built_;
-  const physics::Simulation& simulation_;
-};
+/// REQUIRES: the simulation is of a scene with the same static objects as `built`.
+BodyEnd end_of(const BuiltScene& built, const physics::Simulation& simulation,
+               physics::BodyId body);
+/// Whether all moving bodies have ended. Bodies of the simulated `scene` that start at k_tick_max
+/// don't count.
+bool all_ended(const BuiltScene& built, const physics::Scene& scene,
+               const physics::Simulation& simulation);
 
 }  // namespace sleight::worlds::user_scene

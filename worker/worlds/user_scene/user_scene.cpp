@@ -94,10 +94,9 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
   if (!started) return stopped(started.error());
   physics::Simulation simulation = std::move(started).value();
 
-  const EndWatch watch(built, simulation);
   const std::size_t stages = wanted.stages.value_or(judge().stages().size());
   const bool waits = judge().waits_for_rest() && !wanted.stages;
-  const double last_s = judge().stages()[std::max<std::size_t>(stages, 1) - 1].until_s;
+  const double last_s = judge().stages()[stages - 1].until_s;
   const physics::Tick limit = tick_of(waits ? parameters().scene.end_s : last_s);
   const physics::Tick last = tick_of(last_s);
   std::vector<Views> at_times;
@@ -106,8 +105,7 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
     const std::vector<double>& times_s = judge().times_s();
     while (at_times.size() < times_s.size() && tick_of(times_s[at_times.size()]) <= now)
       at_times.push_back(views_of(built, simulation, now));
-    const bool all_ended = watch.all_ended(scene);
-    if (waits && all_ended && now >= last) outcome.end = End::settled;
+    if (waits && now >= last && all_ended(built, scene, simulation)) outcome.end = End::settled;
     if (now >= limit || (outcome.end == End::settled && waits)) break;
     now = std::min(limit, now + k_look_every);
     if (at_times.size() < times_s.size()) now = std::min(now, tick_of(times_s[at_times.size()]));

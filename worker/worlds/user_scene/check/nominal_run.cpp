@@ -1,4 +1,4 @@
-#include "worker/worlds/user_scene/check/nominal_run.h"
+#include "worker/worlds/user_scene/check/check.h"
 
 #include <algorithm>
 #include <map>
@@ -23,9 +23,9 @@ std::uint64_t events_of(const physics::Counts& counts) {
 }
 
 BodyOutcome outcome_of(const BuiltScene& built, const physics::Simulation& simulation,
-                       const EndWatch& watch, BodyId body) {
+                       BodyId body) {
   const Tick now = simulation.now();
-  BodyOutcome result{.end = watch.end_of(body)};
+  BodyOutcome result{.end = end_of(built, simulation, body)};
   if (result.end == BodyEnd::waits) return result;
   if (result.end == BodyEnd::rests) {
     const auto segments = simulation.recording().segments(body);
@@ -61,18 +61,17 @@ NominalRun nominal_run(const SceneDescription& description, const BuiltScene& bu
   if (!started) return {.end = RunEnd::error, .error = started.error()};
   NominalRun result{.end = RunEnd::error};
   physics::Simulation simulation = std::move(started).value();
-  const EndWatch watch(built, simulation);
   const Tick end = Tick{} + physics::ticks_after(description.end_s);
-  while (!result.error && simulation.now() < end && !watch.all_ended(built.scene) &&
+  while (!result.error && simulation.now() < end && !all_ended(built, built.scene, simulation) &&
          events_of(simulation.counts()) <= events_max)
     result.error = simulation.run_until(std::min(end, simulation.now() + k_look_every));
   if (!result.error)
-    result.end = watch.all_ended(built.scene) ? RunEnd::all_ended
-                 : simulation.now() == end    ? RunEnd::time_over
-                                              : RunEnd::work_limit;
+    result.end = all_ended(built, built.scene, simulation) ? RunEnd::all_ended
+                 : simulation.now() == end                 ? RunEnd::time_over
+                                                           : RunEnd::work_limit;
   result.end_s = seconds_at(simulation.now());
   for (BodyId body{}; body < built.moving; ++body)
-    result.bodies.push_back(outcome_of(built, simulation, watch, body));
+    result.bodies.push_back(outcome_of(built, simulation, body));
   result.recording = std::make_shared<const physics::Recording>(simulation.recording());
   add_hits(built, simulation.impacts(), result);
   return result;

@@ -1,4 +1,4 @@
-#include "worker/worlds/user_scene/check/overlaps.h"
+#include "worker/worlds/user_scene/check/check.h"
 
 #include <algorithm>
 #include <deque>

@@ -1,4 +1,4 @@
-#include "worker/worlds/user_scene/check/prior_draws.h"
+#include "worker/worlds/user_scene/check/check.h"
 
 #include <fmt/format.h>
 

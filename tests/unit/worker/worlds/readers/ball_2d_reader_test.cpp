@@ -1,4 +1,4 @@
-#include "worker/worlds/readers/ball_2d_reader.h"
+#include "worker/worlds/readers/readers.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include "tests/unit/worker/worlds/user_scene/read_scene.h"
 #include "worker/physics/reuse/history.h"
-#include "worker/worlds/readers/scene_reader.h"
+#include "worker/worlds/readers/readers.h"
 #include "worker/worlds/user_scene/scene_search.h"
 
 namespace sleight::worlds::user_scene {
