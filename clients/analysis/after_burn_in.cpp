@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "clients/analysis/tempering.h"
-#include "common/archive/format.h"
 
 namespace sleight::analysis {
 namespace {

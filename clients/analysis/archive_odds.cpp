@@ -15,7 +15,6 @@
 #include "clients/analysis/request_numbers.h"
 #include "clients/analysis/sampling_method.h"
 #include "clients/analysis/tempering.h"
-#include "common/json/value.h"
 #include "common/request/direction_request.h"
 
 namespace sleight::analysis {

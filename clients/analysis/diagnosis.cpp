@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -15,7 +13,6 @@
 #include "clients/analysis/run_effort.h"
 #include "clients/analysis/sampling_method.h"
 #include "common/archive/format.h"
-#include "common/archive/summary.h"
 #include "common/base/error.h"
 
 namespace sleight::analysis {

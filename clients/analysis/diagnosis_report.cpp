@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "clients/report/report.h"
-#include "common/json/value.h"
 
 namespace sleight::analysis {
 namespace {

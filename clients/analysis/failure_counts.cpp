@@ -1,7 +1,5 @@
 #include "clients/analysis/failure_counts.h"
 
-#include "common/json/value.h"
-
 namespace sleight::analysis {
 
 json::Value failures_json(const plan::FailureCounts& failures) {

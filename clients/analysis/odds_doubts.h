@@ -42,7 +42,6 @@
 // Thread safety: pure functions.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>

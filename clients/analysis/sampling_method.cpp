@@ -1,7 +1,5 @@
 #include "clients/analysis/sampling_method.h"
 
-#include <string>
-
 #include "common/archive/format.h"
 #include "common/request/document.h"
 

@@ -1,8 +1,6 @@
 #include "clients/browse/agreement.h"
 
 #include <algorithm>
-#include <limits>
-#include <map>
 #include <utility>
 #include <vector>
 

@@ -7,7 +7,6 @@
 #include <map>
 #include <mutex>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "clients/browse/parallel.h"

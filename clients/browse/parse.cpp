@@ -2,8 +2,6 @@
 // that it doesn't use.
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <initializer_list>
 #include <numbers>
 #include <utility>
 

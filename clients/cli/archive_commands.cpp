@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iostream>
 #include <optional>
-#include <vector>
 
 #include "clients/analysis/archive_odds.h"
 #include "clients/analysis/archive_rows.h"

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "common/json/value.h"
-
 namespace sleight::cli {
 
 Json number_json(double number) {

@@ -1,7 +1,5 @@
 #include "clients/cli/export_choice.h"
 
-#include <utility>
-
 #include <fmt/format.h>
 
 #include "clients/browse/archives/browsed.h"

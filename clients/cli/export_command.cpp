@@ -4,7 +4,6 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
-#include <functional>
 #include <iostream>
 #include <span>
 #include <string_view>

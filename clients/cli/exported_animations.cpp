@@ -18,7 +18,6 @@
 #include "common/archive/kept_motions.h"
 #include "common/archive/summary.h"
 #include "common/base/check.h"
-#include "common/base/error.h"
 
 namespace sleight::cli {
 namespace {

@@ -7,12 +7,10 @@
 #include <array>
 #include <cmath>
 #include <ctime>
-#include <string_view>
 #include <vector>
 
 #include "clients/cli/service_json.h"
 #include "clients/report/text_table.h"
-#include "clients/service_client/service_call.h"
 #include "common/events/progress.h"
 #include "common/request/text.h"
 

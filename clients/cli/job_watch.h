@@ -12,7 +12,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "clients/terminal/progress_printer.h"
 #include "common/base/error.h"

@@ -21,7 +21,6 @@
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
-#include "common/base/version.h"
 #include "common/logging/log.h"
 #include "service/coordinator/derive.h"
 #include "service/coordinator/local_crew.h"

@@ -1,8 +1,6 @@
 // The commands that browse archives: find, groups, compare, export.
 #pragma once
 
-#include <memory>
-
 #include <CLI/CLI.hpp>
 
 #include "clients/cli/compare_command.h"

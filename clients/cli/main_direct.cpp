@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "clients/cli/main_worlds.h"
 #include "common/base/clock.h"
 #include "common/base/cores.h"

@@ -1,11 +1,8 @@
 #include "clients/cli/main_service.h"
 
-#include <fmt/format.h>
-
 #include <limits>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "clients/cli/fetch_command.h"
 #include "clients/cli/job_commands.h"

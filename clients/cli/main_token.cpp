@@ -1,6 +1,5 @@
 #include "clients/cli/main_token.h"
 
-#include <limits>
 #include <memory>
 
 #include "clients/cli/login_command.h"

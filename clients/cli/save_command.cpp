@@ -3,8 +3,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>

@@ -10,7 +10,6 @@
 
 #include "clients/cli/job_watch.h"
 #include "clients/cli/service_json.h"
-#include "clients/service_client/selected_jobs.h"
 #include "clients/service_client/service_call.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"

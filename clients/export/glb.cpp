@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "common/base/check.h"
-#include "common/json/value.h"
 
 namespace sleight::gltf {
 namespace {

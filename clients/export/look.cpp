@@ -6,8 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "clients/export/triangles.h"
 #include "clients/plot/scene_colors.h"
 #include "clients/plot/text.h"

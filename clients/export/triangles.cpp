@@ -1,11 +1,10 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
 
 #include "clients/export/triangles.h"
-#include "common/math/elementary.h"
 
 namespace sleight::gltf {
 namespace {

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <map>
 #include <span>
-#include <vector>
 
 #include "clients/export/look.h"
 #include "clients/shapes/facets.h"

@@ -10,7 +10,6 @@
 #include "clients/gallery_server/recording.h"
 #include "clients/gallery_server/refused.h"
 #include "clients/gallery_server/tables.h"
-#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {

@@ -3,7 +3,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <chrono>
 #include <new>
 #include <utility>
 
@@ -11,7 +10,6 @@
 
 #include "clients/gallery_server/summary_json.h"
 #include "common/base/error.h"
-#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {

@@ -1,9 +1,6 @@
 #include "clients/gallery_server/index_columns.h"
 
-#include <span>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "clients/browse/distinct_vectors.h"
 #include "clients/gallery_server/packed.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "clients/export/look.h"
-#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {

@@ -5,9 +5,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "clients/service_client/service_call.h"
-#include "common/json/value.h"
-
 namespace sleight::gallery {
 
 std::string nothing_to_show(const json::Value& state, const std::vector<std::string>& paths) {

@@ -13,7 +13,6 @@
 #include "clients/browse/query.h"
 #include "clients/gallery_server/refused.h"
 #include "common/base/cores.h"
-#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "clients/gallery_server/meshes.h"
-#include "common/json/value.h"
 #include "common/motion/fields.h"
 
 namespace sleight::gallery {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,7 +13,6 @@
 #include "clients/gallery_server/series.h"
 #include "clients/gallery_server/summary_json.h"
 #include "clients/web/gzip.h"
-#include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/json/value.h"
 

@@ -21,7 +21,6 @@
 #include "clients/gallery_server/refused.h"
 #include "clients/pictures/trace.h"
 #include "common/archive/format.h"
-#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {

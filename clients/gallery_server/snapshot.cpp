@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "clients/analysis/sampling_method.h"
 #include "clients/browse/archives/browsed.h"
 #include "clients/gallery_server/checked_read.h"
@@ -14,7 +12,6 @@
 #include "common/archive/remote/remote_source.h"
 #include "common/base/check.h"
 #include "common/base/cores.h"
-#include "common/base/error.h"
 
 namespace sleight::gallery {
 namespace {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "common/events/progress.h"
-#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "clients/gallery_server/meshes.h"
-#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {

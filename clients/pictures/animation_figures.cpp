@@ -16,7 +16,6 @@
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/summary.h"
-#include "common/base/error.h"
 
 namespace sleight::pictures {
 namespace {

@@ -19,7 +19,6 @@
 #include "clients/plot/film.h"
 #include "clients/plot/layout.h"
 #include "clients/plot/save.h"
-#include "clients/terminal/output.h"
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"

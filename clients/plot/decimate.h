@@ -7,7 +7,6 @@
 // otherwise.
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstring>
 
-#include "clients/plot/png.h"
 #include "clients/plot/raster.h"
 #include "clients/plot/svg.h"
 #include "common/base/check.h"

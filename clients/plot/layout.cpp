@@ -1,7 +1,6 @@
 #include "clients/plot/layout.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "clients/plot/text.h"

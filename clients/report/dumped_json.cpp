@@ -1,7 +1,5 @@
 #include "clients/report/dumped_json.h"
 
-#include "common/json/value.h"
-
 namespace sleight::report {
 
 std::string dumped(const json::Value& json) {

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <string>
 #include <vector>
 
-#include "clients/service_client/service_call.h"
 #include "clients/terminal/output.h"
 #include "common/archive/digest/verify.h"
 #include "common/archive/remote/remote_source.h"

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include "clients/service_client/service_call.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/own_folder.h"

@@ -1,7 +1,6 @@
 #include "clients/shapes/facets.h"
 
 #include <array>
-#include <cmath>
 
 #include "common/math/elementary.h"
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <boost/beast/http/status.hpp>
 #include <iterator>
-#include <utility>
 
 #include "common/base/check.h"
 

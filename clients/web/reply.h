@@ -10,7 +10,6 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "clients/web/ask.h"
 #include "clients/web/guard.h"

@@ -12,10 +12,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "clients/web/guard.h"
 #include "clients/web/intake.h"

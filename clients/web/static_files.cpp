@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "clients/web/gzip.h"
 #include "common/base/descriptor.h"

@@ -14,7 +14,6 @@
 
 #include "clients/analysis/archive_rows.h"
 #include "clients/browse/archives/kept_animations.h"
-#include "clients/pictures/trace.h"
 #include "common/archive/format.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <utility>
 
-#include "clients/analysis/archive_rows.h"
 #include "clients/analysis/request_numbers.h"
 #include "clients/pictures/trace.h"
 #include "common/archive/format.h"

@@ -3,7 +3,6 @@
 #include <openssl/crypto.h>
 #include <sys/random.h>
 
-#include <cstdint>
 #include <span>
 
 #include "common/base/error.h"

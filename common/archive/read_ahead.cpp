@@ -1,10 +1,8 @@
 #include "common/archive/read_ahead.h"
 
 #include <algorithm>
-#include <utility>
 #include <variant>
 
-#include "common/archive/format.h"
 #include "common/base/error.h"
 
 namespace sleight::archive {

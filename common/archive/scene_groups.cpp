@@ -1,7 +1,6 @@
 #include "common/archive/scene_groups.h"
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "common/archive/format.h"

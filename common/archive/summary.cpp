@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "common/archive/format.h"
-#include "common/base/error.h"
 
 namespace sleight::archive {
 namespace {

@@ -1,5 +1,4 @@
 // Reads this process's environment, machine and file for settings.h.
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>

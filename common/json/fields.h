@@ -15,7 +15,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <type_traits>
 
 #include "common/json/value.h"

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <span>
-#include <string>
 
 #include "common/request/binder.h"
 #include "common/request/direction_request.h"

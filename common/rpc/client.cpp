@@ -9,11 +9,6 @@
 #include <sys/random.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <system_error>
-#include <type_traits>
-#include <utility>
-
 #include "common/access/certificates.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"

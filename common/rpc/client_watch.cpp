@@ -1,6 +1,5 @@
 // Implements watching over a Link (link.h), without sockets.
 #include <algorithm>
-#include <unordered_map>
 
 #include "common/base/check.h"
 #include "common/rpc/link.h"

@@ -3,7 +3,6 @@
 #include <capnp/rpc.capnp.h>
 #include <kj/debug.h>
 
-#include <cstring>
 #include <utility>
 
 namespace sleight::rpc {

@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "common/base/check.h"

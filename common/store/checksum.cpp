@@ -4,7 +4,6 @@
 #include <xxhash.h>
 
 #include <span>
-#include <string>
 
 #include "common/base/error.h"
 #include "common/store/damage.h"

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <map>
 #include <string_view>
 #include <utility>
 
 #include "common/base/check.h"
-#include "common/base/error.h"
 
 namespace sleight::store {
 namespace {

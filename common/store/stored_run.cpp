@@ -3,13 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "common/store/checksum.h"
 #include "common/store/run_store.h"
-#include "common/store/scan_rows.h"
 
 namespace sleight::store {
 namespace {

@@ -6,7 +6,6 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <span>
 #include <system_error>
 #include <vector>

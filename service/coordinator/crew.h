@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/plan/block.h"
 #include "common/schema/messages.h"
 #include "service/core/messages.h"
 

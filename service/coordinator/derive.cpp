@@ -9,7 +9,6 @@
 #include "common/archive/format.h"
 #include "common/archive/forwarding_reader.h"
 #include "common/archive/hdf5/writer.h"
-#include "common/archive/layout.h"
 #include "common/archive/remembering_reader.h"
 #include "common/base/clock.h"
 #include "common/base/version.h"

@@ -1,6 +1,5 @@
 #include "service/coordinator/drive.h"
 
-#include <algorithm>
 #include <map>
 #include <numeric>
 #include <utility>

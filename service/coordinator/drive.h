@@ -4,9 +4,7 @@
 // Neither the loop nor the crew makes decisions that could change a result.
 #pragma once
 
-#include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 
 #include "common/base/clock.h"

@@ -27,7 +27,6 @@
 #pragma once
 
 #include <compare>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>

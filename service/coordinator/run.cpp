@@ -6,13 +6,11 @@
 #include <atomic>
 #include <exception>
 #include <optional>
-#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "common/base/error.h"
-#include "common/base/file_system.h"
 #include "common/base/version.h"
 #include "common/events/event_log.h"
 #include "common/logging/log.h"

@@ -1,6 +1,5 @@
 #include "service/core/block_size.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace sleight::core {

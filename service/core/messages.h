@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "common/base/ids.h"
-#include "common/plan/block.h"
 #include "common/schema/messages.h"
 
 namespace sleight::core {

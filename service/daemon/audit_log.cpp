@@ -11,7 +11,6 @@
 #include <cstdio>
 #include <ctime>
 #include <system_error>
-#include <utility>
 
 #include "common/json/value.h"
 #include "common/logging/log.h"

@@ -8,10 +8,8 @@
 // Thread safety: one thread.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <map>
-#include <memory>
 
 #include "common/base/clock.h"
 #include "service/daemon/job_feed.h"

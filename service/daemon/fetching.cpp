@@ -7,9 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <optional>
-#include <utility>
-#include <variant>
 
 #include "common/base/error.h"
 #include "common/hash/sha256.h"

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <utility>
-
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/json/value.h"

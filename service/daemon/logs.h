@@ -12,7 +12,6 @@
 #include <string>
 
 #include "common/rpc/service.h"
-#include "service/jobs/job.h"
 
 namespace sleight::daemon {
 

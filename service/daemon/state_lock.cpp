@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <string>
 
 #include "common/base/error.h"
 

@@ -1,7 +1,5 @@
 #include "service/daemon/views.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 

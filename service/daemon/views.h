@@ -1,9 +1,7 @@
 // Jobs as clients see them. Thread safety: pure functions of their arguments.
 #pragma once
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
 #include "common/events/progress.h"
 #include "common/rpc/service.h"

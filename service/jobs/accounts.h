@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <vector>
 
 #include "service/jobs/job.h"
 #include "service/jobs/options.h"

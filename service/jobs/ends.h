@@ -25,8 +25,6 @@
 // Thread safety: pure functions.
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <string>
 
 #include "service/jobs/messages.h"

@@ -1,10 +1,7 @@
 #include "service/jobs/jobs.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "common/base/check.h"
 

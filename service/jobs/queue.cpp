@@ -1,7 +1,5 @@
 #include "service/jobs/queue.h"
 
-#include <algorithm>
-
 #include "common/base/check.h"
 #include "service/jobs/options.h"
 

@@ -32,8 +32,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <vector>
 
 #include "service/jobs/job.h"
 #include "service/jobs/options.h"

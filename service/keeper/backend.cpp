@@ -8,7 +8,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -18,7 +17,6 @@
 #include <linux/close_range.h>
 
 #include "common/base/check.h"
-#include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "service/keeper/keeper_lock.h"

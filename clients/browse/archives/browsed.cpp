@@ -6,11 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 #include <set>
 #include <utility>
 
 #include "clients/browse/archives/kept_animations.h"
+#include "clients/browse/query.h"
 #include "clients/terminal/progress_printer.h"
 #include "common/archive/format.h"
 #include "common/archive/remote/remote_source.h"

@@ -10,7 +10,6 @@
 
 #include "clients/browse/archives/index_cache.h"
 #include "clients/browse/index.h"
-#include "clients/browse/query.h"
 #include "clients/browse/reading.h"
 #include "common/archive/model.h"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
-#include <string>
 #include <utility>
 
+#include "clients/analysis/archive_rows.h"
 #include "common/archive/format.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"

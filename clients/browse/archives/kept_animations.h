@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "clients/analysis/archive_rows.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/model.h"
 #include "common/math/vector.h"

@@ -6,8 +6,8 @@
 #include <array>
 
 #include "common/archive/format.h"
-#include "common/archive/hdf5/reader.h"
 #include "common/archive/hdf5/storage.h"
+#include "common/archive/limits.h"
 #include "common/archive/text.h"
 
 namespace sleight::archive::hdf5 {

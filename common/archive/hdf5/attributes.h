@@ -2,7 +2,6 @@
 // archive, others to HDF5's dimension scales.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

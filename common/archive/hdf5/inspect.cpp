@@ -9,6 +9,7 @@
 #include "common/archive/format.h"
 #include "common/archive/hdf5/attributes.h"
 #include "common/archive/hdf5/reader.h"
+#include "common/archive/limits.h"
 #include "common/base/check.h"
 
 namespace sleight::archive::hdf5 {

@@ -14,6 +14,7 @@
 #include "common/archive/hdf5/handle.h"
 #include "common/archive/hdf5/input_file.h"
 #include "common/archive/hdf5/inspect.h"
+#include "common/archive/limits.h"
 #include "common/archive/text.h"
 #include "common/base/check.h"
 #include "common/base/descriptor.h"

@@ -21,7 +21,6 @@
 #include <memory>
 #include <string>
 
-#include "common/archive/limits.h"
 #include "common/archive/model.h"
 
 namespace sleight::archive::hdf5 {

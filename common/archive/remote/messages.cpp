@@ -1,6 +1,5 @@
 #include "common/archive/remote/messages.h"
 
-#include <algorithm>
 #include <cstring>
 #include <utility>
 

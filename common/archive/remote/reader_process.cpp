@@ -21,7 +21,6 @@
 #include <vector>
 
 #include "common/archive/remote/messages.h"
-#include "common/base/error.h"
 
 namespace sleight::archive::remote {
 namespace {

@@ -11,10 +11,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
-#include "common/base/bytes.h"
 #include "common/base/clock.h"
 #include "common/schema/messages.h"
 #include "service/coordinator/crew.h"

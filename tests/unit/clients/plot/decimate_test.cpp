@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "tests/support/numbers.h"
 #include "tests/unit/clients/plot/examples.h"

@@ -8,6 +8,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 
 namespace sleight::request {
 namespace {
