@@ -1,7 +1,6 @@
 #include "worker/run/catalogue.h"
 
 #include <functional>
-#include <string>
 #include <utility>
 
 #include "common/base/check.h"

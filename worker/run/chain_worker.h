@@ -6,7 +6,6 @@
 #include <concepts>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 

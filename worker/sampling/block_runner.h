@@ -5,7 +5,6 @@
 // if the worker is.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "worker/sampling/burn_in_judge.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "worker/sampling/diagnostics/r_hat.h"
 

@@ -16,9 +16,7 @@
 // Source of R-hat: diagnostics/r_hat.h. Thread safety: pure functions.
 #pragma once
 
-#include <cstddef>
 #include <span>
-#include <vector>
 
 #include "worker/sampling/diagnostics/chains.h"
 

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "common/plan/report.h"
 #include "common/plan/unit.h"
 #include "worker/sampling/solutions.h"
 

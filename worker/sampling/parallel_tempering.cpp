@@ -1,12 +1,10 @@
 #include "worker/sampling/parallel_tempering.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <limits>
 
 #include "common/base/check.h"
-#include "worker/sampling/ladder.h"
 #include "worker/sampling/ladder_report.h"
 
 namespace sleight::sampling {

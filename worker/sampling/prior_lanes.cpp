@@ -1,7 +1,5 @@
 #include "worker/sampling/prior_lanes.h"
 
-#include <utility>
-
 namespace sleight::sampling {
 
 WithPriorDraws::WithPriorDraws(std::unique_ptr<plan::Plan> plan, std::uint64_t draws)

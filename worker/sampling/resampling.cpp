@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "common/base/check.h"
 #include "common/random/discrete_distributions.h"

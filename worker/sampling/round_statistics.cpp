@@ -1,6 +1,5 @@
 #include "worker/sampling/round_statistics.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>

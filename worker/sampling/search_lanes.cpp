@@ -1,7 +1,6 @@
 #include "worker/sampling/search_lanes.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "common/base/check.h"
 

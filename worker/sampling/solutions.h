@@ -2,7 +2,6 @@
 // 1 that satisfies the constraint. Not thread-safe.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -12,9 +12,7 @@
 // kernels are reversible. At inverse temperature 0 the two passes merge into one prior draw.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <utility>
 

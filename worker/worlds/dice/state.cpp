@@ -1,7 +1,5 @@
 #include "worker/worlds/dice/state.h"
 
-#include <array>
-
 #include "common/base/check.h"
 #include "common/random/distributions.h"
 

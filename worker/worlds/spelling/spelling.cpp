@@ -1,13 +1,11 @@
 #include "worker/worlds/spelling/spelling.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "common/base/check.h"
 #include "worker/physics/marbles/marbles.h"
-#include "worker/physics/simulator/simulation.h"
 #include "worker/worlds/failures/failure_of.h"
 #include "worker/worlds/spelling/traps.h"
 

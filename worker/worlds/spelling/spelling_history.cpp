@@ -1,6 +1,5 @@
 #include "worker/worlds/spelling/spelling_history.h"
 
-#include <algorithm>
 #include <iterator>
 #include <set>
 
