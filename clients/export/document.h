@@ -18,17 +18,30 @@
 // folder's name because `export` is a keyword. Pure functions.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
-#include "clients/export/extras.h"
 #include "clients/export/glb.h"
 #include "common/base/result.h"
 #include "common/motion/path.h"
 #include "common/scene/scene.h"
 
 namespace sleight::gltf {
+
+/// A list holds numbers that belong together, such as an outcome of several elements.
+using ExtraValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>>;
+
+struct Extra {
+  std::string key{};
+  ExtraValue value{};
+};
+
+/// Metadata of a file or clip, written in this order. NaN and infinity become null, because JSON
+/// lacks them. Text is made valid UTF-8 without control characters except line breaks.
+using Extras = std::vector<Extra>;
 
 struct Clip {
   std::string name{};  ///< such as "c0.250"
