@@ -2,19 +2,49 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <csignal>
+#include <string_view>
 #include <utility>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/store/damage.h"
 #include "common/store/sessions.h"
-#include "service/daemon/program_version.h"
+#include "service/keeper/tool.h"
 
 namespace sleight::daemon {
 namespace {
+
+constexpr double k_version_s_max = 10;
+
+/// Returns a stamp of the file. The stamp changes when the file is replaced or written. Empty:
+/// there is no file.
+std::string stamp_of(const std::string& program) {
+  struct stat file {};
+  if (::stat(program.c_str(), &file) != 0) return {};
+  return fmt::format("{}:{}:{}:{}.{}", file.st_dev, file.st_ino, file.st_size, file.st_mtim.tv_sec,
+                     file.st_mtim.tv_nsec);
+}
+
+/// Returns the version in the line "results ..." of `program --version`. None: the program can't be
+/// run, or it doesn't print the line within k_version_s_max.
+std::optional<std::string> results_version_of(const std::string& program) {
+  constexpr std::string_view k_before = "\nresults ";
+  try {
+    const keeper::ToolEnd end = keeper::run_tool(
+        {program, "--version"},
+        {.seconds_max = k_version_s_max, .environment = keeper::program_environment()});
+    const std::size_t at = end.output.find(k_before);
+    if (end.exit_code != 0 || at == std::string::npos) return std::nullopt;
+    const std::size_t begin = at + k_before.size();
+    return end.output.substr(begin, end.output.find('\n', begin) - begin);
+  } catch (const base::Error&) {
+    return std::nullopt;
+  }
+}
 
 /// If less space is free than this, a failure of the environment counts as a full disk.
 constexpr std::uint64_t k_full_below_bytes = std::uint64_t{16} << 20U;

@@ -9,6 +9,7 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/logging/log.h"
+#include "common/store/lease_files.h"
 #include "service/keeper/keeper_lock.h"
 
 namespace sleight::daemon {
@@ -30,6 +31,29 @@ void refresh(const base::FileSystem& files, const std::string& folder) {
 }
 
 }  // namespace
+
+bool LeaseWatch::may_live(double now_s) {
+  try {
+    if (!base::PosixFileSystem().exists(run_folder_)) return false;
+    store::PosixLeaseFiles files(run_folder_, store::this_process());
+    const auto generations = files.list();
+    if (generations.empty()) return false;
+    const auto text = files.read(generations.back());
+    if (!text) return true;  // the file is being replaced
+    const auto lease = store::LeaseText::from_text(*text);
+    if (lease && (lease->is_released || files.is_gone(lease->holder))) return false;
+    if (generations.back() != generation_ || *text != text_) {
+      generation_ = generations.back();
+      text_ = *text;
+      since_s_ = now_s;
+    }
+    const double lease_s =
+        lease ? std::min(lease->lease_s, store::k_lease_s_max) : store::k_lease_s;
+    return now_s - since_s_ < lease_s;
+  } catch (const base::Error&) {
+    return true;
+  }
+}
 
 SystemAttempts::SystemAttempts(Parts parts)
     : parts_(std::move(parts)),

@@ -40,11 +40,28 @@
 #include "service/daemon/attempts.h"
 #include "service/daemon/feeds.h"
 #include "service/daemon/job_folder.h"
-#include "service/daemon/lease_watch.h"
 #include "service/daemon/worker.h"
 #include "service/keeper/command.h"
 
 namespace sleight::daemon {
+
+/// Watches a run lease (common/store/lease.h), to show whether a process on another machine can
+/// still write the run. The watch takes no lease, so it blocks no other process.
+class LeaseWatch {
+ public:
+  /// `run_folder`: the run store's folder, which may be missing.
+  explicit LeaseWatch(std::string run_folder) : run_folder_(std::move(run_folder)) {}
+
+  /// Returns false if no lease exists, if its holder released it or is known to be dead, or if no
+  /// call has seen a renewal for the length of a lease. If the disk can't be read, returns true.
+  bool may_live(double now_s);
+
+ private:
+  std::string run_folder_;
+  std::uint64_t generation_ = 0;
+  std::string text_{};
+  double since_s_ = 0;  ///< first time that the lease was seen in this state
+};
 
 /// If a Look awaits a list, the list is requested earlier: after this share of list_every_s.
 inline constexpr double k_list_soonest_share = 0.2;
