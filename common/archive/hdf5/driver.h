@@ -1,4 +1,4 @@
-// The common part of our HDF5 file drivers (input_file.cpp, output_file.cpp). The file-access list
+// The common part of our HDF5 file drivers (reader.cpp, output_file.cpp). The file-access list
 // refers to a State, which represents the file. HDF5 sees an unlimited address space and no block
 // structure.
 //
