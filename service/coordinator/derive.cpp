@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "common/archive/format.h"
-#include "common/archive/forwarding_reader.h"
 #include "common/archive/hdf5/writer.h"
 #include "common/archive/remembering_reader.h"
 #include "common/base/clock.h"

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "common/archive/forwarding_reader.h"
+#include "common/archive/remembering_reader.h"
 #include "common/store/stored_run.h"
 #include "tests/unit/service/coordinator/ball_runs.h"
 
