@@ -35,6 +35,10 @@ std::shared_ptr<kj::AsyncIoContext> events_of_thread() {
   return events;
 }
 
+using RemoteCalls = generated::Service::Client;
+
+constexpr auto no_parameters = [](auto& /*request*/) {};
+
 capnp::ReaderOptions reader_options() {
   capnp::ReaderOptions options;
   options.traversalLimitInWords = k_traversal_bytes_max / sizeof(capnp::word);
@@ -261,13 +265,16 @@ struct Client::Impl final : Link {
     }
   }
 
-  /// Makes a call. `send` sends the call and returns the promise of the results. `read` extracts
-  /// the value from the results.
-  template <class Send, class Read>
-  auto call(const Send& send, const Read& read) {
+  /// Makes a call. `fill` sets the request's parameters. `read` extracts the value from the
+  /// results.
+  template <class Request, class Fill, class Read>
+  auto call(Request (RemoteCalls::*begin)(kj::Maybe<capnp::MessageSize>), const Fill& fill,
+            const Read& read) {
     was_repeated = false;
     return repeat([&] {
-      auto sent = send(connected().service);
+      Request request = (connected().service.*begin)(nullptr);
+      fill(request);
+      auto sent = request.send();
       using Results = decltype(sent.wait(io->waitScope));
       const Results results = wait(kj::Promise<Results>(kj::mv(sent)), options.call_s_max);
       return read_of(results, read);
@@ -364,52 +371,33 @@ void Client::enter() {
 
 Submitted Client::submit(const Submission& submission) {
   return impl_->call(
-      [&](auto& service) {
-        auto request = service.submitRequest();
-        put(submission, request.initSubmission());
-        return request.send();
-      },
+      &RemoteCalls::submitRequest,
+      [&](auto& request) { put(submission, request.initSubmission()); },
       [](const auto& results) { return get(results.getSubmitted()); });
 }
 
 JobPage Client::list(const ListAsk& ask) {
   return impl_->call(
-      [&](auto& service) {
-        auto request = service.listRequest();
-        put(ask, request.initAsk());
-        return request.send();
-      },
+      &RemoteCalls::listRequest, [&](auto& request) { put(ask, request.initAsk()); },
       [](const auto& results) { return get(results.getPage()); });
 }
 
 JobView Client::status(JobId job) {
   return impl_->call(
-      [&](auto& service) {
-        auto request = service.statusRequest();
-        request.setJob(job.value);
-        return request.send();
-      },
+      &RemoteCalls::statusRequest, [&](auto& request) { request.setJob(job.value); },
       [](const auto& results) { return get(results.getJob()); });
 }
 
 LogPiece Client::logs(const LogAsk& ask) {
   return impl_->call(
-      [&](auto& service) {
-        auto request = service.logsRequest();
-        put(ask, request.initAsk());
-        return request.send();
-      },
+      &RemoteCalls::logsRequest, [&](auto& request) { put(ask, request.initAsk()); },
       [](const auto& results) { return get(results.getPiece()); });
 }
 
 std::vector<Touched> Client::change(const ChangeAsk& ask) {
   try {
     return impl_->call(
-        [&](auto& service) {
-          auto request = service.changeRequest();
-          put(ask, request.initAsk());
-          return request.send();
-        },
+        &RemoteCalls::changeRequest, [&](auto& request) { put(ask, request.initAsk()); },
         [](const auto& results) { return get_all(results.getTouched()); });
   } catch (const RefusedError& error) {
     // The first try may have deleted the job, and its answer was lost.
@@ -422,42 +410,32 @@ std::vector<Touched> Client::change(const ChangeAsk& ask) {
 }
 
 ServerView Client::info() {
-  return impl_->call([](auto& service) { return service.infoRequest().send(); },
+  return impl_->call(&RemoteCalls::infoRequest, no_parameters,
                      [](const auto& results) { return get(results.getServer()); });
 }
 
 void Client::drain() {
-  impl_->call([](auto& service) { return service.drainRequest().send(); },
-              [](const auto&) { return Nothing(); });
+  impl_->call(&RemoteCalls::drainRequest, no_parameters, [](const auto&) { return Nothing(); });
 }
 
 void Client::stop() {
-  impl_->call([](auto& service) { return service.stopRequest().send(); },
-              [](const auto&) { return Nothing(); });
+  impl_->call(&RemoteCalls::stopRequest, no_parameters, [](const auto&) { return Nothing(); });
 }
 
 TokenView Client::create_token(const TokenAsk& ask) {
   return impl_->call(
-      [&](auto& service) {
-        auto request = service.createTokenRequest();
-        put(ask, request.initAsk());
-        return request.send();
-      },
+      &RemoteCalls::createTokenRequest, [&](auto& request) { put(ask, request.initAsk()); },
       [](const auto& results) { return get(results.getToken()); });
 }
 
 std::vector<TokenView> Client::tokens() {
-  return impl_->call([](auto& service) { return service.listTokensRequest().send(); },
+  return impl_->call(&RemoteCalls::listTokensRequest, no_parameters,
                      [](const auto& results) { return get_all(results.getTokens()); });
 }
 
 TokenView Client::revoke_token(const std::string& id) {
   return impl_->call(
-      [&](auto& service) {
-        auto request = service.revokeTokenRequest();
-        request.setId(as_text(id));
-        return request.send();
-      },
+      &RemoteCalls::revokeTokenRequest, [&](auto& request) { request.setId(as_text(id)); },
       [](const auto& results) { return get(results.getToken()); });
 }
 
