@@ -8,7 +8,8 @@
 // "velocity_mps" f64 x3 and "orientation" f64 x4 (w x y z).
 import { readFileSync, writeFileSync } from "node:fs";
 import { segmentsOf } from "../src/data/decode";
-import { pack, unpack } from "../src/data/packed";
+import { unpack } from "../src/data/packed";
+import { pack } from "./pack";
 import { Pose } from "../src/motion/pose";
 import { orientationInto, positionInto, velocityInto } from "../src/motion/segments";
 

@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { animationsOf } from "../src/data/decode";
-import { pack, unpack } from "../src/data/packed";
+import { unpack } from "../src/data/packed";
+import { pack } from "./pack";
 import { SourceError } from "../src/data/source";
 import type { Column } from "../src/data/types";
 

@@ -1,6 +1,7 @@
 // Made-up animations for the tests of the search, in the scene of tests/unit/clients/browse/random_index.h:
 // two twin balls, one other ball, a table, a wall and a goal.
-import { pack, unpack } from "../src/data/packed";
+import { unpack } from "../src/data/packed";
+import { pack } from "./pack";
 import type { Column } from "../src/data/types";
 import { readIndex, type SearchIndex } from "../src/search/search-index";
 import { Turns } from "../src/search/turns";

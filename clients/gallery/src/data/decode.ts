@@ -107,17 +107,17 @@ export function tableOf(packed: Packed): Table {
   const { columns } = packed;
   const numbers = new Map<string, Float64Array>();
   listOf(head["numbers"], "'numbers'").forEach((name, k) => {
-    numbers.set(textOf(name, "a number's name"), f64(columns, `number.${k}`, entries));
+    numbers.set(textOf(name, "a number's name"), typed(columns, `number.${k}`, entries, Float64Array));
   });
   return {
     generation: numberOf(head["generation"], "a table's generation"),
     entries,
-    isFind: u8(columns, "is_find", entries),
-    chain: u32(columns, "chain", entries),
-    draw: f64(columns, "draw", entries),
-    inProportion: u8(columns, "in_proportion", entries),
-    endS: f64(columns, "end_s", entries),
-    lineage: f64(columns, "lineage", entries),
+    isFind: typed(columns, "is_find", entries, Uint8Array),
+    chain: typed(columns, "chain", entries, Uint32Array),
+    draw: typed(columns, "draw", entries, Float64Array),
+    inProportion: typed(columns, "in_proportion", entries, Uint8Array),
+    endS: typed(columns, "end_s", entries, Float64Array),
+    lineage: typed(columns, "lineage", entries, Float64Array),
     numbers,
   };
 }
@@ -162,16 +162,16 @@ export function segmentsOf(columns: ReadonlyMap<string, Column>, prefix: string)
   return {
     count,
     body,
-    startS: f64(columns, `${prefix}start_s`, count),
-    mode: u8(columns, `${prefix}mode`, count),
-    cause: u8(columns, `${prefix}cause`, count),
-    partner: i32(columns, `${prefix}partner`, count),
-    position: f64(columns, `${prefix}position_m`, 3 * count),
-    velocity: f64(columns, `${prefix}velocity_mps`, 3 * count),
-    acceleration: f64(columns, `${prefix}acceleration_mps2`, 3 * count),
-    orientation: f64(columns, `${prefix}orientation`, 4 * count),
-    angularVelocity: f64(columns, `${prefix}angular_velocity_radps`, 3 * count),
-    angularAcceleration: f64(columns, `${prefix}angular_acceleration_radps2`, 3 * count),
+    startS: typed(columns, `${prefix}start_s`, count, Float64Array),
+    mode: typed(columns, `${prefix}mode`, count, Uint8Array),
+    cause: typed(columns, `${prefix}cause`, count, Uint8Array),
+    partner: typed(columns, `${prefix}partner`, count, Int32Array),
+    position: typed(columns, `${prefix}position_m`, 3 * count, Float64Array),
+    velocity: typed(columns, `${prefix}velocity_mps`, 3 * count, Float64Array),
+    acceleration: typed(columns, `${prefix}acceleration_mps2`, 3 * count, Float64Array),
+    orientation: typed(columns, `${prefix}orientation`, 4 * count, Float64Array),
+    angularVelocity: typed(columns, `${prefix}angular_velocity_radps`, 3 * count, Float64Array),
+    angularAcceleration: typed(columns, `${prefix}angular_acceleration_radps2`, 3 * count, Float64Array),
   };
 }
 
@@ -220,33 +220,13 @@ export function seriesOf(packed: Packed): Series {
   return { head: packed.head, columns: packed.columns };
 }
 
-function column(columns: ReadonlyMap<string, Column>, name: string, count: number): Column {
+/** The column `name`. REQUIRES: it has `count` numbers of this type. */
+function typed<C extends Column>(
+  columns: ReadonlyMap<string, Column>, name: string, count: number, type: new (...of: never[]) => C,
+): C {
   const found = columns.get(name);
   if (found === undefined) throw torn(`column '${name}' is missing`);
   if (found.length !== count) throw torn(`column '${name}' has ${found.length} values instead of ${count}`);
-  return found;
-}
-
-function f64(columns: ReadonlyMap<string, Column>, name: string, count: number): Float64Array {
-  const found = column(columns, name, count);
-  if (!(found instanceof Float64Array)) throw torn(`column '${name}' is not f64`);
-  return found;
-}
-
-function u32(columns: ReadonlyMap<string, Column>, name: string, count: number): Uint32Array {
-  const found = column(columns, name, count);
-  if (!(found instanceof Uint32Array)) throw torn(`column '${name}' is not u32`);
-  return found;
-}
-
-function i32(columns: ReadonlyMap<string, Column>, name: string, count: number): Int32Array {
-  const found = column(columns, name, count);
-  if (!(found instanceof Int32Array)) throw torn(`column '${name}' is not i32`);
-  return found;
-}
-
-function u8(columns: ReadonlyMap<string, Column>, name: string, count: number): Uint8Array {
-  const found = column(columns, name, count);
-  if (!(found instanceof Uint8Array)) throw torn(`column '${name}' is not u8`);
+  if (!(found instanceof type)) throw torn(`column '${name}' is no ${type.name}`);
   return found;
 }

@@ -16,10 +16,14 @@ export interface Packed {
   readonly columns: ReadonlyMap<string, Column>;
 }
 
-type ColumnType = "f64" | "f32" | "u32" | "i32" | "u16" | "u8";
+/** Column types by their name in the header. */
+export const TYPES = {
+  f64: Float64Array, f32: Float32Array, u32: Uint32Array, i32: Int32Array, u16: Uint16Array, u8: Uint8Array,
+} as const;
 
-const BYTES: Readonly<Record<ColumnType, number>> = { f64: 8, f32: 4, u32: 4, i32: 4, u16: 2, u8: 1 };
-const ALIGNMENT = 8;
+type ColumnType = keyof typeof TYPES;
+
+export const ALIGNMENT = 8;
 /** Maximum size of the JSON header. */
 const HEAD_BYTES_MAX = 64 * 1024 * 1024;
 
@@ -43,28 +47,6 @@ export function unpack(buffer: ArrayBuffer): Packed {
   return { head: json["head"], columns };
 }
 
-/** Returns bytes that unpack() reads; for tests and for programs that write answers. */
-export function pack(head: unknown, columns: ReadonlyMap<string, Column>): Uint8Array {
-  const list: object[] = [];
-  let size = 0;
-  for (const [name, column] of columns) {
-    list.push({ name, type: typeOf(column), offset: size, count: column.length });
-    size += Math.ceil(column.byteLength / ALIGNMENT) * ALIGNMENT;
-  }
-  const text = new TextEncoder().encode(JSON.stringify({ head, columns: list }));
-  const start = Math.ceil((4 + text.length) / ALIGNMENT) * ALIGNMENT;
-  const bytes = new Uint8Array(start + size);
-  new DataView(bytes.buffer).setUint32(0, start - 4, true);
-  bytes.fill(0x20, 4, start);
-  bytes.set(text, 4);
-  let at = start;
-  for (const column of columns.values()) {
-    bytes.set(new Uint8Array(column.buffer, column.byteOffset, column.byteLength), at);
-    at += Math.ceil(column.byteLength / ALIGNMENT) * ALIGNMENT;
-  }
-  return bytes;
-}
-
 export function isObject(value: unknown): value is Readonly<Record<string, unknown>> {
   return typeof value === "object" && value !== null && !Array.isArray(value);
 }
@@ -86,31 +68,12 @@ function addColumn(
     throw torn("a column's description is invalid");
   if (columns.has(name)) throw torn(`two columns have the name '${name}'`);
   if (offset % ALIGNMENT !== 0) throw torn(`column '${name}' is not aligned`);
-  if (start + offset + count * BYTES[type] > buffer.byteLength) throw torn(`column '${name}' is truncated`);
-  columns.set(name, columnOf(type, buffer, start + offset, count));
-}
-
-function columnOf(type: ColumnType, buffer: ArrayBuffer, at: number, count: number): Column {
-  switch (type) {
-    case "f64": return new Float64Array(buffer, at, count);
-    case "f32": return new Float32Array(buffer, at, count);
-    case "u32": return new Uint32Array(buffer, at, count);
-    case "i32": return new Int32Array(buffer, at, count);
-    case "u16": return new Uint16Array(buffer, at, count);
-    case "u8": return new Uint8Array(buffer, at, count);
-  }
-}
-
-function typeOf(column: Column): ColumnType {
-  if (column instanceof Float64Array) return "f64";
-  if (column instanceof Float32Array) return "f32";
-  if (column instanceof Uint32Array) return "u32";
-  if (column instanceof Int32Array) return "i32";
-  return column instanceof Uint16Array ? "u16" : "u8";
+  if (start + offset + count * TYPES[type].BYTES_PER_ELEMENT > buffer.byteLength) throw torn(`column '${name}' is truncated`);
+  columns.set(name, new TYPES[type](buffer, start + offset, count));
 }
 
 function isType(value: unknown): value is ColumnType {
-  return typeof value === "string" && Object.hasOwn(BYTES, value);
+  return typeof value === "string" && Object.hasOwn(TYPES, value);
 }
 
 function isCount(value: unknown): value is number {

@@ -4,7 +4,7 @@
 // they can be called at each frame.
 
 import type { Pose } from "./pose";
-import { orientationInto, positionInto, type Segments, velocityInto } from "./segments";
+import { orientationInto, positionInto, type Segments } from "./segments";
 
 export class Recording {
   /** Number of the scene's bodies, including bodies that never enter. */
@@ -72,14 +72,6 @@ export class Recording {
     const index = this.segmentAt(body, t);
     if (index < 0) return false;
     positionInto(this.segments, index, t, out);
-    return true;
-  }
-
-  /** Stores the velocity in x, y and z of `out`. */
-  velocityAt(body: number, t: number, out: Pose): boolean {
-    const index = this.segmentAt(body, t);
-    if (index < 0) return false;
-    velocityInto(this.segments, index, t, out);
     return true;
   }
 

@@ -38,10 +38,3 @@ export function extended(selection: Selection, name: string, shown: readonly str
   for (const between of shown.slice(low, high + 1)) names.add(between);
   return { names: [...names], anchor: selection.anchor };
 }
-
-/** The selection without animations that no longer exist. */
-export function kept(selection: Selection, exists: (name: string) => boolean): Selection {
-  const names = selection.names.filter(exists);
-  if (names.length === selection.names.length) return selection;
-  return { names, anchor: selection.anchor !== null && exists(selection.anchor) ? selection.anchor : null };
-}

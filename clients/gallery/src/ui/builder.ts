@@ -1,7 +1,7 @@
 // Builds a condition from fields and from drawings in the player. Before the condition is applied, the
 // builder shows how many animations match it and how many would be left.
 import type { AppState, Loaded } from "../state/app-state";
-import { missingIn, openRange, queryOf, type Box, type Condition, type Step } from "../state/conditions";
+import { missingIn, openRange, queryOf, type Box, type Condition } from "../state/conditions";
 import { countsOf, orderedNames, within } from "../state/derived";
 import { boxOfDrawn, type DrawnBox } from "../state/page";
 import { button, el, field, select, setText } from "./dom";
@@ -75,10 +75,10 @@ export function makeBuilder(ui: Ui): Part {
     body.replaceChildren();
     if (loaded === null) return;
     if (kind === "number") beginNumber(loaded);
-    else addStep(loaded, kind, null);
+    else addStep(loaded, kind);
     changed();
   };
-  const addStep = (loaded: Loaded, stepKind: "in" | "touches" | "ends", initial: Step | null): void => {
+  const addStep = (loaded: Loaded, stepKind: "in" | "touches" | "ends"): void => {
     const form = makeStepForm({
       scene: loaded.scene,
       looks: loaded.looks,
@@ -95,7 +95,6 @@ export function makeBuilder(ui: Ui): Part {
               of.element.remove();
               changed();
             },
-      initial,
     });
     forms = [...forms, form];
     if (forms.length === 1) body.append(form.element, ...(stepKind === "ends" ? [] : [thenButtons(loaded)]));
@@ -103,7 +102,7 @@ export function makeBuilder(ui: Ui): Part {
   };
   const thenButtons = (loaded: Loaded): HTMLElement => {
     const add = (stepKind: "in" | "touches") => (): void => {
-      addStep(loaded, stepKind, null);
+      addStep(loaded, stepKind);
       changed();
       forms.at(-1)?.element.querySelector("select")?.focus();
     };
@@ -119,7 +118,7 @@ export function makeBuilder(ui: Ui): Part {
     const picture = el("div", { class: "spread" });
     const show = (name: string): void => {
       const unit = numbers.find((other) => other.name === name)?.unit ?? "1";
-      const range = rangeFields(named(name, unit), "", 1, changed, openRange);
+      const range = rangeFields(named(name, unit), "", 1, changed);
       number = { name, range, picture };
       body.replaceChildren(field("Number", choice), picture, range.element);
       showSpread(ui.store.state);
@@ -143,7 +142,6 @@ export function makeBuilder(ui: Ui): Part {
         : histogram(spread, number.range.range, number.name),
     );
   };
-
 
   const draw = (form: StepForm, what: "box" | "time"): void => {
     const { state } = ui.store;

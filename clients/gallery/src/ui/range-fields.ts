@@ -15,7 +15,6 @@ export function rangeFields(
   unit: string,
   scale: number,
   onChange: () => void,
-  initial: Range,
 ): RangeFields {
   const make = (end: string): HTMLInputElement =>
     el("input", {
@@ -34,11 +33,6 @@ export function rangeFields(
   const put = (input: HTMLInputElement, value: number | null): void => {
     input.value = value === null ? "" : shortNumber(Number((value * scale).toPrecision(10)));
   };
-  const set = (range: Range): void => {
-    put(low, range.low);
-    put(high, range.high);
-  };
-  set(initial);
   return {
     element: el(
       "div",
@@ -52,6 +46,9 @@ export function rangeFields(
     get range() {
       return { low: valueOf(low), high: valueOf(high) };
     },
-    set,
+    set(range) {
+      put(low, range.low);
+      put(high, range.high);
+    },
   };
 }

@@ -1,9 +1,7 @@
 // The form for one step of a condition: bodies, box or contact, and time.
 import type { Looks, Scene } from "../data/types";
 import {
-  isOpen,
   kindsOfBodies,
-  openBox,
   openRange,
   type Box,
   type Range,
@@ -37,28 +35,19 @@ export interface StepOptions {
   readonly onDrawBox: (form: StepForm) => void;
   readonly onMarkTime: (form: StepForm) => void;
   readonly onRemove: ((form: StepForm) => void) | null;
-  readonly initial: Step | null;
 }
 
 export function makeStepForm(options: StepOptions): StepForm {
-  const { scene, looks, kind, onChange, initial } = options;
-  const who = select(
-    whoChoices(scene),
-    initial === null ? defaultWho(scene) : whoValue(initial.who),
-    onChange,
-  );
+  const { scene, looks, kind, onChange } = options;
+  const who = select(whoChoices(scene), defaultWho(scene), onChange);
   const partners = scene.features
     .filter((feature) => feature.kind !== "wanted")
     .map(({ name }) => choice(name));
-  const partner = select(
-    [{ value: "", label: "anything" }, ...partners],
-    initial?.kind === "touches" ? initial.partner : "",
-    onChange,
-  );
+  const partner = select([{ value: "", label: "anything" }, ...partners], "", onChange);
   const axes = (["x", "y", "z"] as const).map((axis) =>
-    rangeFields(axis, "mm", 1000, onChange, (initial?.kind === "in" ? initial.box : openBox)[axis]),
+    rangeFields(axis, "mm", 1000, onChange),
   );
-  const during = rangeFields("time", "s", 1, onChange, initial?.during ?? openRange);
+  const during = rangeFields("time", "s", 1, onChange);
 
   const boxOf = (): Box => {
     const [x, y, z] = axes.map((fields) => fields.range);
@@ -79,7 +68,7 @@ export function makeStepForm(options: StepOptions): StepForm {
     parts.push(
       el(
         "details",
-        { open: initial !== null && !isOpen(initial.during) },
+        {},
         el("summary", {}, "Limit the time"),
         during.element,
         button("Mark range on timeline", () => options.onMarkTime(form), { class: "mark-time" }),
@@ -152,10 +141,6 @@ function whoChoices(scene: Scene): Choice[] {
 function defaultWho(scene: Scene): string {
   const names = bodyNames(scene);
   return names.length === 1 ? `body:${names[0] ?? ""}` : "any:";
-}
-
-function whoValue(who: Who): string {
-  return who.kind === "body" ? `body:${who.name}` : `${who.kind}:${who.of}`;
 }
 
 function whoOf(value: string): Who {

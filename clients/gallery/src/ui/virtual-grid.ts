@@ -29,7 +29,6 @@ export class VirtualGrid {
   private frame = 0;
   /** Whether a cell had the focus before rows were removed. */
   private hadFocus = false;
-  private readonly resize: ResizeObserver;
 
   constructor(private readonly options: GridOptions) {
     this.element = el(
@@ -46,16 +45,11 @@ export class VirtualGrid {
     this.element.addEventListener("scroll", () => this.later(), { passive: true });
     this.element.addEventListener("keydown", (event) => this.key(event));
     this.element.addEventListener("focusin", (event) => this.focused(event));
-    this.resize = new ResizeObserver(() => this.later());
-    this.resize.observe(this.element);
+    new ResizeObserver(() => this.later()).observe(this.element);
   }
 
   get activeKey(): string | null {
     return this.keys[this.active] ?? null;
-  }
-
-  get columnCount(): number {
-    return this.columns;
   }
 
   /** Shows these keys in this order. Cells of remaining keys are reused. */
@@ -75,10 +69,6 @@ export class VirtualGrid {
   /** Calls `look` with each cell in the document. */
   forEachCell(look: (cell: HTMLElement, key: string) => void): void {
     for (const [key, cell] of this.cells) look(cell, key);
-  }
-
-  cellOf(key: string): HTMLElement | null {
-    return this.cells.get(key) ?? null;
   }
 
   focus(): void {

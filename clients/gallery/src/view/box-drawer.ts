@@ -125,15 +125,6 @@ export class BoxDrawer {
     return nearest;
   }
 
-  dispose(): void {
-    this.solid.geometry.dispose();
-    this.edges.geometry.dispose();
-    this.handles.geometry.dispose();
-    this.fill.dispose();
-    this.edge.dispose();
-    this.dot.dispose();
-  }
-
   private update(): void {
     const { box } = this;
     this.group.visible = box !== null;

@@ -68,7 +68,6 @@ export class Player {
   private hasMarks = true;
   private theme: ThemeName;
   private only: number | null = null;
-  private tolerance: number | null = null;
   private width = 0;
   private height = 0;
   private frame = 0;
@@ -77,9 +76,6 @@ export class Player {
   private drawn = 0;
   private readonly drawer = new BoxDrawer();
   private readonly screen: Screen;
-  private readonly sizes: ResizeObserver;
-  private readonly pointer: Pointer;
-  private readonly unlisten: () => void;
   /** The cell in which a drag of the box started. */
   private dragCell = -1;
 
@@ -90,9 +86,8 @@ export class Player {
     this.theme = options.theme;
     this.drawer.setTheme(options.theme);
     this.screen = new Screen(canvas);
-    this.sizes = new ResizeObserver(() => this.measure());
-    this.sizes.observe(canvas);
-    this.pointer = new Pointer(canvas, {
+    new ResizeObserver(() => this.measure()).observe(canvas);
+    new Pointer(canvas, {
       grab: (x, y) => this.grabBox(x, y),
       grabbed: (x, y) => this.pullBox(x, y),
       released: () => this.releaseBox(),
@@ -102,7 +97,7 @@ export class Player {
       click: (x, y) => this.onEvent({ kind: "pick", picked: this.pick(x, y), x, y }),
       hover: (x, y) => this.hover(x, y),
     });
-    this.unlisten = renderer.onRestored(() => this.redraw());
+    renderer.onRestored(() => this.redraw());
     this.measure();
   }
 
@@ -146,9 +141,7 @@ export class Player {
 
   get time(): number { return this.clock.time; }
   get range(): Range { return this.clock.range; }
-  get speed(): number { return this.clock.speed; }
   get isPlaying(): boolean { return this.clock.isPlaying; }
-  get sync(): SyncMode { return this.mode; }
 
   play(): void {
     if (this.models.length === 0 || this.clock.isPlaying) return;
@@ -183,11 +176,8 @@ export class Player {
 
   // ---- For the timeline
 
-  /** Distance in metres above which animations count as different; null: a tenth of the bodies' size. */
-  setTolerance(metres: number | null): void { this.tolerance = metres; }
-  get toleranceM(): number { return this.tolerance ?? toleranceOf(this.models); }
   timeline(): Timeline {
-    return timelineOf(this.items, this.models, this.shifts, this.toleranceM);
+    return timelineOf(this.items, this.models, this.shifts, toleranceOf(this.models));
   }
 
   // ---- Camera
@@ -264,19 +254,6 @@ export class Player {
   redraw(): void {
     this.isDirty = true;
     if (this.frame === 0) this.frame = requestAnimationFrame((now) => this.onFrame(now));
-  }
-
-  dispose(): void {
-    cancelAnimationFrame(this.frame);
-    this.frame = -1;
-    this.sizes.disconnect();
-    this.pointer.dispose();
-    this.unlisten();
-    for (const model of this.models) model.dispose();
-    this.views.setModels([]);
-    this.items = [];
-    this.drawer.group.removeFromParent();
-    this.drawer.dispose();
   }
 
   // ---- Private

@@ -25,23 +25,19 @@ interface Finger {
 
 export class Pointer {
   private readonly fingers = new Map<number, Finger>();
-  private readonly ends = new AbortController();
   private travelled = 0;
   private isGrabbed = false;
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly target: PointerTarget) {
-    const options = { signal: this.ends.signal };
     // Fingers on the canvas rotate the scene instead of scrolling the page.
     canvas.style.touchAction = "none";
-    canvas.addEventListener("pointerdown", (event) => this.down(event), options);
-    canvas.addEventListener("pointermove", (event) => this.moved(event), options);
-    canvas.addEventListener("pointerup", (event) => this.up(event, true), options);
-    canvas.addEventListener("pointercancel", (event) => this.up(event, false), options);
-    canvas.addEventListener("contextmenu", (event) => event.preventDefault(), options);
-    canvas.addEventListener("wheel", (event) => this.wheel(event), { ...options, passive: false });
+    canvas.addEventListener("pointerdown", (event) => this.down(event));
+    canvas.addEventListener("pointermove", (event) => this.moved(event));
+    canvas.addEventListener("pointerup", (event) => this.up(event, true));
+    canvas.addEventListener("pointercancel", (event) => this.up(event, false));
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
   }
-
-  dispose(): void { this.ends.abort(); }
 
   private down(event: PointerEvent): void {
     if (event.button > 2) return;

@@ -124,11 +124,6 @@ export class SharedRenderer {
     extension?.loseContext();
     return () => extension?.restoreContext();
   }
-
-  dispose(): void {
-    this.made?.context?.gl.dispose();
-    this.restored.clear();
-  }
 }
 
 function contextOf(antialias: boolean): Context | null {

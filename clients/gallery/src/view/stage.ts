@@ -50,7 +50,6 @@ export class ArchiveStage {
 
   isBody(mesh: MeshData): boolean { return mesh.feature < this.bodyCount; }
   isGoal(feature: number): boolean { return this.scene.features[feature]?.kind === "wanted"; }
-  get background(): number { return this.theme.background; }
 
   /** Static features, merged by material. */
   stillOf(meshes: readonly MeshData[]): Merged[] {

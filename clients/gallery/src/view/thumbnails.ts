@@ -61,9 +61,8 @@ export class Thumbnails {
   private readonly unlisten: () => void;
   private readonly ends = new AbortController();
   private readonly eye = new PerspectiveCamera();
-  private cache: ModelCache;
-  private stage: ArchiveStage;
-  private load: Loader;
+  private readonly cache: ModelCache;
+  private readonly stage: ArchiveStage;
   private theme: ThemeName;
   private still: boolean;
   private isPaused = false;
@@ -74,8 +73,11 @@ export class Thumbnails {
   private atOnce = 2;
 
   constructor(private readonly renderer: SharedRenderer, options: ThumbnailsOptions) {
-    ({ stage: this.stage, load: this.load, theme: this.theme, still: this.still } = options);
-    this.cache = this.madeCache();
+    ({ stage: this.stage, theme: this.theme, still: this.still } = options);
+    this.cache = new ModelCache(this.stage, options.load, {
+      came: (models) => this.came(models),
+      isInUse: (name) => this.isInUse(name),
+    });
     const margin = { rootMargin: `${MARGIN_PX}px` };
     this.observer = new IntersectionObserver((changes) => this.seen(changes), margin);
     this.sizes = new ResizeObserver((changes) => {
@@ -129,14 +131,6 @@ export class Thumbnails {
     this.still = still;
     this.drawAgain();
   }
-  /** Sets another archive, or a new generation. Loaded animations are dropped. */
-  setStage(stage: ArchiveStage, load: Loader): void {
-    this.cache.dispose();
-    this.stage = stage;
-    this.load = load;
-    this.cache = this.madeCache();
-    this.drawAgain();
-  }
   /** Stops all motion, for instance while the player plays. Missing pictures are still drawn. */
   pause(isPaused: boolean): void {
     this.isPaused = isPaused;
@@ -161,13 +155,6 @@ export class Thumbnails {
   }
 
   // ---- Private
-
-  private madeCache(): ModelCache {
-    return new ModelCache(this.stage, this.load, {
-      came: (models) => this.came(models),
-      isInUse: (name) => this.isInUse(name),
-    });
-  }
 
   /** All pictures share one frame, which grows to contain new animations. Small pictures show the motion
    *  from the first contact on: with the flight before, the rest would be a few pixels. */
