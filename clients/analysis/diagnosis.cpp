@@ -10,7 +10,6 @@
 #include "clients/analysis/archive_rows.h"
 #include "clients/analysis/odds_doubts.h"
 #include "clients/analysis/run_counts.h"
-#include "clients/analysis/run_effort.h"
 #include "clients/analysis/sampling_method.h"
 #include "common/archive/format.h"
 #include "common/base/error.h"

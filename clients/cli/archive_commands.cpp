@@ -9,9 +9,9 @@
 
 #include "clients/analysis/archive_odds.h"
 #include "clients/analysis/archive_rows.h"
-#include "clients/analysis/failure_counts.h"
+#include "clients/analysis/diagnosis_report.h"
+#include "clients/analysis/run_counts.h"
 #include "clients/analysis/sampling_method.h"
-#include "clients/report/dumped_json.h"
 #include "clients/report/report.h"
 #include "clients/terminal/output.h"
 #include "common/archive/csv.h"
@@ -218,7 +218,7 @@ int archive_info(const std::string& path, bool json) {
   const Facts facts = facts_of(*archive::remote::open_remote(path));
   const report::Report report = report_of(path, facts);
   if (json) {
-    fmt::print("{}\n", report::dumped(report.as_json()));
+    fmt::print("{}\n", report.as_json().dump(2));
   } else {
     fmt::print(
         "{}: {} samples\n\n"
@@ -233,7 +233,7 @@ int archive_info(const std::string& path, bool json) {
 int archive_digest(const std::string& path, bool json) {
   const std::string digest = archive::digest(*archive::remote::open_remote(path));
   if (json) {
-    fmt::print("{}\n", report::dumped({{"archive", path}, {"digest", digest}}));
+    fmt::print("{}\n", json::Value{{"archive", path}, {"digest", digest}}.dump(2));
   } else {
     fmt::print("{}\n", digest);
   }
@@ -243,8 +243,9 @@ int archive_digest(const std::string& path, bool json) {
 int archive_verify(const std::string& path, bool json) {
   const std::vector<std::string> findings = archive::verify(*archive::remote::open_remote(path));
   if (json) {
-    fmt::print("{}\n", report::dumped(
-                           {{"archive", path}, {"ok", findings.empty()}, {"findings", findings}}));
+    fmt::print(
+        "{}\n",
+        json::Value{{"archive", path}, {"ok", findings.empty()}, {"findings", findings}}.dump(2));
   } else {
     for (const std::string& finding : findings)
       fmt::print("{}: {}\n", path, finding);
@@ -265,6 +266,16 @@ int archive_export_csv(const ExportOptions& options) {
     archive::export_csv(*source, options.table, file, options.animations);
   });
   return terminal::k_ok;
+}
+
+int diagnose_archive(const std::string& path, bool json, const analysis::Rules& rules) {
+  const analysis::Diagnosis diagnosis = diagnosis_of(*archive::remote::open_remote(path), rules);
+  if (json) {
+    fmt::print("{}\n", as_json(path, diagnosis).dump(2));
+  } else {
+    fmt::print("{}", for_people(path, diagnosis));
+  }
+  return static_cast<int>(diagnosis.mixed() ? base::ExitCode::ok : base::ExitCode::not_mixed);
 }
 
 }  // namespace sleight::cli

@@ -1,4 +1,4 @@
-// `sleight archive info|digest|verify|export`.
+// `sleight archive info|digest|verify|export` and `sleight diagnose`.
 //
 // Archives are untrusted: a separate process reads each one (archive/remote). Results go to stdout,
 // everything else to stderr. Each function returns the program's exit code.
@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "clients/analysis/diagnosis.h"
 
 namespace sleight::cli {
 
@@ -29,5 +31,9 @@ struct ExportOptions {
 };
 
 int archive_export_csv(const ExportOptions& options);
+
+/// Checks whether the chains have mixed. Returns ok or not_mixed (7). If the chains have not mixed,
+/// prints the reasons. Throws base::Error.
+int diagnose_archive(const std::string& path, bool json, const analysis::Rules& rules);
 
 }  // namespace sleight::cli

@@ -10,7 +10,6 @@
 #include "clients/browse/groups.h"
 #include "clients/cli/browsed_json.h"
 #include "clients/cli/groups_command.h"
-#include "clients/report/dumped_json.h"
 #include "clients/report/text_table.h"
 #include "clients/terminal/output.h"
 #include "clients/terminal/terminal.h"
@@ -201,7 +200,7 @@ int compare_archives(const CompareOptions& options) {
     leave_out_twice(browsed);
     compare_looks(browsed, options.groups, comparison);
     if (options.json) {
-      fmt::print("{}\n", report::dumped(comparison_json(browsed, comparison)));
+      fmt::print("{}\n", comparison_json(browsed, comparison).dump(2));
     } else {
       print_comparison(browsed, comparison);
     }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <span>
 #include <string_view>
@@ -13,26 +15,97 @@
 #include <fmt/format.h>
 
 #include "clients/browse/archives/animation_ids.h"
+#include "clients/browse/archives/browsed.h"
 #include "clients/browse/archives/index_cache.h"
 #include "clients/browse/archives/kept_animations.h"
+#include "clients/browse/groups.h"
 #include "clients/cli/exported_animations.h"
 #include "clients/cli/exported_files.h"
-#include "clients/cli/film_export.h"
+#include "clients/cli/groups_command.h"
 #include "clients/export/document.h"
-#include "clients/report/dumped_json.h"
+#include "clients/pictures/animation_frames.h"
 #include "clients/terminal/interruption.h"
 #include "clients/terminal/output.h"
 #include "common/archive/kept_motions.h"
+#include "common/archive/model.h"
 #include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 #include "common/base/output_beside.h"
 #include "common/json/value.h"
+#include "common/scene/scene.h"
 
 namespace sleight::cli {
 namespace {
 
+[[noreturn]] void refuse(const archive::Source& source, const std::string& reason) {
+  throw base::Error(base::ExitCode::usage, fmt::format("{}: {}", source.name(), reason));
+}
+
+std::vector<browse::AnimationId> selected(const archive::Source& source,
+                                          const ExportChoice& choice) {
+  browse::Browsed browsed;
+  browsed.archives.push_back(
+      {.path = source.name(), .index = index_of(source, source.name(), choice.file)});
+  const std::vector<browse::Picked> meant = picked(browsed, {.select = choice.select});
+  const auto id_of = [](const browse::Entry& entry) {
+    return browse::AnimationId{
+        .is_find = entry.name.is_find, .row = entry.row, .text = browse::short_text(entry.name)};
+  };
+  std::vector<browse::AnimationId> ids;
+  if (choice.representatives && !meant.empty()) {
+    const browse::Groups groups =
+        groups_of(meant, *choice.representatives, browse::Grouping::medoids);
+    for (const browse::AlikeGroup& group : groups.groups)
+      ids.push_back(id_of(*meant[group.representative].entry));
+  } else {
+    for (const browse::Picked& one : meant)
+      ids.push_back(id_of(*one.entry));
+  }
+  return ids;
+}
+
 namespace fs = std::filesystem;
+
+pictures::FrameViews views_called(const std::string& name) {
+  if (name == "above") return pictures::FrameViews::above;
+  return name == "front" ? pictures::FrameViews::front : pictures::FrameViews::both;
+}
+
+std::uint64_t bytes_at(const std::string& place) {
+  std::error_code unknown;
+  if (!fs::is_directory(place, unknown)) return fs::file_size(place, unknown);
+  std::uint64_t bytes = 0;
+  for (fs::directory_iterator it(place, unknown), end; !unknown && it != end; it.increment(unknown))
+    bytes += it->file_size();
+  return bytes;
+}
+
+/// Writes one animation as a picture or film (animation_frames.h) to `place`, completely or not at
+/// all. `progress`: finished frames, total frames.
+WrittenFile write_film(const archive::Source& source, const scene::Scene& scene,
+                       const browse::AnimationId& id, const std::string& place,
+                       const ExportAnimationsOptions& options,
+                       const std::function<void(std::size_t, std::size_t)>& progress) {
+  gltf::Clip clip = clip_of(source, scene, id);
+  const std::string title = fmt::format("{} {}", archive::summary_of(source).world, id.text);
+  const pictures::ShownAnimation shown{.title = title,
+                                       .motion = std::move(clip.motion),
+                                       .own = std::move(clip.own),
+                                       .offsets_m = std::move(clip.offsets_m)};
+  const pictures::FramesOptions frames{.fps = options.fps.value_or(k_film_fps),
+                                       .look = {.views = views_called(options.view)},
+                                       .scale = options.scale,
+                                       .progress = progress};
+  if (options.format == "svg") {
+    write_motion_svg(title, scene, shown, place);
+  } else if (options.format == "png") {
+    write_png_frames(scene, shown, place, frames);
+  } else {
+    write_mp4(scene, shown, place, frames);
+  }
+  return {.path = place, .ids = {id.text}, .bytes = bytes_at(place)};
+}
 
 bool is_file_of(const std::string& output, const std::string& format) {
   return output.ends_with("." + format);
@@ -200,9 +273,10 @@ void tell(const ExportAnimationsOptions& options, const std::vector<WrittenFile>
     files.push_back({{"path", written.path}, {"ids", written.ids}, {"bytes", written.bytes}});
   }
   if (options.json) {
-    fmt::print("{}\n", report::dumped({{"archive", options.path},
-                                       {"format", options.format},
-                                       {"written", std::move(files)}}));
+    fmt::print("{}\n", json::Value{{"archive", options.path},
+                                   {"format", options.format},
+                                   {"written", std::move(files)}}
+                           .dump(2));
     return;
   }
   fmt::print("{}: {} animation{}, {} file{}, {:.1f} MB\n", options.output, animations,
@@ -271,22 +345,37 @@ std::vector<WrittenFile> write_films(const archive::Source& source,
   };
   for (const browse::AnimationId& id : ids)
     refuse_taken_place(place_of(id), options);
-  const FilmExport films(source, {.format = options.format,
-                                  .fps = options.fps.value_or(k_film_fps),
-                                  .view = options.view,
-                                  .scale = options.scale});
+  const scene::Scene scene = browse::required_scene(source);
   ExportProgress progress(ids.size());
   std::vector<WrittenFile> all;
   for (const browse::AnimationId& id : ids) {
-    all.push_back(films.write(id, place_of(id), [&](std::size_t done, std::size_t of) {
-      progress.done(all.size(), done, of);
-    }));
+    all.push_back(
+        write_film(source, scene, id, place_of(id), options,
+                   [&](std::size_t done, std::size_t of) { progress.done(all.size(), done, of); }));
     progress.done(all.size());
   }
   return all;
 }
 
 }  // namespace
+
+std::vector<browse::AnimationId> chosen(const archive::Source& source, const ExportChoice& choice,
+                                        bool is_bounded) {
+  if (!choice.ids.empty()) return browse::animations_of(source, choice.ids);
+  const bool is_selected = !choice.select.empty() || choice.representatives;
+  std::vector<browse::AnimationId> ids =
+      is_selected ? selected(source, choice) : browse::animation_ids(source);
+  if (ids.empty() && !choice.select.empty()) refuse(source, "no animation matches --select");
+  if (ids.empty()) refuse(source, "the archive has no animations; run more scans");
+  if (is_bounded && ids.size() > k_export_max && !choice.all && !choice.representatives) {
+    refuse(source,
+           fmt::format("{} {} animations, above the limit of {}; choose some with --ids, --select "
+                       "or --representatives, or add --all",
+                       is_selected ? "--select matches" : "the archive has", ids.size(),
+                       k_export_max));
+  }
+  return ids;
+}
 
 std::vector<std::string> export_formats() {
   return {"glb", "csv", "png", "svg", "mp4"};

@@ -18,7 +18,11 @@
 #include "clients/service_client/selected_jobs.h"
 #include "clients/service_client/service_call.h"
 #include "clients/terminal/interruption.h"
+#include "clients/terminal/output.h"
 #include "clients/terminal/terminal.h"
+#include "common/archive/digest/verify.h"
+#include "common/archive/remote/remote_source.h"
+#include "common/archive/summary.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/events/progress.h"
@@ -287,6 +291,34 @@ int fetch_all(rpc::Client& client, const FetchOptions& options,
 }
 
 }  // namespace
+
+void check_archive(const std::string& path, const rpc::JobView& job) {
+  const auto findings_of = [&](const archive::Source& source) {
+    std::vector<std::string> findings = archive::verify(source);
+    if (findings.empty() && job.state == rpc::JobState::done && !job.digest.empty()) {
+      // Use the stored digest, which has been verified.
+      const std::string digest = archive::summary_of(source).content_digest;
+      if (digest != job.digest)
+        findings.push_back(fmt::format("the archive's digest is {}, expected the job's digest {}",
+                                       digest, job.digest));
+    }
+    for (const std::string& finding : findings)
+      terminal::complain(fmt::format("sleight: job {}: {}", job.id, terminal::shown(finding)));
+    return findings;
+  };
+  std::string words;
+  try {
+    if (findings_of(*archive::remote::open_remote(path)).empty()) return;
+  } catch (const base::Error& error) {
+    if (error.exit_code() != base::ExitCode::bad_archive) throw;
+    words = fmt::format(" ({})", error.what());
+  }
+  throw base::Error(
+      base::ExitCode::bad_archive,
+      fmt::format("job {}: the archive on the server's disk is damaged{}, so no file was written; "
+                  "to rebuild the archive from the run store, run `sleight fetch {} --so-far`",
+                  job.id, words, job.id));
+}
 
 std::optional<std::vector<std::uint64_t>> recording_ids_of(std::string_view text) {
   std::set<std::uint64_t> ids;

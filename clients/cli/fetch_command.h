@@ -16,6 +16,13 @@
 
 namespace sleight::cli {
 
+/// Checks that a fetched archive is the one that the job wrote: the transfer's checksum only covers
+/// the file on the server's disk, where it may have been damaged. Verifies the file
+/// (archive/digest/verify.h), and compares its digest with a finished job's digest. Prints what is
+/// wrong to stderr and throws base::Error (bad_archive). REQUIRES: no other thread runs, because a
+/// child process reads the file.
+void check_archive(const std::string& path, const rpc::JobView& job);
+
 struct FetchOptions {
   std::vector<std::string> jobs{};
   std::string output{};      ///< a file, or a folder for several jobs; empty: named after the job
@@ -28,7 +35,7 @@ struct FetchOptions {
 };
 
 /// Checks an archive before it is renamed to its place. Throws base::Error to refuse the archive.
-/// Programs use check_archive of fetched_archive.h.
+/// Programs use check_archive.
 using ArchiveCheck = std::function<void(const std::string& path, const rpc::JobView& job)>;
 
 int fetch(const std::string& socket, const FetchOptions& options, const ArchiveCheck& check);

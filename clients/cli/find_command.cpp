@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "clients/cli/browsed_json.h"
-#include "clients/report/dumped_json.h"
 #include "clients/report/text_table.h"
 #include "clients/terminal/output.h"
 #include "clients/terminal/terminal.h"
@@ -131,7 +130,7 @@ int print_names(const FindOptions& options, const browse::Browsed& browsed) {
                  number.unit == "1" ? "" : fmt::format("  [{}]", number.unit));
     }
   }
-  if (options.json) fmt::print("{}\n", report::dumped(json));
+  if (options.json) fmt::print("{}\n", json.dump(2));
   return static_cast<int>(base::ExitCode::ok);
 }
 
@@ -158,7 +157,7 @@ int find_animations(const FindOptions& options) {
       json["animations"] = json::Value::array();
       for (const browse::Picked& one : found)
         json["animations"].push_back(animation_json(browsed, one));
-      fmt::print("{}\n", report::dumped(json));
+      fmt::print("{}\n", json.dump(2));
       return static_cast<int>(base::ExitCode::ok);
     }
     if (options.ids) {

@@ -10,31 +10,207 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <mutex>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
-#include "clients/cli/save_command.h"
 #include "clients/gallery_server/answers.h"
 #include "clients/gallery_server/gallery.h"
 #include "clients/gallery_server/job_follower.h"
+#include "clients/gallery_server/listed_files.h"
 #include "clients/gallery_server/named_archives.h"
 #include "clients/gallery_server/notes.h"
-#include "clients/gallery_server/nothing_to_show.h"
-#include "clients/gallery_server/page_folder.h"
-#include "clients/gallery_server/secret_file.h"
+#include "clients/gallery_server/saved_gallery.h"
 #include "clients/service_client/service_call.h"
+#include "clients/terminal/interruption.h"
+#include "clients/terminal/output.h"
+#include "clients/terminal/progress_printer.h"
 #include "clients/terminal/terminal.h"
+#include "clients/web/keys.h"
 #include "clients/web/server.h"
 #include "common/base/descriptor.h"
 #include "common/base/error.h"
+#include "common/base/own_folder.h"
 #include "common/base/version.h"
 #include "common/json/value.h"
+#include "common/rpc/client.h"
 
 namespace sleight::cli {
 namespace {
+
+namespace fs = std::filesystem;
+
+std::string folder_of_page(const char* name) {
+  std::error_code failure;
+  const fs::path program = fs::read_symlink("/proc/self/exe", failure);
+  if (failure) {
+    throw base::Error(
+        fmt::format("/proc/self/exe: cannot find this program's folder: {}", failure.message()));
+  }
+  const fs::path folder = program.parent_path().parent_path() / "share" / "sleight" / name;
+  if (!fs::exists(folder / "index.html", failure)) {
+    throw base::Error(fmt::format(
+        "{}: the gallery's page is missing. Building the page requires npm packages: run "
+        "deploy/install-deps and build again (cmake without -DSLEIGHT_GALLERY=OFF)",
+        folder.string()));
+  }
+  return folder.string();
+}
+
+/// Returns <folder of the running program>/../share/sleight/gallery. If the page is missing, throws
+/// base::Error(environment) with instructions: building it requires npm packages.
+std::string page_folder() {
+  return folder_of_page("gallery");
+}
+
+/// The page for saved galleries: .../share/sleight/gallery-saved. Throws as page_folder().
+std::string saved_page_folder() {
+  return folder_of_page("gallery-saved");
+}
+
+bool is_secret(std::string_view text) {
+  return text.size() == web::k_secret_digits &&
+         text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+/// Returns the file's secret, or "" if the file isn't ours or others can read it.
+std::string secret_in(const fs::path& path) {
+  const base::Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  struct stat about {};
+  if (file.get() < 0 || ::fstat(file.get(), &about) != 0) return {};
+  const bool is_ours = S_ISREG(about.st_mode) && about.st_uid == ::geteuid() &&
+                       (about.st_mode & (S_IRWXG | S_IRWXO)) == 0;
+  if (!is_ours) return {};
+  std::string text(web::k_secret_digits, '\0');
+  if (::read(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size())) return {};
+  return is_secret(text) ? text : std::string();
+}
+
+/// The secret in $XDG_STATE_HOME/sleight/gallery/PORT.secret (default ~/.local/state/...), readable
+/// only by its owner; created if missing. Empty if the secret cannot be stored; then the server
+/// creates a new secret, and open pages need a new link.
+std::string kept_secret(std::uint16_t port) {
+  const auto folder = base::own_folder("XDG_STATE_HOME", ".local/state", "gallery");
+  if (!folder) return {};
+  const fs::path path = *folder / fmt::format("{}.secret", port);
+  if (std::string kept = secret_in(path); !kept.empty()) return kept;
+  std::error_code failure;
+  fs::create_directories(*folder, failure);
+  fs::remove(path, failure);
+  const std::string secret = web::new_secret();
+  const base::Descriptor file(::open(
+      path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
+  const bool is_kept = file.get() >= 0 && ::write(file.get(), secret.data(), secret.size()) ==
+                                              static_cast<ssize_t>(secret.size());
+  return is_kept ? secret : std::string();
+}
+
+std::vector<gallery::SavedArchive> read_archives(const std::vector<std::string>& paths) {
+  const gallery::ListedFiles listed = gallery::listed_files(paths);
+  for (const gallery::ListedFiles::LeftOut& left : listed.left_out)
+    fmt::print(stderr, "left out: {}: {}\n", left.name, left.reason);
+  std::vector<gallery::SavedArchive> archives;
+  std::vector<base::Error> faults;
+  for (const auto& [path, name] : listed.files) {
+    terminal::ProgressPrinter printer("reading " + path, stderr);
+    const gallery::Snapshot::Options options{.progress = [&](std::uint64_t done, std::uint64_t of) {
+      terminal::Interruption::check();
+      printer.say(fmt::format("{} of {} animations", done, of));
+    }};
+    try {
+      archives.push_back(
+          {.name = name, .snapshot = std::make_shared<const gallery::Snapshot>(path, options)});
+      printer.clear();
+    } catch (const base::Error& error) {
+      printer.clear();
+      if (error.exit_code() == base::ExitCode::interrupted) throw;
+      faults.push_back(error);
+    }
+  }
+  // If no archive can be read, the first fault is thrown below and not printed here.
+  const std::size_t thrown = archives.empty() && !faults.empty() ? 1 : 0;
+  for (std::size_t i = thrown; i < faults.size(); ++i)
+    fmt::print(stderr, "left out: {}\n", faults[i].what());
+  if (thrown != 0) throw base::Error(faults.front());
+  if (archives.empty()) {
+    throw base::Error(base::ExitCode::usage,
+                      "no archive (*.h5) found; subfolders are not searched");
+  }
+  return archives;
+}
+
+/// Fetches the archives of jobs. If a job has no archive, fetches its committed results.
+void fetch_jobs(const gallery::NamedArchives& named) {
+  for (const gallery::NamedArchives::Job& job : named.jobs()) {
+    service_client::with_service(named.service(), [&](rpc::Client& client) {
+      const terminal::Interruption interruption([&client] { client.interrupt(); });
+      try {
+        client.fetch_file({.job = job.id, .kind = rpc::FetchKind::archive}, job.path);
+      } catch (const rpc::RefusedError&) {
+        client.fetch_file({.job = job.id, .kind = rpc::FetchKind::so_far}, job.path);
+      }
+      if (terminal::Interruption::requested())
+        throw base::Error(base::ExitCode::interrupted, "interrupted");
+      return 0;
+    });
+  }
+}
+
+/// Saves archives, or the current archives of jobs. Prints progress and unreadable archives to
+/// stderr. `service_called` returns the service's address. If no archive can be read, throws the
+/// base::Error of the first archive. Also throws errors of save_gallery(). REQUIRES: options.save
+/// is set; no other thread runs.
+int save_archives(const CommandOptions& options, const std::function<std::string()>& service_called,
+                  const analysis::Rules& rules) {
+  return terminal::with_results([&] {
+    const gallery::NamedArchives named(options.paths, service_called);
+    fetch_jobs(named);
+    const terminal::Interruption interruption;
+    std::vector<gallery::SavedArchive> archives = read_archives(named.paths());
+    terminal::ProgressPrinter printer("saving " + options.save, stderr);
+    const gallery::SaveOptions save{.folder = options.save,
+                                    .page = saved_page_folder(),
+                                    .version = std::string(base::version()),
+                                    .progress = [&](std::size_t done, std::size_t of) {
+                                      terminal::Interruption::check();
+                                      printer.say(fmt::format("{} of {} files", done, of));
+                                    }};
+    const auto save_readable = [&] {
+      for (;;) {
+        try {
+          return save_gallery(archives, save, rules);
+        } catch (const gallery::UnreadableArchive& error) {
+          printer.clear();
+          if (archives.size() == 1) throw;
+          fmt::print(stderr, "left out: {}\n", error.what());
+          archives.erase(archives.begin() + static_cast<std::ptrdiff_t>(error.number()));
+        }
+      }
+    };
+    const std::uint64_t bytes = save_readable();
+    std::size_t animations = 0;
+    for (const gallery::SavedArchive& archive : archives)
+      animations += archive.snapshot->index().entries.size();
+    printer.clear();
+    constexpr double k_megabyte = 1e6;
+    if (options.json) {
+      const json::Value json{
+          {"folder", options.save}, {"animations", animations}, {"bytes", bytes}};
+      fmt::print("{}\n", json.dump(2));
+    } else {
+      fmt::print("{}: {} animations, {:.1f} MB; open {}, or publish the folder on any web server\n",
+                 options.save, animations, static_cast<double>(bytes) / k_megabyte,
+                 (std::filesystem::path(options.save) / "index.html").string());
+    }
+    return static_cast<int>(base::ExitCode::ok);
+  });
+}
 
 /// Sends new answers of /api/gallery to open pages, once a server exists. If nothing can be shown,
 /// also warns on the terminal.
@@ -106,7 +282,7 @@ std::unique_ptr<web::Server> served(const CommandOptions& options, web::ServerOp
   const auto with_port = [&](std::uint16_t port) {
     web::ServerOptions chosen = how;
     chosen.port = port;
-    chosen.secret = port == 0 ? std::string() : gallery::kept_secret(port);
+    chosen.secret = port == 0 ? std::string() : kept_secret(port);
     return std::make_unique<web::Server>(std::move(chosen), handler);
   };
   if (options.port != 0) return with_port(options.port);
@@ -165,7 +341,7 @@ int show_gallery(const CommandOptions& options, const std::function<std::string(
   // would be wasted.
   ::mallopt(M_ARENA_MAX, 2);
   const gallery::NamedArchives shown(options.paths, service_called);
-  auto files = std::make_shared<const web::StaticFiles>(gallery::page_folder());
+  auto files = std::make_shared<const web::StaticFiles>(page_folder());
 
   // Block signals before any thread starts, so that only the descriptor receives signals.
   sigset_t ends;

@@ -2,22 +2,76 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <map>
+#include <memory>
 #include <utility>
 
+#include "clients/browse/archives/kept_animations.h"
 #include "clients/cli/browsed_json.h"
-#include "clients/pictures/picked_figure.h"
+#include "clients/pictures/animation_figures.h"
 #include "clients/pictures/scene_view.h"
+#include "clients/plot/figure.h"
 #include "clients/plot/save.h"
-#include "clients/report/dumped_json.h"
 #include "clients/report/text_table.h"
 #include "clients/terminal/output.h"
 #include "clients/terminal/terminal.h"
+#include "common/archive/format.h"
+#include "common/archive/kept_motions.h"
+#include "common/archive/remote/remote_source.h"
+#include "common/archive/summary.h"
 #include "common/base/cores.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
 
 namespace sleight::cli {
 namespace {
+
+constexpr std::size_t k_picked_panels_max = 24;
+
+struct PickedPanel {
+  browse::Picked picked{};
+  std::string title{};
+};
+
+pictures::ShownAnimation read_picked(const archive::Source& source, const browse::Picked& picked,
+                                     std::string title) {
+  const auto group = picked.entry->name.is_find ? archive::k_finds : archive::k_animations;
+  const scene::Scene& scene = picked.archive->index.scene;
+  const std::string name = browse::short_text(picked.entry->name);
+  if (archive::find_group(source, group) == nullptr)
+    browse::refuse_animation(source, name, "no longer exists");
+  const archive::KeptMotions motions(source, group);
+  if (picked.entry->row >= motions.count())
+    browse::refuse_animation(source, name, "no longer exists");
+  browse::KeptAnimation kept =
+      browse::kept_animation(source, motions, picked.entry->row, scene, name);
+  return {.title = std::move(title),
+          .motion = std::move(kept.motion),
+          .own = std::move(kept.own),
+          .offsets_m = std::move(kept.offsets_m)};
+}
+
+/// Draws a panel per animation, read from its archive's file. Throws base::Error(bad_archive) if
+/// the file doesn't contain the animation any more. REQUIRES: at least one panel, comparable
+/// scenes.
+plot::Figure picked_figure(const std::string& title, const std::vector<PickedPanel>& panels) {
+  std::map<std::string, std::unique_ptr<archive::Source>> sources;
+  std::vector<pictures::ShownAnimation> shown;
+  for (const PickedPanel& panel : panels) {
+    const std::string& path = panel.picked.archive->path;
+    std::unique_ptr<archive::Source>& source = sources[path];
+    if (source == nullptr) {
+      source = archive::remote::open_remote(path);
+      // Row numbers refer to the archive as it was browsed.
+      if (archive::summary_of(*source).content_digest != panel.picked.archive->index.digest)
+        throw base::Error(
+            fmt::format("{}: the archive changed after it was browsed; try again", path));
+    }
+    shown.push_back(read_picked(*source, panel.picked, panel.title));
+  }
+  return pictures::animation_figure(title, panels.front().picked.archive->index.scene, shown);
+}
 
 void print_groups(const browse::Browsed& browsed, const std::vector<browse::Picked>& picked,
                   const browse::Groups& groups) {
@@ -118,16 +172,16 @@ int group_animations(const GroupsOptions& options) {
         all, options.groups,
         options.by == "hierarchy" ? browse::Grouping::hierarchy : browse::Grouping::medoids);
     if (options.json) {
-      fmt::print("{}\n", report::dumped(groups_json(browsed, all, groups)));
+      fmt::print("{}\n", groups_json(browsed, all, groups).dump(2));
     } else if (all.empty()) {
       fmt::print("0 of {} animations match\n", browsed.animations());
     } else {
       print_groups(browsed, all, groups);
     }
     if (!options.output.empty() && !all.empty()) {
-      std::vector<pictures::PickedPanel> panels;
+      std::vector<PickedPanel> panels;
       for (const browse::AlikeGroup& group : groups.groups) {
-        if (panels.size() == pictures::k_picked_panels_max) break;
+        if (panels.size() == k_picked_panels_max) break;
         panels.push_back(
             {.picked = all[group.representative],
              .title = fmt::format("{} of {} are like {}", group.members.size(), all.size(),

@@ -8,11 +8,9 @@
 #include <vector>
 
 #include "clients/cli/archive_commands.h"
-#include "clients/cli/diagnose_command.h"
 #include "clients/cli/main_browse.h"
 #include "clients/cli/main_derive.h"
 #include "clients/cli/main_direct.h"
-#include "clients/cli/main_gallery.h"
 #include "clients/cli/main_own.h"
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_scene.h"

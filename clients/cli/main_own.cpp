@@ -2,14 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <vector>
 
-#include "clients/cli/config_command.h"
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_settings.h"
 #include "clients/command_tree/command_tree.h"
@@ -17,9 +19,70 @@
 #include "clients/command_tree/man_page.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/config/settings.h"
+#include "common/json/value.h"
 
 namespace sleight::programs {
 namespace {
+
+/// Returns "default" or a setting's source. If the source is the settings file, returns "file" and
+/// the line number. The file's path is printed below all settings.
+std::string source_of(const config::Row& row, const std::optional<std::string>& path) {
+  if (row.origin == config::Origin::fallback) return "default";
+  if (row.origin == config::Origin::file && path && row.given_by.starts_with(*path))
+    return "file" + row.given_by.substr(path->size());
+  return row.given_by;
+}
+
+json::Value value_of(const config::Row& row) {
+  if (row.is_text) return row.value;
+  if (row.is_flag) return row.value == "true";
+  if (!row.number) return nullptr;
+  if (*row.number == std::floor(*row.number)) return static_cast<std::int64_t>(*row.number);
+  return *row.number;
+}
+
+void print_json(const std::vector<config::Row>& rows, const std::optional<std::string>& path,
+                bool is_there) {
+  json::Value settings = json::Value::object();
+  for (const config::Row& row : rows) {
+    settings[row.key] = {{"value", value_of(row)},
+                         {"unit", row.unit},
+                         {"from", config::name_of(row.origin)},
+                         {"given_by", row.given_by}};
+  }
+  const json::Value json{
+      {"file", path.value_or("")}, {"file_is_there", is_there}, {"settings", settings}};
+  fmt::print("{}\n", json.dump(2));
+}
+
+/// Prints a table (with `json`: an object) and returns the exit code. Throws base::Error(usage)
+/// that lists every error in the environment and the file.
+int print_config(bool json) {
+  const config::Settings settings = config::settings_here();
+  const std::vector<config::Row> rows = config::rows_of(settings);
+  const std::optional<std::string> path = config::config_path_of(config::surroundings_here());
+  std::error_code none;
+  const bool is_there = path && std::filesystem::exists(*path, none);
+  if (json) {
+    print_json(rows, path, is_there);
+    return 0;
+  }
+  std::size_t key_width = 0;
+  std::size_t value_width = 0;
+  std::size_t source_width = 0;
+  for (const config::Row& row : rows) {
+    key_width = std::max(key_width, row.key.size());
+    value_width = std::max(value_width, row.value.size());
+    source_width = std::max(source_width, source_of(row, path).size());
+  }
+  for (const config::Row& row : rows) {
+    fmt::print("{:<{}}  {:<{}}  {:<{}}  {}\n", row.key, key_width, row.value, value_width,
+               source_of(row, path), source_width, row.help);
+  }
+  if (path) fmt::print("\nSettings file: {}{}\n", *path, is_there ? "" : " (does not exist)");
+  return 0;
+}
 
 /// Programs that have completion scripts and manual pages.
 constexpr std::array<const char*, 3> k_programs{"sleight", "sleight-batch", "sleightd"};
@@ -91,7 +154,7 @@ void add_config(CLI::App& app, OwnArguments& arguments, Action& action) {
       "The file is TOML with the listed keys. For example, `limits.jobs` is the key `jobs` in\n"
       "section [limits].\n\n"
       "Examples:\n  sleight config\n  sleight config --json | jq .settings.state.value");
-  command->callback([&] { action = [&] { return cli::print_config(arguments.json); }; });
+  command->callback([&] { action = [&] { return print_config(arguments.json); }; });
 }
 
 void add_completion(CLI::App& app, OwnArguments& arguments, Action& action) {

@@ -1,5 +1,4 @@
 #include "clients/cli/main_direct.h"
-#include "clients/report/dumped_json.h"
 
 #include <fmt/format.h>
 
@@ -65,7 +64,7 @@ void print_json(const failure_file::FailureFile& file, const run::SimulationEnd&
     json["log_prior"] = end.log_prior;
     json["log_constraint"] = end.log_constraint;
   }
-  fmt::print("{}\n", report::dumped(json));
+  fmt::print("{}\n", json.dump(2));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <variant>
 
-#include "clients/analysis/failure_counts.h"
+#include "clients/analysis/run_counts.h"
 #include "clients/cli/number_in.h"
 #include "clients/cli/results_version.h"
 #include "clients/terminal/progress_printer.h"

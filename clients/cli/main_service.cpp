@@ -13,7 +13,6 @@
 #include "clients/cli/number_in.h"
 #include "clients/cli/server_commands.h"
 #include "clients/cli/submit_command.h"
-#include "clients/service_client/fetched_archive.h"
 #include "common/config/settings.h"
 #include "common/request/direction_request.h"
 
@@ -305,7 +304,7 @@ void add_fetch(CLI::App& app, Action& action) {
   CLI::App* command = add_command(
       app, "fetch", "Download the archives of jobs", action,
       [](const std::string& socket, const cli::FetchOptions& given) {
-        return cli::fetch(socket, given, service_client::check_archive);
+        return cli::fetch(socket, given, cli::check_archive);
       },
       options);
   command->add_option("jobs", options->jobs, k_jobs_help)->required()->type_name("JOB");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/descriptor.h"
+#include "common/json/value.h"
 #include "common/rpc/service.h"
 
 namespace sleight::gallery {
@@ -46,5 +47,9 @@ class NamedArchives {
   std::string folder_;     ///< empty if there are no jobs
   base::Descriptor lock_;  ///< on the folder
 };
+
+/// Returns the terminal's message if a gallery has nothing to show. Empty if something is shown or
+/// may soon be shown. `state`: the result of Gallery::state; `paths`: from the command line.
+std::string nothing_to_show(const json::Value& state, const std::vector<std::string>& paths);
 
 }  // namespace sleight::gallery

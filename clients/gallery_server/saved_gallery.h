@@ -36,7 +36,7 @@ struct SavedArchive {
 
 struct SaveOptions {
   std::string folder{};  ///< new, empty, or a saved gallery to replace
-  std::string page{};    ///< the folder of the built page (page_folder.h)
+  std::string page{};    ///< the folder of the built page
   std::string version{};
   /// Called after each file with the number of files written and the total number of files. If
   /// `progress` throws, the work ends and leaves nothing behind.

@@ -25,7 +25,6 @@
 #include "clients/gallery_server/base64.h"
 #include "clients/gallery_server/index_columns.h"
 #include "clients/gallery_server/named_archives.h"
-#include "clients/gallery_server/nothing_to_show.h"
 #include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
