@@ -7,7 +7,7 @@ import { exportLine, shellWord } from "../src/state/export-line";
 import { noteOf } from "../src/data/note-patch";
 import { allToggled, isLetThrough, tagsOf, tagsOfText } from "../src/state/notes";
 import { noNotesFilter } from "../src/state/page";
-import { plausibilityWords, throwsBelow } from "../src/state/plausibility";
+import { chiSquareTail, ordinaryWords, plausibilityWords, throwsBelow } from "../src/state/plausibility";
 import { extended, nothingSelected, only, toggled } from "../src/state/selection";
 import { sortedByNumber, sortFromText, sortToText } from "../src/state/sorting";
 import { Store } from "../src/state/store";
@@ -67,6 +67,22 @@ test("0 and 100 of 100 blind throws are never rounded values", () => {
   assert.equal(throwsBelow(NaN, throws), null);
   assert.equal(plausibilityWords(5, []), "");
   assert.match(plausibilityWords(719.5, throws), /more likely.* 72 of 100 /);
+});
+
+test("chi-square tails are those of tables", () => {
+  // Abramowitz and Stegun, table 26.8; for 2000 degrees, the median is 2000 - 2/3.
+  for (const [squares, count, tail] of [
+    [3.84146, 1, 0.05],
+    [5.99146, 2, 0.05],
+    [2.36597, 3, 0.5],
+    [90.5312, 60, 0.006617],
+    [1999.333, 2000, 0.5],
+  ] as const)
+    assert.ok(Math.abs(chiSquareTail(squares, count) - tail) < 1e-4, `${squares} ${count}`);
+  assert.equal(chiSquareTail(5000, 2000), 0);
+  assert.equal(chiSquareTail(1, 2000), 1);
+  assert.match(ordinaryWords(2.36597, 3), / 50 of 100 /);
+  assert.equal(ordinaryWords(NaN, NaN), "");
 });
 
 test("entries without a number are sorted last in either direction", () => {

@@ -62,6 +62,17 @@ archive::WorldLayout make_layout(const UserScene& world) {
       .proposal_kinds = {"redraw_all", "redraw_body", "redraw_quantity", "step_all", "step_body",
                          "step_quantity", "shot", "tail"}};
   layout.proposal_kinds.resize(world.proposal_kinds());
+  if (world.has_noise()) {
+    layout.outcomes.push_back({.name = "normals",
+                               .dims = {},
+                               .unit = "1",
+                               .meaning = "standard normals that the simulation used"});
+    layout.outcomes.push_back(
+        {.name = "squares",
+         .dims = {},
+         .unit = "1",
+         .meaning = "sum of their squares; the chi-square tail tells how plausible they are"});
+  }
   const std::vector<std::string> names = world.quantities().value_names();
   if (!names.empty()) {
     archive::Variable value{.name = "value",

@@ -124,6 +124,7 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
                                     stages);
   std::ranges::copy_if(simulation.impacts(), std::back_inserter(outcome.noised),
                        [](const physics::Impact& impact) { return impact.noise_number > 0; });
+  count_normals(state, outcome);
   if (wanted.history) outcome.history = simulation.history();
   if (wanted.recording != nullptr) *wanted.recording = simulation.recording();
   return outcome;
@@ -158,9 +159,27 @@ std::size_t UserScene::owned_bytes(const State& state, const Outcome& outcome) c
          (outcome.history ? outcome.history->bytes() : 0);
 }
 
+void UserScene::count_normals(const State& state, Outcome& outcome) const {
+  const auto add = [&](double normal) {
+    ++outcome.normals;
+    outcome.squares += normal * normal;
+  };
+  for (std::size_t i = 0; i < state.numbers.size(); ++i) {
+    if (quantities().is_normal(i)) add(state.numbers[i]);
+  }
+  for (const physics::Impact& impact : outcome.noised) {
+    for (const double normal : state.noise.at(address_of(impact)))
+      add(normal);
+  }
+}
+
 std::vector<double> UserScene::outcome_values(const Outcome& outcome) const {
   std::vector<double> values{static_cast<double>(outcome.end), outcome.end_s,
                              static_cast<double>(outcome.collisions)};
+  if (has_noise()) {
+    values.push_back(outcome.normals);
+    values.push_back(outcome.squares);
+  }
   std::vector<double> distances = outcome.judgement.distances;
   distances.resize(parameters().constraints.size(), std::numeric_limits<double>::quiet_NaN());
   values.insert(values.end(), distances.begin(), distances.end());

@@ -54,6 +54,9 @@ struct Outcome {
   std::uint32_t collisions = 0;
   Judgement judgement{};                  ///< empty if there is no animation
   std::vector<physics::Impact> noised{};  ///< in order
+  /// The state's standard normals that the simulation used: their number, and the sum of squares.
+  std::uint32_t normals = 0;
+  double squares = 0;
   plan::FailurePointer failure{};
   /// Used by simulate_from; null if no history was requested.
   std::shared_ptr<const physics::History> history{};
@@ -111,7 +114,9 @@ class UserScene {
   bool has_scale(std::uint32_t kind) const {
     return static_cast<Kind>(kind) >= Kind::step_all && static_cast<Kind>(kind) != Kind::tail;
   }
-  std::uint32_t proposal_kinds() const { return has_noise() ? k_move_kinds : k_move_kinds_without_noise; }
+  std::uint32_t proposal_kinds() const {
+    return has_noise() ? k_move_kinds : k_move_kinds_without_noise;
+  }
 
   base::Bytes encode(const State& state) const { return user_scene::encode(state, has_noise()); }
   std::optional<State> decode(base::BytesView bytes) const {
@@ -160,6 +165,8 @@ class UserScene {
   };
   Outcome simulated(const State& state, const Wanted& wanted,
                     const std::shared_ptr<const physics::History>& history) const;
+  void count_normals(const State& state, Outcome& outcome) const;
+
   std::shared_ptr<const Model> model_;
 };
 

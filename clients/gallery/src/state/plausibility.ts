@@ -25,6 +25,28 @@ export function plausibilityWords(logPrior: number, blindThrows: readonly number
   return `more likely than ${below} of 100 blind throws`;
 }
 
+/** P(a chi-square variable of `count` degrees is at least `squares`): a series of the incomplete gamma function. */
+export function chiSquareTail(squares: number, count: number): number {
+  const half = squares / 2;
+  // The series' first term: half^(count/2) e^-half / gamma(count/2 + 1).
+  let log = -half + (count % 2 === 0 ? 0 : Math.log(2 * Math.sqrt(half / Math.PI)));
+  for (let a = count % 2 === 0 ? 1 : 1.5; a <= count / 2; ++a) log += Math.log(half / a);
+  if (log < -700) return squares > count ? 0 : 1;
+  let term = Math.exp(log);
+  let below = 0;
+  for (let a = count / 2 + 1; term > 1e-12 || a <= half; ++a) {
+    below += term;
+    term *= half / a;
+  }
+  return Math.max(0, 1 - below);
+}
+
+/** Words for `count` standard normals with this sum of squares: how ordinary they are together. */
+export function ordinaryWords(squares: number, count: number): string {
+  if (!(count > 0) || !Number.isFinite(squares)) return "";
+  return `random values as ordinary as in ${Math.round(100 * chiSquareTail(squares, count))} of 100 blind throws`;
+}
+
 export const plausibilityHelp =
   "Plausibility compares an animation's log_prior with the log_prior of blind throws, which have no goal. " +
   "An animation looks as if it happened by chance if it is more likely than many blind throws.";

@@ -2,6 +2,7 @@
 import type { AppState, Loaded, ShownGroup } from "../state/app-state";
 import { noteOf } from "../data/note-patch";
 import {
+  ordinaryWords,
   plausibilityHelp,
   plausibilityWords,
   proportionHelp,
@@ -188,5 +189,8 @@ export function numberOf(loaded: Loaded, entry: number, name: string): number {
 }
 
 export function plausibilityOf(loaded: Loaded, entry: number): string {
+  // With contact noise, log_prior also depends on the number of impacts.
+  if (loaded.table.numbers.has("squares"))
+    return ordinaryWords(numberOf(loaded, entry, "squares"), numberOf(loaded, entry, "normals"));
   return plausibilityWords(numberOf(loaded, entry, "log_prior"), loaded.scene.prior_log_prior);
 }

@@ -2,10 +2,10 @@
 import type { AppState } from "../state/app-state";
 import { emptyNote, noteOf } from "../data/note-patch";
 import { tagsOfText } from "../state/notes";
-import { plausibilityHelp, plausibilityWords, proportionHelp, scoreHelp } from "../state/plausibility";
+import { plausibilityHelp, proportionHelp, scoreHelp } from "../state/plausibility";
 import type { TimelineItem } from "../view/timeline";
 import { button, el, field, select, setChoices, setHidden, setText } from "./dom";
-import { numberOf } from "./card";
+import { numberOf, plausibilityOf } from "./card";
 import type { Part, Ui } from "./part";
 import { count, number, seconds, withUnit } from "./words";
 
@@ -76,7 +76,7 @@ export function makeDetails(
       setHidden(proportion, true);
       return;
     }
-    const words = plausibilityWords(numberOf(loaded, entry, "log_prior"), loaded.scene.prior_log_prior);
+    const words = plausibilityOf(loaded, entry);
     setText(plausibility, words === "" ? name : `${name}: ${words}.`);
     plausibility.title = plausibilityHelp;
     setHidden(proportion, loaded.table.inProportion[entry] === 1);
