@@ -379,6 +379,18 @@ void Binder::length_mm(std::string_view key, double& value_m, NumberOptions opti
   value_m = *read<double>(key, fallback_mm, Presence::defaulted, options) / 1e3;
 }
 
+void Binder::shares(std::initializer_list<Share> all) {
+  double sum = 0;
+  bool are_valid = true;
+  for (const Share& share : all) {
+    number(share.key, share.value, {.minimum = 0, .maximum = 1, .help = share.help});
+    sum += share.value;
+    are_valid = are_valid && valid(share.key);
+  }
+  if (are_valid && std::fabs(sum - 1) > 1e-9)
+    error(all.begin()->key, fmt::format("the shares must add up to 1, found {:.6g}", sum));
+}
+
 void Binder::boolean(std::string_view key, bool& value, std::string_view help) {
   const Value* given_value = declare({.key = std::string(key),
                                       .range = "true or false",

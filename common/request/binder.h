@@ -150,6 +150,14 @@ class Binder {
   /// A length. The file and `options` give millimetres; `value_m` is in metres.
   void length_mm(std::string_view key, double& value_m, NumberOptions options);
 
+  /// Shares, which must add up to 1. An error of the sum is at the first key.
+  struct Share {
+    const char* key;
+    double& value;
+    const char* help;
+  };
+  void shares(std::initializer_list<Share> all);
+
   /// An optional number. Like all functions named optional_... and required_..., returns whether
   /// the file has a valid value; if not, `value` is unchanged. T is double or an optional of it.
   template <class T>

@@ -429,44 +429,36 @@ void GoalBinder::bind_motion() {
 
 /// Checks face goals against each other and against the dice's starts.
 void check_faces(Binder& constraint, const Parameters& p) {
-  for (std::uint32_t die = 0; die < p.world.dice.size(); ++die) {
+  for (std::uint32_t die = 0; die < p.world.dice.size() && p.numbering == Numbering::free; ++die) {
     std::vector<const Goal*> of_faces;
     for (const Goal& goal : p.goals) {
       if (goal.die == die && goal.is_of_faces()) of_faces.push_back(&goal);
     }
     if (of_faces.empty()) continue;
-    if (p.numbering == Numbering::free) {
-      if (p.world.dice[die].orientation == StartOrientation::fixed) {
-        constraint.error("numbering",
-                         fmt::format("must be \"fixed\": die {} has a fixed initial orientation, "
-                                     "so its faces can't be numbered after the throw",
-                                     die + 1));
-      }
-      for (const Goal* goal : of_faces) {
-        if (goal->at_s != of_faces.front()->at_s) {
-          constraint.error("numbering",
-                           fmt::format("must be \"fixed\": die {} has face goals at several times, "
-                                       "and the die needs one numbering for all of them",
-                                       die + 1));
-          break;
-        }
-      }
-    }
+    if (p.world.dice[die].orientation == StartOrientation::fixed)
+      constraint.error("numbering",
+                       fmt::format("must be \"fixed\": die {} has a fixed initial orientation, so "
+                                   "its faces can't be numbered after the throw",
+                                   die + 1));
+    if (std::ranges::any_of(of_faces,
+                            [&](const Goal* goal) { return goal->at_s != of_faces.front()->at_s; }))
+      constraint.error("numbering",
+                       fmt::format("must be \"fixed\": die {} has face goals at several times, and "
+                                   "the die needs one numbering for all of them",
+                                   die + 1));
   }
 }
 
 void bind_proposal(Binder& sampler, ProposalParameters& p) {
-  const auto share = [&](std::string_view key, double& value, std::string_view help) {
-    sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
-  };
-  share("change_all", p.change_all, "share of proposals that redraw everything");
-  share("change_die", p.change_die, "share of proposals that redraw the start of one die");
-  share("change_start", p.change_start,
-        "share of proposals that change one component of a die's start");
-  share("change_control", p.change_control,
-        "share of proposals that change a random control point");
-  share("change_contact", p.change_contact,
-        "share of proposals that change a control point at a collision");
+  sampler.shares(
+      {{"change_all", p.change_all, "share of proposals that redraw everything"},
+       {"change_die", p.change_die, "share of proposals that redraw the start of one die"},
+       {"change_start", p.change_start,
+        "share of proposals that change one component of a die's start"},
+       {"change_control", p.change_control,
+        "share of proposals that change a random control point"},
+       {"change_contact", p.change_contact,
+        "share of proposals that change a control point at a collision"}});
   sampler.length_mm("position_step_mm", p.position_m,
                     {.minimum = 1e-6, .maximum = 1000, .help = k_step_help});
   const auto step = [&](std::string_view key, double& value, std::string_view unit,
@@ -491,13 +483,6 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
                    .maximum = 40,
                    .help = "maximum number of halvings of a step; every number from 0 to this "
                            "maximum is equally likely"});
-  if (!sampler.all_valid(
-          {"change_all", "change_die", "change_start", "change_control", "change_contact"}))
-    return;
-  const double sum =
-      p.change_all + p.change_die + p.change_start + p.change_control + p.change_contact;
-  if (std::fabs(sum - 1) > 1e-9)
-    sampler.error("change_all", fmt::format("the shares must add up to 1, found {:.6g}", sum));
 }
 
 void bind(request::WorldSections& sections, Parameters& parameters) {

@@ -281,21 +281,21 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
                          "proposal ratios; \"thesis\": the biased ratios printed in the thesis "
                          "(A.2.2), only for reproducing its figures");
   check_kernel(sampler, p.kernel);
-  const auto share = [&](std::string_view key, double& value, std::string_view help) {
-    sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
-  };
-  share("change_all", p.change_all, "share of proposals that redraw everything");
-  share("change_vertices", p.change_vertices, "share of proposals that move partition vertices");
-  share("change_ball", p.change_ball, "share of proposals that drop one ball at a different place");
-  share("disable_balls", p.disable_balls, "share of proposals that remove balls");
-  share("enable_balls", p.enable_balls,
-        "share of proposals that add balls; must equal disable_balls");
-  share("aim_ball", p.aim_ball, "share of proposals that drop a loose ball near an empty bin");
-  share("scatter_ball", p.scatter_ball,
+  sampler.shares(
+      {{"change_all", p.change_all, "share of proposals that redraw everything"},
+       {"change_vertices", p.change_vertices, "share of proposals that move partition vertices"},
+       {"change_ball", p.change_ball, "share of proposals that drop one ball at a different place"},
+       {"disable_balls", p.disable_balls, "share of proposals that remove balls"},
+       {"enable_balls", p.enable_balls,
+        "share of proposals that add balls; must equal disable_balls"},
+       {"aim_ball", p.aim_ball, "share of proposals that drop a loose ball near an empty bin"},
+       {"scatter_ball", p.scatter_ball,
         "share of proposals that take a ball out of a bin that it fills, and drop it at a random "
-        "place; these proposals reverse aim_ball");
-  share("vertex_probability", p.vertex_probability,
-        "probability that a change_vertices proposal moves a given vertex");
+        "place; these proposals reverse aim_ball"}});
+  sampler.number("vertex_probability", p.vertex_probability,
+                 {.minimum = 0,
+                  .maximum = 1,
+                  .help = "probability that a change_vertices proposal moves a given vertex"});
   length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m, 1e-6,
             "standard deviation of each coordinate of a vertex move");
   p.vertex_redraw = 0;
@@ -324,10 +324,6 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   if (!sampler.all_valid({"change_all", "change_vertices", "change_ball", "disable_balls",
                           "enable_balls", "aim_ball", "scatter_ball", "solo_steps"}))
     return;
-  const double sum = p.change_all + p.change_vertices + p.change_ball + p.disable_balls +
-                     p.enable_balls + p.aim_ball + p.scatter_ball;
-  if (std::fabs(sum - 1) > 1e-9)
-    sampler.error("change_all", fmt::format("the shares must add up to 1, found {:.6g}", sum));
   if (p.disable_balls != p.enable_balls)
     sampler.error("enable_balls",
                   "must equal disable_balls, because the two proposals reverse each other");
