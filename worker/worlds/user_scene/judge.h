@@ -12,7 +12,6 @@
 #include "worker/physics/reuse/recording.h"
 #include "worker/worlds/user_scene/build.h"
 #include "worker/worlds/user_scene/constraints.h"
-#include "worker/worlds/user_scene/static_owners.h"
 
 namespace sleight::worlds::user_scene {
 

@@ -109,9 +109,6 @@ struct PriorDraws {
 PriorDraws prior_draws(const UserScene& world, std::uint64_t count_max,
                        const std::function<bool(std::uint64_t done)>& go_on);
 
-/// Returns a sentence for each thing that needs attention.
-std::vector<std::string> warnings_of(const UserScene& world, const PriorDraws& draws);
-
 // ---- the report ---------------------------------------------------------------------------------
 
 /// Whether a mesh, helix or ramp encloses a solid. The triangles of a closed mesh are anticlockwise

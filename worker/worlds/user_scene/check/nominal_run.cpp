@@ -5,8 +5,6 @@
 #include <span>
 #include <utility>
 
-#include "worker/worlds/user_scene/static_owners.h"
-
 namespace sleight::worlds::user_scene {
 namespace {
 

@@ -13,7 +13,6 @@
 #include "worker/physics/shape/round_solids.h"
 #include "worker/worlds/scene_parts/scene_parts.h"
 #include "worker/worlds/segments/recorded_segments.h"
-#include "worker/worlds/user_scene/static_owners.h"
 
 namespace sleight::worlds::user_scene {
 namespace {
@@ -242,19 +241,14 @@ class Painter {
 
 }  // namespace
 
-scene::Scene look_of(const SceneDescription& description, const BuiltScene& built) {
-  return Painter(description, built).scene();
-}
-
 scene::Scene look_of(const Parameters& parameters) {
-  scene::Scene scene = look_of(parameters.scene, *parameters.built);
+  scene::Scene scene = Painter(parameters.scene, *parameters.built).scene();
   for (const Constraint& one : parameters.constraints) {
     if (one.asks != Asks::face) continue;
     for (scene::Part& part : scene.parts) {
       const std::uint32_t body = part.feature;
-      const Object& object = parameters.built->objects[body];
-      const bool is_box = object.kind == ObjectKind::moving &&
-                          parameters.scene.bodies[object.description].sizes.kind == ShapeKind::box;
+      const bool is_box = body < parameters.built->moving &&
+                          parameters.described(body).sizes.kind == ShapeKind::box;
       if (is_box && std::ranges::count(one.bodies, body) > 0) part.shape = scene::Shape::die;
     }
   }

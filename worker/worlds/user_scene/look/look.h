@@ -31,10 +31,7 @@ namespace sleight::worlds::user_scene {
 inline constexpr std::uint32_t k_body_triangles_max = 200;
 
 /// Returns the scene's look. `low_m` and `high_m` bound all objects but planes at the start; the
-/// caller adds the motion. REQUIRES: `built` was built from `description`.
-scene::Scene look_of(const SceneDescription& description, const BuiltScene& built);
-
-/// Like look_of() above. A box that a constraint asks to show a face is drawn as a die.
+/// caller adds the motion. A box that a constraint asks to show a face is drawn as a die.
 scene::Scene look_of(const Parameters& parameters);
 
 /// Returns the motion of the shapes' frames (description.h). Features are numbered as the objects

@@ -8,7 +8,6 @@
 #include "tests/unit/worker/worlds/user_scene/read_scene.h"
 #include "worker/physics/simulator/simulation.h"
 #include "worker/worlds/user_scene/body_form.h"
-#include "worker/worlds/user_scene/static_owners.h"
 
 namespace sleight::worlds::user_scene {
 namespace {

@@ -46,7 +46,10 @@ TEST(Look, ShowsEveryShape) {
   // and as large as it is. Method: compare drawn volumes and their centres with the simulator's.
   const SceneDescription description = every_shape();
   const BuiltScene built = build(description).value();
-  const scene::Scene scene = look_of(description, built);
+  const scene::Scene scene = look_of({.scene = description,
+                                      .built = std::make_shared<const BuiltScene>(built),
+                                      .uncertain = {},
+                                      .constraints = {}});
   EXPECT_EQ(scene::fault_of(scene), "");
   std::vector<Vec3> points_m;
   std::ranges::transform(scene.vertices, std::back_inserter(points_m), &scene::Vertex::place_m);
