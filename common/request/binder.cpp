@@ -143,6 +143,10 @@ std::string hint_of(const Value& value, const TextOptions& /*options*/, std::str
                      is_set ? "'" : "");
 }
 
+std::string_view key_of(const BoundKey& bound) {
+  return bound.spec.key;
+}
+
 std::string found_in(const Value& value) {
   const auto* array = std::get_if<std::vector<Value>>(&value.held);
   return array == nullptr ? description(value) : fmt::format("an array of {}", array->size());
@@ -237,22 +241,6 @@ void Binder::texts(std::string_view key, std::vector<std::string>& values, const
   values = read_array<std::string>(key, shape, nullptr, list.required, each).value_or(values);
 }
 
-template <class Options>
-Binder::ExpectedElements Binder::describe_array(const Shape& shape, const Options& each,
-                                                KeySpec& spec) {
-  describe_range(each, spec);
-  ExpectedElements expected;
-  expected.element = spec.expected;
-  expected.row = fmt::format("{}, each {}", counted(shape.columns, noun(each)), spec.expected);
-  const std::string rows =
-      counted(shape.rows_min, shape.rows_max, shape.is_rows ? "row" : noun(each));
-  spec.range = shape.is_rows ? fmt::format("{} of {} in {}", rows, shape.columns, spec.range)
-                             : fmt::format("{} in {}", rows, spec.range);
-  spec.expected = shape.is_rows ? fmt::format("{} of {}", rows, expected.row)
-                                : fmt::format("{}, each {}", rows, expected.element);
-  return expected;
-}
-
 template <class Element, class Options>
 std::optional<std::vector<Element>> Binder::read_array(std::string_view key, const Shape& shape,
                                                        const std::vector<Element>* fallback,
@@ -263,7 +251,16 @@ std::optional<std::vector<Element>> Binder::read_array(std::string_view key, con
   spec.presence = required              ? Presence::required
                   : fallback != nullptr ? Presence::defaulted
                                         : Presence::optional;
-  const ExpectedElements expected = describe_array(shape, each, spec);
+  describe_range(each, spec);
+  const std::string row =
+      fmt::format("{}, each {}", counted(shape.columns, noun(each)), spec.expected);
+  const ExpectedElements expected{spec.expected, row};
+  const std::string rows =
+      counted(shape.rows_min, shape.rows_max, shape.is_rows ? "row" : noun(each));
+  spec.range = shape.is_rows ? fmt::format("{} of {} in {}", rows, shape.columns, spec.range)
+                             : fmt::format("{} in {}", rows, spec.range);
+  spec.expected = shape.is_rows ? fmt::format("{} of {}", rows, row)
+                                : fmt::format("{}, each {}", rows, spec.expected);
   std::optional<std::vector<Element>> elements;
   if (fallback != nullptr) {
     for (const Element& element : *fallback)
@@ -443,8 +440,7 @@ std::optional<std::size_t> Binder::read_choice(std::string_view key,
 }
 
 void Binder::settle(std::string_view key, std::string value) {
-  const auto bound = std::find_if(bound_.keys.begin(), bound_.keys.end(),
-                                  [&](const BoundKey& b) { return b.spec.key == key; });
+  const auto bound = std::ranges::find(bound_.keys, key, key_of);
   CHECK(bound != bound_.keys.end());
   bound->value = std::move(value);
 }
@@ -454,9 +450,8 @@ bool Binder::given(std::string_view key) const {
 }
 
 bool Binder::valid(std::string_view key) const {
-  const bool declared = std::any_of(bound_.keys.begin(), bound_.keys.end(),
-                                    [&](const BoundKey& bound) { return bound.spec.key == key; });
-  return declared && std::find(invalid_.begin(), invalid_.end(), key) == invalid_.end();
+  return std::ranges::find(bound_.keys, key, key_of) != bound_.keys.end() &&
+         std::ranges::find(invalid_, key) == invalid_.end();
 }
 
 void Binder::error(std::string_view key, std::string_view message) {

@@ -192,22 +192,21 @@ class Binder {
   void numbers(std::string_view key, std::vector<double>& values, const ListOptions& list,
                const NumberOptions& each);
 
-  /// An array of rows, each an array of N numbers: `[[0, 0, 1], [1, 0, 0]]`. `each` describes every
-  /// number. If the file has no valid one, `rows` stays empty. REQUIRES: `rows` is empty; N *
-  /// count_max <= k_array_numbers_max.
-  template <std::size_t N>
-  void rows(std::string_view key, std::vector<std::array<double, N>>& rows, const ListOptions& list,
-            const NumberOptions& each) {
-    read_rows<double>(key, rows, list, each);
-  }
-
-  /// Like rows() above, but of integers. REQUIRES: the range fits T.
+  /// An array of rows, each an array of N numbers: `[[0, 0, 1], [1, 0, 0]]`. T is double or
+  /// integral. `each` describes every number. If the file has no valid one, `rows` stays empty.
+  /// REQUIRES: `rows` is empty; N * count_max <= k_array_numbers_max; the range fits T.
   template <class T, std::size_t N>
-  requires std::is_integral_v<T>
   void rows(std::string_view key, std::vector<std::array<T, N>>& rows, const ListOptions& list,
-            const IntegerOptions& each) {
-    check_fits<T>(each);
-    read_rows<std::int64_t>(key, rows, list, each);
+            const std::conditional_t<std::is_integral_v<T>, IntegerOptions, NumberOptions>& each) {
+    if constexpr (std::is_integral_v<T>) check_fits<T>(each);
+    using Element = std::conditional_t<std::is_integral_v<T>, std::int64_t, double>;
+    CHECK(rows.empty());
+    const Shape shape{list.count_min, list.count_max, N, true};
+    const auto given = read_array<Element>(key, shape, nullptr, list.required, each);
+    for (std::size_t i = 0; given && i < given->size(); ++i) {
+      if (i % N == 0) rows.emplace_back();
+      rows.back()[i % N] = static_cast<T>((*given)[i]);
+    }
   }
 
   /// An array of texts. If the file has no valid one, `values` stays empty. REQUIRES: `values` is
@@ -357,9 +356,6 @@ class Binder {
     return {.rows_min = count, .rows_max = count};
   }
   struct ExpectedElements;
-  /// Fills in the range and the expected value of an array.
-  template <class Options>
-  static ExpectedElements describe_array(const Shape& shape, const Options& each, KeySpec& spec);
   /// Returns whether all elements are valid.
   template <class Element, class Options>
   bool read_elements(const Value& value, const Shape& shape, const ExpectedElements& expected,
@@ -369,17 +365,6 @@ class Binder {
   std::optional<std::vector<Element>> read_array(std::string_view key, const Shape& shape,
                                                  const std::vector<Element>* fallback,
                                                  bool required, const Options& each);
-  template <class Element, class T, std::size_t N, class Options>
-  void read_rows(std::string_view key, std::vector<std::array<T, N>>& rows, const ListOptions& list,
-                 const Options& each) {
-    CHECK(rows.empty());
-    const Shape shape{list.count_min, list.count_max, N, true};
-    const auto given = read_array<Element>(key, shape, nullptr, list.required, each);
-    for (std::size_t i = 0; given && i < given->size(); ++i) {
-      if (i % N == 0) rows.emplace_back();
-      rows.back()[i % N] = static_cast<T>((*given)[i]);
-    }
-  }
   /// Without a section, describes the table and ignores errors.
   template <class T>
   BoundSection bind_table(const BoundTables& tables, const Section* section, T& value,

@@ -115,17 +115,13 @@ std::string syntax_message(std::string_view description) {
   return "not valid TOML: " + message;
 }
 
-bool by_place(const Entry& a, const Entry& b) {
-  return a.place < b.place;
-}
-
 Entry entry_of(const toml::key& key, const toml::node& node);
 
 std::vector<Entry> entries_of(const toml::table& table) {
   std::vector<Entry> entries;
   for (const auto& [key, node] : table)
     entries.push_back(entry_of(key, node));
-  std::stable_sort(entries.begin(), entries.end(), by_place);
+  std::ranges::stable_sort(entries, {}, &Entry::place);
   return entries;
 }
 

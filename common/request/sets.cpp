@@ -16,12 +16,9 @@ namespace {
 constexpr std::size_t k_text_characters_max = 80;
 constexpr std::string_view k_form = "expected SECTION.KEY=VALUE, for example sampler.seed=7";
 
-std::string option_of(std::string_view text) {
-  return fmt::format("--set {}", text);
-}
-
 Diagnostic wrong(std::string_view text, std::string message) {
-  return {printable(option_of(text), k_text_characters_max), k_no_place, std::move(message)};
+  return {printable(fmt::format("--set {}", text), k_text_characters_max), k_no_place,
+          std::move(message)};
 }
 
 /// A `--set` option before its ranges are expanded.
@@ -215,10 +212,6 @@ base::Result<ReadSets, std::vector<Diagnostic>> read_sets(std::span<const std::s
   return read;
 }
 
-Place place_of(std::size_t set) {
-  return {0, static_cast<std::uint32_t>(set) + 1};
-}
-
 /// Moves a value, and what is in it, to the place.
 void move_to(Place place, Value& value) {
   value.place = place;
@@ -278,23 +271,17 @@ const KeySet* find_set(std::span<const KeySet> sets, std::string_view section,
 void apply_sets(Document& document, std::span<const KeySet> sets) {
   for (std::size_t i = 0; i < sets.size(); ++i) {
     const KeySet& set = sets[i];
-    const Place place = place_of(i);
+    const Place place{0, static_cast<std::uint32_t>(i) + 1};
     Entry entry{.key = set.key, .place = place, .value = set.value};
     move_to(place, entry.value);
     if (set.section.empty()) {
       document.loose.push_back(std::move(entry));
       continue;
     }
-    const auto is_named = [](std::string_view name) {
-      return [name](const Section& section) { return section.name == name; };
-    };
-    auto section =
-        std::find_if(document.sections.begin(), document.sections.end(), is_named(set.section));
-    if (section == document.sections.end()) {
-      section = document.sections.insert(section, {.name = set.section,  //
-                                                   .place = place,
-                                                   .entries = {}});
-    }
+    auto section = std::ranges::find(document.sections, set.section, &Section::name);
+    if (section == document.sections.end())
+      section =
+          document.sections.insert(section, {.name = set.section, .place = place, .entries = {}});
     std::erase_if(section->entries, [&](const Entry& old) { return old.key == entry.key; });
     section->entries.push_back(std::move(entry));
   }

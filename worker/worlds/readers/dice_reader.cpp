@@ -27,11 +27,6 @@ void append_vector(const Vec3& v, std::vector<double>& values) {
   values.insert(values.end(), {v.x(), v.y(), v.z()});
 }
 
-/// Appends w, x, y, z.
-void append_quaternion(const Quat& q, std::vector<double>& values) {
-  values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
-}
-
 std::vector<double> components(const WorldParameters& world, Vec3 DieStart::*vector) {
   std::vector<double> values;
   for (const DieStart& die : world.dice)
@@ -252,7 +247,8 @@ class DiceReader final : public PlacesReader<Dice> {
     for (const DieThrow& die : state.dice)
       append_vector(die.position_m, values);
     for (const DieThrow& die : state.dice)
-      append_quaternion(die.orientation, values);
+      values.insert(values.end(), {die.orientation.w(), die.orientation.x(), die.orientation.y(),
+                                   die.orientation.z()});
     for (const DieThrow& die : state.dice)
       append_vector(die.velocity_mps, values);
     for (const DieThrow& die : state.dice)

@@ -1,6 +1,7 @@
 #include "worker/worlds/segments/recorded_segments.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/base/check.h"
@@ -11,17 +12,9 @@ namespace sleight::worlds {
 namespace {
 
 motion::Mode mode_of(physics::MotionMode mode) {
-  switch (mode) {
-    case physics::MotionMode::free:
-      return motion::Mode::flying;
-    case physics::MotionMode::sliding:
-      return motion::Mode::sliding;
-    case physics::MotionMode::rolling:
-      return motion::Mode::rolling;
-    case physics::MotionMode::resting:
-      return motion::Mode::resting;
-  }
-  base::check_failed("the mode is known", "");
+  constexpr std::array k_modes{motion::Mode::flying, motion::Mode::sliding, motion::Mode::rolling,
+                               motion::Mode::resting};
+  return k_modes.at(static_cast<std::size_t>(mode));
 }
 
 /// Sets the cause, unless it is the start, and the partner of a hit.

@@ -22,7 +22,8 @@ namespace {
 
 using request::Binder;
 
-/// The law of a material. Of a pair, the file may omit keys: then `law` is unchanged.
+/// Binds the law of a material or of a pair. If a pair omits a key, the number in `law` is
+/// unchanged.
 void bind_law(Binder& table, bool is_pair, physics::SurfaceLaw& law) {
   const auto bind = [&](const char* key, double& value, double maximum, const char* help) {
     if (!is_pair) return table.number(key, value, {.minimum = 0, .maximum = maximum, .help = help});
