@@ -30,7 +30,6 @@
 #include "common/request/sets.h"
 #include "common/request/text.h"
 #include "service/coordinator/stop_signal.h"
-#include "worker/sampling/search_lanes.h"
 
 namespace sleight::programs {
 namespace {
@@ -98,25 +97,10 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
                         summary.first_failure));
 }
 
-/// Explains why a search gave up by what its last starts had in common.
-std::string why_it_gave_up(const plan::Finds& finds) {
-  if (finds.relaxed < finds.relaxed_wanted && finds.found >= finds.wanted)
-    return fmt::format("After relaxation, none of the last {} finds satisfied the constraint.",
-                       sampling::k_starts_in_vain_max);
-  if (finds.stuck_at.empty())
-    return fmt::format(
-        "None of the last {} starts satisfied the constraint when all bodies moved together.",
-        sampling::k_starts_in_vain_max);
-  return fmt::format(
-      "None of the last {} starts got past {}: every attempt at this stage violated the "
-      "constraint. To print the full constraint, with time limits, run `sleight check`.",
-      sampling::k_starts_in_vain_max, finds.stuck_at);
-}
-
 std::string what_is_missing(const coordinator::RunSummary& summary) {
   const plan::Finds& finds = summary.progress.finds;
   if (finds.is_all && finds.gave_up && finds.found == 0)
-    return fmt::format("No archive: the search found nothing. {}", why_it_gave_up(finds));
+    return fmt::format("No archive: the search found nothing. {}", finds.gave_up_because);
   if (finds.is_all) return "No archive yet: the run stopped before the search found a solution.";
   if (summary.progress.odds.are_asked)
     return "No archive yet: the run stopped before the first island was complete.";
@@ -139,6 +123,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
         {"found", summary.found},
         {"found_in_proportion", false},
         {"takes", summary.relaxed},
+        {"gave_up_because", summary.progress.finds.gave_up_because},
         {"independent_solutions", summary.progress.solutions},
         {"session_seconds", summary.progress.elapsed_s},
         {"session_simulations", summary.progress.session_simulations},
@@ -177,7 +162,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
                events::grouped(summary.scans), request.sampler.seed, summary.digest);
   }
   if (!summary.digest.empty() && summary.progress.finds.gave_up)
-    fmt::print("The search gave up. {}\n", why_it_gave_up(summary.progress.finds));
+    fmt::print("The search gave up. {}\n", summary.progress.finds.gave_up_because);
   print_effort(summary);
   print_failures(arguments, summary);
   if (summary.end == coordinator::DriveEnd::simulation_failed) {
@@ -190,8 +175,8 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
 }  // namespace
 
 const char* const k_exit_codes =
-    "Exit codes: 0 success (also at a time limit); 1 bug; 2 wrong usage;\n"
-    "3 errors in the request; 4 output belongs to another request, another\n"
+    "Exit codes: 0 success (also at a time limit, or if a search finds nothing); 1 bug;\n"
+    "2 wrong usage; 3 errors in the request; 4 output belongs to another request, another\n"
     "results version or a running process; 5 system error (disk, files, memory); 6 invalid "
     "archive;\n"
     "7 chains have not mixed or cannot be judged, or weighted draws have too small an effective\n"

@@ -29,7 +29,7 @@ void visit_fields(Visitor& fields, T& what) {
     fields("found", what.finds.found);
     fields("found_wanted", what.finds.wanted);
     fields("gave_up", what.finds.gave_up);
-    fields("stuck_at", what.finds.stuck_at);
+    fields("gave_up_because", what.finds.gave_up_because);
     fields("search_is_all", what.finds.is_all);
     fields("relaxed", what.finds.relaxed);
     fields("relaxed_wanted", what.finds.relaxed_wanted);

@@ -45,9 +45,8 @@ struct Finds {
   std::uint64_t found = 0;
   std::uint64_t wanted = 0;  ///< 0: no search.
   bool gave_up = false;      ///< Too many consecutive starts found nothing.
-  /// After giving up: the stage at which the best starts were stuck, such as "ball 3 of 16". Empty
-  /// if starts passed all stages, but no whole motion satisfied the constraint.
-  std::string stuck_at{};
+  /// After giving up: what the last starts reached and what to do, in sentences for people.
+  std::string gave_up_because{};
   bool is_all = false;  ///< No sampled chains follow the search.
   /// Number of takes.
   std::uint64_t relaxed = 0;

@@ -241,7 +241,7 @@ events::End end_of(const RunSummary& summary) {
 std::string words_of(const RunSummary& summary) {
   if (summary.is_archive_given_up)
     return "stopped while writing the archive; any previous archive is unchanged";
-  const std::string& stuck_at = summary.progress.finds.stuck_at;
+  const plan::Finds& finds = summary.progress.finds;
   const plan::Odds& odds = summary.progress.odds;
   switch (end_of(summary)) {
     case events::End::finished:
@@ -249,9 +249,8 @@ std::string words_of(const RunSummary& summary) {
     case events::End::stop_requested:
       return odds.are_asked ? events::odds_in_words(odds) : "";
     case events::End::gave_up:
-      return fmt::format("the search gave up after {} of {} finds{}", summary.found,
-                         summary.progress.finds.wanted,
-                         stuck_at.empty() ? "" : "; stuck at " + stuck_at);
+      return fmt::format("the search gave up after {} of {} finds. {}", summary.found, finds.wanted,
+                         finds.gave_up_because);
     case events::End::no_draws:
       return "all scans are done, but none is a draw: the burn-in needs more scans";
     case events::End::simulation_failed:

@@ -227,7 +227,7 @@ std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
                                       const std::optional<request::Cut>& cut) {
   const request::SamplerParameters& sampler = request.sampler;
   const auto search = [&](std::uint64_t finds) {
-    return sampling::SearchLanes(sampler.seed, finds, world.stage_names(request));
+    return sampling::SearchLanes(sampler.seed, finds, world.search_texts(request));
   };
   std::unique_ptr<plan::Plan> plan;
   if (sampler.relax_scans) {

@@ -16,6 +16,7 @@
 #include "common/request/direction_request.h"
 #include "worker/run/sample_cache.h"
 #include "worker/sampling/burn_in_judge.h"
+#include "worker/sampling/search_lanes.h"
 
 namespace sleight::run {
 
@@ -52,8 +53,8 @@ class WorldEntry {
   /// A sentence for display: how long similar requests took until solutions had the model's
   /// proportions. Empty if unknown.
   virtual std::string past_effort(const request::DirectionRequest& request) const = 0;
-  /// Names of stages for display, such as "ball 3 of 16". Empty if the world has no search.
-  virtual std::vector<std::string> stage_names(const request::DirectionRequest& request) const = 0;
+  /// Texts for messages about a search. Empty if the world has no search.
+  virtual sampling::SearchTexts search_texts(const request::DirectionRequest& request) const = 0;
 };
 
 class Catalogue {

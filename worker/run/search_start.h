@@ -38,7 +38,9 @@ concept SearchedWorld = sampling::Target<W> &&
   { world.burn_in_values() } -> std::same_as<std::vector<sampling::BurnInValue>>;
   { world.burn_in_values_of(state, outcome) } -> std::same_as<std::vector<double>>;
   { world.stages() } -> std::same_as<std::uint32_t>;
-  /// Name for display, such as "ball 3 of 16".
+  /// Name for display, such as "ball 3 of 16". If the builder reports misses, the world also has
+  /// miss_kinds(), a std::vector<sampling::MissKind>. It may have search_advice(), a sentence that
+  /// says what to do if a search gives up.
   { world.stage_name(std::uint32_t{}) } -> std::same_as<std::string>;
 };
 
@@ -74,10 +76,11 @@ std::optional<sampling::Sample<W>> search_start(const W& world, const typename W
   return sampling::Sample<W>{std::move(state), std::move(outcome), log_prior, log_constraint};
 }
 
-/// Returns a start's record. If there is no find, sets only the maximum number of accepted stages.
+/// Returns a start's record. If there is no find, `method_values` has the maximum number of
+/// accepted stages, and the kind and amount of the nearest miss of the next stage, if one is known.
 template <SearchedWorld W>
 plan::ScanRecord start_record(const W& world, const std::optional<sampling::Sample<W>>& find,
-                              std::uint64_t scan, std::uint32_t furthest,
+                              std::uint64_t scan, const sampling::SearchEffort& effort,
                               const ScanCounts& counts) {
   plan::ScanRecord record{.log_prior = sampling::k_log_zero,
                           .log_constraint = sampling::k_log_zero,
@@ -85,7 +88,10 @@ plan::ScanRecord start_record(const W& world, const std::optional<sampling::Samp
                           .failures = counts.failures,
                           .overlapping_starts = counts.overlapping_starts};
   if (!find) {
-    record.method_values = {static_cast<double>(furthest)};
+    record.method_values = {static_cast<double>(effort.furthest)};
+    if (const auto& nearest = effort.nearest)
+      record.method_values.insert(record.method_values.end(),
+                                  {static_cast<double>(nearest->kind), nearest->amount});
     return record;
   }
   record.log_prior = find->log_prior;
@@ -115,7 +121,7 @@ plan::UnitResult search_unit(const W& world, const typename W::Guide& guide, con
     counts.overlapping_starts = effort.overlapping_starts;
     counts.tell_failed(scan, result.failed);
     result.simulations += effort.simulations + effort.guesses;
-    result.scans.push_back(start_record(world, find, scan, effort.furthest, counts));
+    result.scans.push_back(start_record(world, find, scan, effort, counts));
   }
   return result;
 }

@@ -61,14 +61,17 @@ class EntryOf final : public WorldEntry {
     if constexpr (requires { world.past_effort(); }) return world.past_effort();
     return {};
   }
-  std::vector<std::string> stage_names(const request::DirectionRequest& request) const override {
-    std::vector<std::string> names;
+  sampling::SearchTexts search_texts(const request::DirectionRequest& request) const override {
+    sampling::SearchTexts texts;
     if constexpr (SearchedWorld<World>) {
       const World world = world_of(request);
       for (std::uint32_t stage = 0; stage < world.stages(); ++stage)
-        names.push_back(world.stage_name(stage));
+        texts.stages.push_back(world.stage_name(stage));
+      if constexpr (requires { world.miss_kinds(); }) texts.misses = world.miss_kinds();
+      texts.advice = "To print the full constraint, with time limits, run `sleight check`.";
+      if constexpr (requires { world.search_advice(); }) texts.advice = world.search_advice();
     }
-    return names;
+    return texts;
   }
 
  private:

@@ -1,5 +1,7 @@
 #include "worker/sampling/relaxed_finds.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "common/base/check.h"
@@ -96,7 +98,10 @@ plan::Finds RelaxedFinds::finds() const {
   finds.is_all = true;
   finds.relaxed = std::min(takes_, options_.takes);
   finds.relaxed_wanted = options_.takes;
-  finds.gave_up = finds.gave_up || (finished() && takes_ < options_.takes);
+  if (finds.gave_up || !finished() || takes_ >= options_.takes) return finds;
+  finds.gave_up = true;
+  finds.gave_up_because = fmt::format(
+      "After relaxation, none of the last {} finds satisfied the constraint.", in_vain_);
   return finds;
 }
 

@@ -12,10 +12,12 @@
 // A builder is a world together with its guide. Thread safety: as the builder's.
 #pragma once
 
-#include <algorithm>
+#include <cmath>
+#include <compare>
 #include <concepts>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,14 +26,40 @@
 
 namespace sleight::sampling {
 
+/// How far a try was from being accepted. The lower of two misses is nearer: a world lists its
+/// kinds from near to far, and amounts of one kind compare.
+struct Miss {
+  std::uint32_t kind = 0;  ///< Index in the world's miss kinds.
+  double amount = 0;       ///< In the kind's unit, at least 0.
+  friend auto operator<=>(const Miss&, const Miss&) = default;
+};
+
+/// For display, such as {"'third note'", "ms"}.
+struct MissKind {
+  std::string name;
+  std::string unit;
+};
+
 struct SearchEffort {
   std::uint64_t tries = 0;
   std::uint64_t simulations = 0;  ///< Simulations of prefixes.
   std::uint64_t guesses = 0;      ///< Cheap simulations before a full one.
   std::uint64_t steps_back = 0;
-  std::uint32_t furthest = 0;  ///< Maximum number of accepted stages.
+  std::uint32_t furthest = 0;     ///< Maximum number of accepted stages.
+  std::optional<Miss> nearest{};  ///< Nearest miss of stage `furthest`.
   std::uint64_t overlapping_starts = 0;
   std::vector<plan::FailurePointer> failures{};
+
+  /// A builder reports that a try of the stage missed. An infinite or NaN amount is ignored.
+  void misses(std::uint32_t stage, std::uint32_t kind, double amount) {
+    const Miss miss{.kind = kind, .amount = amount};
+    if (stage == furthest && std::isfinite(amount) && (!nearest || miss < *nearest)) nearest = miss;
+  }
+  void accepts(std::uint32_t stage) {
+    if (stage < furthest) return;
+    furthest = stage + 1;
+    nearest.reset();
+  }
 };
 
 struct SearchLimits {
@@ -84,7 +112,7 @@ std::optional<typename B::Prefix> search(const B& builder, const SearchLimits& l
     auto longer = builder.attempt(prefixes.back(), stage, effort, stream);
     if (!longer) continue;
     prefixes.push_back(*std::move(longer));
-    effort.furthest = std::max(effort.furthest, stage + 1);
+    effort.accepts(stage);
     tries_here = 0;
   }
 }

@@ -10,13 +10,14 @@ namespace sleight::events {
 namespace {
 
 std::vector<RunEvent> examples() {
-  Progress progress{.scans_done = 5,
-                    .scans_total = 9,
-                    .finds = {.found = 2, .wanted = 3, .stuck_at = "ball \"3\"", .is_all = true},
-                    .found_s = 0.25,
-                    .failures = {.by_kind = {1, 0, 0, 2, 0, 0}},
-                    .workers = 4,
-                    .elapsed_s = 12.5};
+  Progress progress{
+      .scans_done = 5,
+      .scans_total = 9,
+      .finds = {.found = 2, .wanted = 3, .gave_up_because = "ball \"3\"", .is_all = true},
+      .found_s = 0.25,
+      .failures = {.by_kind = {1, 0, 0, 2, 0, 0}},
+      .workers = 4,
+      .elapsed_s = 12.5};
   Progress with_trips = progress;
   with_trips.round_trips = 7;
   return {

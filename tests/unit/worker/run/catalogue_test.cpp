@@ -1,5 +1,6 @@
 #include "worker/run/catalogue.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +11,9 @@
 
 #include "common/request/direction_request.h"
 #include "worker/run/chain_worker.h"
+#include "worker/run/search_start.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
+#include "worker/worlds/spelling/pouring_stages.h"
 
 namespace sleight::run {
 namespace {
@@ -52,6 +55,20 @@ TEST(Catalogue, ListsItsWorldsInOrder) {
     const auto request = read(catalogue, text);
     EXPECT_EQ(catalogue.world_of(request).make_reader(request)->layout().world, world.name);
   }
+}
+
+TEST(SearchStart, RecordsItsNearestMiss) {
+  // Goal: a search reads what start_record() writes about a start without a find.
+  using World = worlds::spelling::StagedSpelling;
+  const World world(worlds::spelling::Parameters{});
+  const sampling::SearchEffort effort{.furthest = 1, .nearest = sampling::Miss{1, 31}};
+  const std::vector<plan::ScanRecord> start{
+      start_record<World>(world, std::nullopt, 0, effort, ScanCounts(0))};
+  sampling::SearchLanes lanes(1, 1, {.stages = {"a", "b"}, .misses = {{"a", "mm"}, {"b", "ms"}}});
+  while (const auto unit = lanes.next_unit(1))
+    lanes.consume(unit->replica.chain, unit->first_scan, start);
+  EXPECT_THAT(lanes.finds().gave_up_because,
+              testing::HasSubstr("All got past a. The nearest missed b by 31 ms."));
 }
 
 TEST(Catalogue, WorkerFollowsTheRequest) {

@@ -1,5 +1,6 @@
 #include "worker/sampling/search_lanes.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -153,30 +154,40 @@ TEST(SearchLanes, GivesUpWhenNothingIsFound) {
   EXPECT_FALSE(late.finds().gave_up);
 }
 
-TEST(SearchLanes, SaysWhatTheyAreStuckAt) {
-  // Goal: a search that gives up names the stage at which the best start since the last find
-  // failed. If that start completed all stages, the search names no stage. Method: let start 20
-  // succeed, and let the best starts before and after it fail at different stages.
-  const auto stuck_at = [](std::uint32_t furthest_before_find, std::uint32_t furthest_after) {
-    SearchLanes lanes(1, 5, {"ball 1", "ball 2", "ball 3"});
+TEST(SearchLanes, SayWhatTheStartsReached) {
+  // Goal: a search that gives up tells which stage no start since the last find passed, which share
+  // of these starts passed the earlier stages, and the nearest miss of the best starts. Method: let
+  // start 20 succeed. Every 7th start is a best one, and misses by its number; of the others, odd
+  // ones pass at most one stage. Lanes end in reverse order.
+  const auto because = [](std::uint32_t furthest_before_find, std::uint32_t furthest_after) {
+    SearchLanes lanes(1, 5,
+                      {.stages = {"ball 1", "ball 2", "ball 3"},
+                       .misses = {{"the hole", "mm"}},
+                       .advice = "Look."});
     for (std::uint64_t scan = 0; !lanes.finished(); ++scan) {
-      for (std::uint32_t lane = 0; lane < plan::k_search_lanes; ++lane) {
+      for (std::uint32_t lane = plan::k_search_lanes; lane-- > 0;) {
         std::vector<plan::ScanRecord> start(1);
         const std::uint64_t number = scan * plan::k_search_lanes + lane;
         start[0].satisfied = number == 20;
-        const std::uint32_t furthest = number < 20 ? furthest_before_find : furthest_after;
-        if (number != 20)
-          start[0].method_values = {static_cast<double>(number % 7 == 0 ? furthest : 0)};
+        const double furthest = number < 20 ? furthest_before_find : furthest_after;
+        std::vector<double>& values = start[0].method_values;
+        values = {number % 7 == 0 ? furthest : std::min(furthest, number % 2 == 0 ? 0.0 : 1.0)};
+        if (number % 7 == 0 && furthest < 3) values.insert(values.end(), {0, 1. * number});
+        if (number == 20) values.clear();
         lanes.consume(base::ChainId{plan::k_first_lane + lane}, base::ScanIndex{scan}, start);
       }
     }
     EXPECT_TRUE(lanes.finds().gave_up);
-    return lanes.finds().stuck_at;
+    return lanes.finds().gave_up_because;
   };
-  EXPECT_EQ(stuck_at(0, 0), "ball 1");
-  EXPECT_EQ(stuck_at(3, 1), "ball 2");
-  EXPECT_EQ(stuck_at(1, 2), "ball 3");
-  EXPECT_EQ(stuck_at(1, 3), "");
+  using testing::HasSubstr, testing::Not;
+  EXPECT_THAT(because(0, 0), AllOf(HasSubstr("64 tries got past ball 1."), Not(HasSubstr("%"))));
+  EXPECT_THAT(because(0, 0), AllOf(HasSubstr("missed the hole by 21 mm. Look.")));
+  EXPECT_THAT(because(3, 1), AllOf(HasSubstr("got past ball 2. 58% got past ball 1. ")));
+  EXPECT_THAT(because(1, 2), AllOf(HasSubstr("got past ball 3. 58% got past ball 1, 16% got past "
+                                             "ball 2. The nearest missed the hole by 21 mm.")));
+  EXPECT_THAT(because(1, 3),
+              AllOf(HasSubstr("58% got past ball 1, 16% got past ball 3."), Not(HasSubstr("mm"))));
 }
 
 class ThreeScans final : public plan::Plan {

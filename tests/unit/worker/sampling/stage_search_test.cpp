@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
+#include <optional>
 #include <vector>
 
 #include "common/random/discrete_distributions.h"
@@ -16,6 +19,7 @@ struct Lock {
   std::uint32_t digits = 6;
   bool has_dead_ends = true;
   bool has_a_solution = true;
+  std::multimap<std::uint32_t, double>* misses = nullptr;  ///< By stage.
 
   std::uint32_t stages() const { return digits; }
   static SearchLimits limits() { return {}; }
@@ -25,8 +29,11 @@ struct Lock {
     EXPECT_EQ(prefix.size(), stage);
     ++effort.simulations;
     const std::uint64_t digit = random::UniformInteger{.count = 10}.draw(stream);
-    if (has_dead_ends && !prefix.empty() && prefix.back() == 7) return std::nullopt;
-    if (!prefix.empty() && digit == prefix.back()) return std::nullopt;
+    if (!prefix.empty() && ((has_dead_ends && prefix.back() == 7) || digit == prefix.back())) {
+      effort.misses(stage, 0, static_cast<double>(digit));
+      if (misses) misses->emplace(stage, digit);
+      return std::nullopt;
+    }
     Prefix longer = prefix;
     longer.push_back(digit);
     return longer;
@@ -81,6 +88,30 @@ TEST(StageSearch, SpendsItsTriesAndGivesUp) {
   SearchEffort stuck;
   EXPECT_FALSE(search(Lock{}, {.tries_of_stage = 0, .turns_per_stage = 10}, stream, stuck));
   EXPECT_EQ(stuck.tries, 0U);
+}
+
+TEST(StageSearch, KeepsTheNearestMissOfItsFurthestStage) {
+  // Goal: a search that gives up knows the nearest miss of the stage after its furthest one. Of two
+  // kinds, the lower one is nearer. Method: compare with a list of all misses.
+  int known = 0;
+  for (std::uint64_t number = 0; number < 200; ++number) {
+    std::multimap<std::uint32_t, double> misses;
+    SearchEffort effort;
+    random::Stream stream = stream_of(number);
+    search(Lock{.misses = &misses}, {.tries_of_stage = 4, .turns_per_stage = 1}, stream, effort);
+    std::optional<Miss> nearest;
+    for (const auto& [stage, amount] : misses) {
+      if (stage == effort.furthest && (!nearest || amount < nearest->amount))
+        nearest = Miss{.kind = 0, .amount = amount};
+    }
+    EXPECT_EQ(effort.nearest, nearest);
+    known += nearest ? 1 : 0;
+  }
+  EXPECT_GT(known, 20);
+  SearchEffort effort;
+  for (const Miss& miss : {Miss{2, NAN}, Miss{1, 5}, Miss{2, 3}, Miss{0, INFINITY}})
+    effort.misses(0, miss.kind, miss.amount);
+  EXPECT_EQ(effort.nearest, (Miss{.kind = 1, .amount = 5}));
 }
 
 }  // namespace
