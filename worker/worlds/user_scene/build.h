@@ -109,7 +109,7 @@ class StaticOwners {
   std::vector<Range> features_;  ///< ascending
   std::vector<Range> pieces_;
   std::vector<std::uint32_t> numbered_;  ///< objects, by the number in Impact::higher
-  std::vector<bool> is_sphere_;  ///< by body
+  std::vector<bool> is_sphere_;          ///< by body
 };
 
 }  // namespace sleight::worlds::user_scene

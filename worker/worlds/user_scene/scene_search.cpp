@@ -36,6 +36,8 @@ class Try {
     if (outcome.failure) effort_.failures.push_back(outcome.failure);
     const double log = world_.log_constraint(outcome);
     const bool met = world_.satisfied(outcome);
+    const std::optional<sampling::Miss> miss = world_.first_miss(outcome);
+    if (miss) effort_.misses(stages_ - 1, miss->kind, miss->amount);
     if (!met && !is_first_ && !(log > sampling::k_log_zero && accepts(log - best_log_)))
       return false;
     best_ = {std::move(state), std::move(outcome)};

@@ -19,9 +19,8 @@ NoiseValue drawn(std::uint64_t key, const NoiseAddress& address) {
   // The scene's limits keep bodies and objects below 2^20.
   const std::uint32_t partner = (address.higher & ~physics::k_static) |
                                 ((address.higher & physics::k_static) != 0 ? 1U << 20U : 0U);
-  random::Stream stream(
-      {.seed = key, .chain = {address.lower}, .purpose = random::Purpose::noise},
-      std::uint64_t{partner} << 32U | address.number);
+  random::Stream stream({.seed = key, .chain = {address.lower}, .purpose = random::Purpose::noise},
+                        std::uint64_t{partner} << 32U | address.number);
   NoiseValue value;
   for (double& part : value)
     part = k_standard.draw(stream);

@@ -66,6 +66,27 @@ std::string UserScene::stage_name(std::uint32_t stage) const {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+std::vector<sampling::MissKind> UserScene::miss_kinds() const {
+  std::vector<sampling::MissKind> kinds;
+  for (const Constraint& one : parameters().constraints)
+    kinds.insert(kinds.begin(), {"'" + one.name + "'", unit_of(one).name});
+  return kinds;
+}
+
+std::optional<sampling::Miss> UserScene::first_miss(const Outcome& outcome) const {
+  const std::vector<Constraint>& constraints = parameters().constraints;
+  for (const Stage& stage : judge().stages()) {
+    for (const std::uint32_t i : stage.constraints) {
+      if (!outcome.is_animation() || outcome.judgement.met[i]) continue;
+      const double distance = outcome.judgement.distances[i];
+      if (!(distance > constraints[i].tolerance)) return std::nullopt;  // e.g. not at rest
+      return sampling::Miss{.kind = static_cast<std::uint32_t>(constraints.size() - 1 - i),
+                            .amount = distance / unit_of(constraints[i]).scale};
+    }
+  }
+  return std::nullopt;
+}
+
 Outcome UserScene::simulate_stages(const State& state, std::uint32_t stages,
                                    const std::shared_ptr<const physics::History>& earlier) const {
   Wanted wanted{.history = true};

@@ -30,6 +30,7 @@
 #include "worker/physics/reuse/history.h"
 #include "worker/physics/reuse/recording.h"
 #include "worker/sampling/burn_in_judge.h"
+#include "worker/sampling/stage_search.h"
 #include "worker/sampling/target.h"
 #include "worker/worlds/user_scene/judge.h"
 #include "worker/worlds/user_scene/moves.h"
@@ -136,6 +137,13 @@ class UserScene {
   Outcome simulate_to_rest(const State& state) const { return simulate(state); }
   std::uint32_t stages() const;
   std::string stage_name(std::uint32_t stage) const;
+  /// The constraints, the last one first: a try that first fails at a later one is nearer.
+  std::vector<sampling::MissKind> miss_kinds() const;
+  /// Returns what an outcome missed first, by constraint. Empty: nothing that has a distance.
+  std::optional<sampling::Miss> first_miss(const Outcome& outcome) const;
+  std::string search_advice() const {
+    return "`sleight scene check` shows how often draws from the prior meet each constraint.";
+  }
   /// Simulates until the first `stages` stages of the search can be judged, and keeps the history.
   /// Replays `earlier`, which may be null.
   Outcome simulate_stages(const State& state, std::uint32_t stages,
