@@ -172,7 +172,8 @@ TEST(SearchLanes, SayWhatTheStartsReached) {
         const double furthest = number < 20 ? furthest_before_find : furthest_after;
         std::vector<double>& values = start[0].method_values;
         values = {number % 7 == 0 ? furthest : std::min(furthest, number % 2 == 0 ? 0.0 : 1.0)};
-        if (number % 7 == 0 && furthest < 3) values.insert(values.end(), {0, 1. * number});
+        if (number % 7 == 0 && furthest < 3)
+          values.insert(values.end(), {0, static_cast<double>(number)});
         if (number == 20) values.clear();
         lanes.consume(base::ChainId{plan::k_first_lane + lane}, base::ScanIndex{scan}, start);
       }
