@@ -79,7 +79,7 @@ test("chi-square tails are those of tables", () => {
     [1999.333, 2000, 0.5],
   ] as const)
     assert.ok(Math.abs(chiSquareTail(squares, count) - tail) < 1e-4, `${squares} ${count}`);
-  assert.equal(chiSquareTail(5000, 2000), 0);
+  assert.ok(chiSquareTail(5000, 2000) < 1e-9);
   assert.equal(chiSquareTail(1, 2000), 1);
   assert.match(ordinaryWords(2.36597, 3), / 50 of 100 /);
   assert.equal(ordinaryWords(NaN, NaN), "");

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "worker/physics/reuse/same_bits.h"
+#include "worker/physics/scene/same_bits.h"
 
 namespace sleight::physics {
 namespace {

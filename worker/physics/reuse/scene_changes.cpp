@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <span>
 
 #include "worker/physics/contact/resting.h"
 #include "worker/physics/event/tolerances.h"
-#include "worker/physics/reuse/same_bits.h"
+#include "worker/physics/scene/same_bits.h"
+#include "worker/physics/scene/static_geometries.h"
 #include "worker/physics/scene/static_regions.h"
 
 namespace sleight::physics {
@@ -74,24 +76,6 @@ bool same_laws(const Scene& a, const Scene& b) {
   return true;
 }
 
-/// Whether both scenes' static geometry consists of the same objects. If so, it needs no
-/// comparison.
-bool same_statics(const Scene& a, const Scene& b) {
-  const auto same_plane = [](const StaticPlane& p, const StaticPlane& q) {
-    return same(p.outside, q.outside) && p.material == q.material && p.group == q.group &&
-           same(p.friction_map.get(), q.friction_map.get());
-  };
-  const auto same_convex = [](const StaticConvex& p, const StaticConvex& q) {
-    return p.polyhedron == q.polyhedron && p.material == q.material && p.group == q.group;
-  };
-  const auto same_mesh = [](const StaticMesh& p, const StaticMesh& q) {
-    return p.mesh == q.mesh && p.material == q.material && p.group == q.group;
-  };
-  return std::ranges::equal(a.planes, b.planes, same_plane) &&
-         std::ranges::equal(a.convexes, b.convexes, same_convex) &&
-         std::ranges::equal(a.meshes, b.meshes, same_mesh);
-}
-
 /// Returns each surface's control points that may have changed. Returns nothing if any point may
 /// have changed.
 std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene& before,
@@ -143,6 +127,7 @@ Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point,
   return box;
 }
 
+/// Whether most vertices of the meshes moved. Doesn't examine meshes that both scenes share.
 bool most_moved(const Scene& a, const Scene& b) {
   std::size_t moved = 0;
   std::size_t all = 0;
@@ -150,6 +135,7 @@ bool most_moved(const Scene& a, const Scene& b) {
     const auto first = a.meshes[i].mesh->vertices_m();
     const auto second = b.meshes[i].mesh->vertices_m();
     all += std::max(first.size(), second.size());
+    if (a.meshes[i].mesh == b.meshes[i].mesh) continue;
     for (std::size_t v = 0; v < std::min(first.size(), second.size()); ++v)
       moved += same(first[v], second[v]) ? 0U : 1U;
   }
@@ -198,8 +184,8 @@ bool same_piece(const StaticGeometry& a, const StaticGeometry& b, PieceId index)
   return true;
 }
 
-/// Compares all pieces and features, because some change indirectly: a moved vertex changes the
-/// regions in which its neighbours are touched.
+/// Compares all pieces and features, except those of shared meshes, because some change indirectly:
+/// a moved vertex changes the regions in which its neighbours are touched.
 class PlaceFinder {
  public:
   PlaceFinder(const StaticGeometry& before, const StaticGeometry& after)
@@ -207,17 +193,27 @@ class PlaceFinder {
 
   ChangedPlaces find(std::vector<Box> more) {
     boxes_ = std::move(more);
-    compare_features();
-    compare_pieces();
+    if (&before_ != &after_) compare();
     places_.boxes = BoxTree(boxes_);
     places_.has_boxes = !boxes_.empty();
     return std::move(places_);
   }
 
  private:
-  void compare_features() {
-    const std::uint32_t count = std::max(before_.feature_count(), after_.feature_count());
-    for (FeatureId i{}; i < count; ++i) {
+  void compare() {
+    FeatureId feature{};
+    PieceId piece{};
+    for (const StaticGeometry::MeshRange& shared : before_.meshes_shared_with(after_)) {
+      compare_features(feature, shared.features_begin);
+      compare_pieces(piece, shared.pieces_begin);
+      feature = shared.features_end;
+      piece = shared.pieces_end;
+    }
+    compare_features(feature, {std::max(before_.feature_count(), after_.feature_count())});
+    compare_pieces(piece, {std::max(before_.piece_count(), after_.piece_count())});
+  }
+  void compare_features(FeatureId begin, FeatureId end) {
+    for (FeatureId i = begin; i < end; ++i) {
       const bool in_both = i < before_.feature_count() && i < after_.feature_count();
       if (in_both && is_plane(before_, i) == is_plane(after_, i) &&
           same_feature(before_, after_, i) &&
@@ -227,9 +223,8 @@ class PlaceFinder {
       add_feature(after_, i);
     }
   }
-  void compare_pieces() {
-    const std::uint32_t count = std::max(before_.piece_count(), after_.piece_count());
-    for (PieceId i{}; i < count; ++i) {
+  void compare_pieces(PieceId begin, PieceId end) {
+    for (PieceId i = begin; i < end; ++i) {
       const bool in_both = i < before_.piece_count() && i < after_.piece_count();
       if (in_both && is_plane(before_, i) && is_plane(after_, i)) {
         if (same(before_.plane(i), after_.plane(i)) && same_owner(before_, after_, i) &&
@@ -292,15 +287,12 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
   SceneChanges changes;
   changes.laws = !same_laws(before, after);
   if (changes.laws) return changes;
-  bool same_shapes = true;
   bool all_differ = true;
   for (std::size_t i = 0; i < after.bodies.size(); ++i) {
     const BodyDescription& was = before.bodies[i];
     const BodyDescription& is = after.bodies[i];
     const bool same_shape = same(was.shape, is.shape);
-    // Fixed bodies don't affect how static geometry is met.
     const bool both_fixed = was.fixed && is.fixed;
-    same_shapes = same_shapes && (both_fixed || (same_shape && was.fixed == is.fixed));
     const bool differs = !same_shape || !same(was.inertia, is.inertia) || was.rests != is.rests ||
                          was.fixed != is.fixed || was.group != is.group ||
                          was.material != is.material || was.start_tick != is.start_tick ||
@@ -324,9 +316,9 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     for (const GridIndex point : (*controls)[i])
       over_surfaces.push_back(place_of(before.surfaces[i], after.surfaces[i], point, above_m));
   }
-  // If shapes changed, compare features too, because their regions depend on the spheres' sizes.
-  if (!same_shapes || !same_statics(before, after) || !over_surfaces.empty()) {
-    const StaticGeometry old(before);
+  if (!same_geometry(before, after) || !over_surfaces.empty()) {
+    const std::shared_ptr<const StaticGeometry> kept = geometry_of(before);
+    const StaticGeometry& old = *kept;
     // Laws count as changed if spheres can stay on static geometry in only one of the scenes. Laws
     // also count as changed if the number of pieces differs, because surfaces are numbered after
     // the pieces.

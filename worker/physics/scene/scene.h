@@ -146,6 +146,8 @@ struct Control {
   Vec3 angular_velocity_change_radps = Vec3::Zero();
 };
 
+class StaticGeometries;  // static_geometries.h
+
 struct Scene {
   std::vector<BodyDescription> bodies;
   std::vector<StaticPlane> planes;
@@ -161,6 +163,9 @@ struct Scene {
   /// geometry and no fixed bodies.
   std::array<double, 3> period_m{};
   std::vector<Control> controls;  ///< in any order; controls of one tick apply in the order given
+  /// Stores the static geometry that simulations build, for reuse by simulations of copies of this
+  /// scene. Null: each simulation builds its own. REQUIRES: shared meshes don't change.
+  std::shared_ptr<const StaticGeometries> geometries{};
 };
 
 /// The reason why a scene can't be simulated, or why a simulation stopped. The message names the

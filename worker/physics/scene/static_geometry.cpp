@@ -4,9 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "common/math/elementary.h"
 #include "worker/physics/scene/static_regions.h"
 
 namespace sleight::physics {
@@ -18,30 +16,31 @@ bool inside(const ConvexPolyhedron& polyhedron, const Vec3& point_m) {
   });
 }
 
-/// Returns the winding number of a closed mesh around a point. Adds the solid angles of the mesh's
-/// triangles (van Oosterom and Strackee 1983, equation 8).
-double turns_around(const TriangleMesh& mesh, const Vec3& point_m) {
-  double angle = 0;
-  for (const TriangleCorners& corners : mesh.triangles()) {
-    const Vec3 a = mesh.vertices_m()[corners[0]] - point_m;
-    const Vec3 b = mesh.vertices_m()[corners[1]] - point_m;
-    const Vec3 c = mesh.vertices_m()[corners[2]] - point_m;
-    const double la = math::norm(a);
-    const double lb = math::norm(b);
-    const double lc = math::norm(c);
-    const double cosine =
-        ((la * lb * lc + math::dot(a, b) * lc) + math::dot(b, c) * la) + math::dot(c, a) * lb;
-    angle += 2 * math::atan2(math::dot(a, math::cross(b, c)), cosine);
+/// Returns how often a triangle's outline, seen from above, winds around a point: once
+/// anticlockwise (1) or clockwise (-1), or not at all (0). Returns 0 if the triangle is below the
+/// point. The sum over a closed mesh is the mesh's winding number around the point: two triangles
+/// at an edge agree on which side of the edge the point is, because both compute the same numbers.
+int turns_above(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& point_m) {
+  const TriangleCorners& corners = mesh.triangles()[triangle];
+  int turns = 0;
+  bool any_higher = false;
+  bool any_lower = false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3& a = mesh.vertices_m()[corners[k]];
+    const Vec3& b = mesh.vertices_m()[corners[(k + 1) % 3]];
+    (a.z() > point_m.z() ? any_higher : any_lower) = true;
+    const bool upwards = a.y() <= point_m.y();
+    if (upwards == (b.y() <= point_m.y())) continue;
+    const Vec3& low = upwards ? a : b;
+    const Vec3& high = upwards ? b : a;
+    const bool is_left = (high.x() - low.x()) * (point_m.y() - low.y()) >
+                         (high.y() - low.y()) * (point_m.x() - low.x());
+    if (is_left) turns += upwards ? 1 : -1;
   }
-  return angle / (4 * std::numbers::pi);
-}
-
-bool holds(const Box& box, const Vec3& point_m) {
-  for (int i = 0; i < 3; ++i) {
-    const auto axis = static_cast<std::size_t>(i);
-    if (point_m[i] < double{box.low_m[axis]} || point_m[i] > double{box.high_m[axis]}) return false;
-  }
-  return true;
+  if (!any_lower || turns == 0) return turns;
+  const MeshFace& face = mesh.faces()[triangle];
+  const double over_m = math::dot(face.normal, point_m) - face.offset_m;
+  return any_higher && turns * over_m < 0 ? turns : 0;
 }
 
 }  // namespace
@@ -59,36 +58,22 @@ struct StaticGeometry::Sizes {
   std::size_t names = 0;
 };
 
-void StaticGeometry::clear() {
-  for_spheres_ = false;
-  for_pieces_ = false;
-  radius_m_max_ = 0;
-  plane_count_ = 0;
-  planes_.clear();
-  friction_maps_.clear();
-  features_.clear();
-  sides_.clear();
-  feature_owners_.clear();
-  feature_boxes_.clear();
-  triangles_.clear();
-  views_.clear();
-  pieces_.clear();
-  piece_owners_.clear();
-  piece_boxes_.clear();
-  names_.clear();
-  solids_.clear();
-  meshes_.clear();
-}
-
-void StaticGeometry::assign(const Scene& scene) {
-  clear();
-  filter_ = scene.filter;
+MovingKinds moving_kinds(const Scene& scene) {
+  MovingKinds kinds;
+  double radius_m = 0;
   for (const BodyDescription& body : scene.bodies) {
     if (body.fixed) continue;
     const auto* sphere = std::get_if<Sphere>(&body.shape);
-    (sphere != nullptr ? for_spheres_ : for_pieces_) = true;
-    if (sphere != nullptr) radius_m_max_ = std::max(radius_m_max_, sphere->radius_m);
+    (sphere != nullptr ? kinds.spheres : kinds.others) = true;
+    if (sphere != nullptr) radius_m = std::max(radius_m, sphere->radius_m);
   }
+  int exponent = 0;
+  if (std::frexp(radius_m, &exponent) > 0) kinds.radius_m_max = std::ldexp(1.0, exponent);
+  return kinds;
+}
+
+StaticGeometry::StaticGeometry(const Scene& scene)
+    : filter_(scene.filter), moving_(moving_kinds(scene)) {
   Sizes sizes{.features = scene.planes.size(),
               .names = scene.planes.size() + scene.convexes.size() + scene.meshes.size()};
   for (const StaticConvex& convex : scene.convexes) {
@@ -107,7 +92,7 @@ void StaticGeometry::assign(const Scene& scene) {
   }
   ++sizes.sides;
   reserve(sizes);
-  if (for_spheres_) sides_.push_back(closed_side(Vec3::Zero(), 1, 0));
+  if (moving_.spheres) sides_.push_back(closed_side(Vec3::Zero(), 1, 0));
   for (const StaticPlane& plane : scene.planes)
     add_plane(plane);
   plane_count_ = planes_.size();
@@ -137,11 +122,9 @@ void StaticGeometry::plant_feature_tree() {
   };
   std::uint32_t done = plane_count();
   for (const MeshPlace& place : meshes_) {
-    const auto end =
-        static_cast<std::uint32_t>(place.first_vertex + place.mesh->vertices_m().size());
-    add(done, place.first_face, false);
-    add(place.first_face, end, place.slack_m > 0);
-    done = end;
+    add(done, place.range.features_begin, false);
+    add(place.range.features_begin, place.range.features_end, place.slack_m > 0);
+    done = place.range.features_end;
   }
   add(done, feature_count(), false);
   feature_tree_ = BoxTree(tree_boxes_);
@@ -150,13 +133,13 @@ void StaticGeometry::plant_feature_tree() {
 void StaticGeometry::reserve(const Sizes& sizes) {
   names_.reserve(sizes.names);
   piece_owners_.reserve(sizes.names + sizes.pieces);
-  if (for_spheres_) {
+  if (moving_.spheres) {
     features_.reserve(sizes.features);
     feature_owners_.reserve(sizes.features);
     feature_boxes_.reserve(sizes.features);
     sides_.reserve(sizes.sides);
   }
-  if (for_pieces_) {
+  if (moving_.others) {
     triangles_.reserve(sizes.triangles);
     views_.reserve(sizes.pieces);
     pieces_.reserve(sizes.pieces);
@@ -165,12 +148,12 @@ void StaticGeometry::reserve(const Sizes& sizes) {
 }
 
 StaticGeometry::Margins StaticGeometry::margins_of(std::span<const Vec3> vertices_m) const {
-  double size_m = radius_m_max_;
+  double size_m = moving_.radius_m_max;
   for (const Vec3& v : vertices_m)
     size_m = std::max({size_m, std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
   const double border_m = k_rounding_ulps * size_m;
   // If two faces are flat to k_mesh_flat_sine, `flat_m` bounds the distance between their prisms.
-  return {.border_m = border_m, .flat_m = border_m + 4 * k_mesh_flat_sine * radius_m_max_};
+  return {.border_m = border_m, .flat_m = border_m + 4 * k_mesh_flat_sine * moving_.radius_m_max};
 }
 
 void StaticGeometry::add_plane(const StaticPlane& plane) {
@@ -194,38 +177,41 @@ void StaticGeometry::add_convex(const StaticConvex& convex) {
   const ConvexView view = convex.polyhedron->view();
   const Box box = box_around(convex.polyhedron->vertices_m());
   solids_.push_back({.owner = owner, .polyhedron = convex.polyhedron, .mesh = {}});
-  if (for_spheres_) add_features(view, owner);
-  if (for_pieces_) add_piece(view, box, owner);
+  if (moving_.spheres) add_features(view, owner);
+  if (moving_.others) add_piece(view, box, owner);
 }
 
 void StaticGeometry::add_mesh(const StaticMesh& placed) {
   const StaticOwner owner{static_cast<std::uint32_t>(names_.size() - 1), placed.material,
                           placed.group};
   const TriangleMesh& mesh = *placed.mesh;
-  corner_boxes_.clear();
-  for (const Vec3& v : mesh.vertices_m())
-    corner_boxes_.push_back(box_around(v));
-  if (is_closed(mesh)) {
-    constexpr float k_infinity = std::numeric_limits<float>::infinity();
-    Box box{.low_m = {k_infinity, k_infinity, k_infinity},
-            .high_m = {-k_infinity, -k_infinity, -k_infinity}};
-    for (const Box& corner : corner_boxes_)
-      box = joined(box, corner);
-    box = wider(box, placed.slack_m);
+  MeshPlace place{.mesh = placed.mesh,
+                  .owner = owner,
+                  .solid = solids_.size(),
+                  .closed = is_closed(mesh),
+                  .slack_m = placed.slack_m,
+                  .margins = margins_of(mesh.vertices_m()),
+                  .range = {.features_begin = {feature_count()}, .pieces_begin = {piece_count()}}};
+  if (place.closed)
     solids_.push_back({.owner = owner,
                        .polyhedron = {},
                        .mesh = placed.mesh,
-                       .box = box,
-                       .hollow = is_hollow(mesh)});
+                       .hollow = is_hollow(mesh),
+                       .place = meshes_.size()});
+  if (moving_.spheres) add_features(place);
+  if (moving_.others) {
+    for (const TriangleCorners& corners : mesh.triangles()) {
+      const Vec3& a = mesh.vertices_m()[corners[0]];
+      const Vec3& b = mesh.vertices_m()[corners[1]];
+      const Vec3& c = mesh.vertices_m()[corners[2]];
+      triangles_.emplace_back(a, b, c);
+      add_piece(triangles_.back().view(),
+                joined(joined(box_around(a), box_around(b)), box_around(c)), owner);
+    }
   }
-  if (for_spheres_) add_features(placed, owner);
-  if (!for_pieces_) return;
-  for (const TriangleCorners& corners : mesh.triangles()) {
-    triangles_.emplace_back(mesh.vertices_m()[corners[0]], mesh.vertices_m()[corners[1]],
-                            mesh.vertices_m()[corners[2]]);
-    const Box first_two = joined(corner_boxes_[corners[0]], corner_boxes_[corners[1]]);
-    add_piece(triangles_.back().view(), joined(first_two, corner_boxes_[corners[2]]), owner);
-  }
+  place.range.features_end = {feature_count()};
+  place.range.pieces_end = {piece_count()};
+  meshes_.push_back(std::move(place));
 }
 
 void StaticGeometry::add_piece(const ConvexView& view, const Box& box, StaticOwner owner) {
@@ -302,10 +288,37 @@ void StaticGeometry::add_features(const ConvexView& view, StaticOwner owner) {
 
 // ---- questions ----------------------------------------------------------------------------------
 
-bool StaticGeometry::is_solid_at(const Solid& solid, const Vec3& point_m) {
+std::vector<StaticGeometry::MeshRange> StaticGeometry::meshes_shared_with(
+    const StaticGeometry& other) const {
+  std::vector<MeshRange> shared;
+  for (std::size_t i = 0; i < std::min(meshes_.size(), other.meshes_.size()); ++i) {
+    const MeshPlace& a = meshes_[i];
+    const MeshPlace& b = other.meshes_[i];
+    if (a.mesh == b.mesh && a.owner.material == b.owner.material &&
+        a.owner.group == b.owner.group && a.margins == b.margins && a.range == b.range)
+      shared.push_back(a.range);
+  }
+  return shared;
+}
+
+bool StaticGeometry::is_solid_at(const Solid& solid, const Vec3& point_m) const {
   if (solid.polyhedron) return inside(*solid.polyhedron, point_m);
-  const double turns = holds(solid.box, point_m) ? turns_around(*solid.mesh, point_m) : 0;
-  return turns + (solid.hollow ? 1 : 0) > 0.5;
+  const MeshRange& range = meshes_[solid.place].range;
+  Box above = box_around(point_m);
+  above.high_m[2] = std::numeric_limits<float>::infinity();
+  int turns = solid.hollow ? 1 : 0;
+  const auto look = [&](std::uint32_t triangle) {
+    if (triangle < solid.mesh->triangles().size())
+      turns += turns_above(*solid.mesh, triangle, point_m);
+  };
+  if (moving_.spheres) {
+    feature_tree_.for_each_overlap(
+        above, [&](std::uint32_t i) { look(in_feature_tree_[i] - range.features_begin); });
+  } else {
+    piece_tree_.for_each_overlap(
+        above, [&](std::uint32_t i) { look(plane_count() + i - range.pieces_begin); });
+  }
+  return turns > 0;
 }
 
 const std::string* StaticGeometry::solid_at(const Vec3& point_m, CollisionGroup group) const {

@@ -55,6 +55,17 @@ bool reaches(const HalfSpace& outside, const Box& box);
 /// "plane 0".
 std::string name_of_static(std::string_view kind, const std::string& given, std::size_t index);
 
+/// The properties of a scene's moving bodies on which StaticGeometry depends.
+struct MovingKinds {
+  bool spheres = false;
+  bool others = false;
+  /// A bound of the spheres' radii. The bound is a power of two, so that scenes with slightly
+  /// different radii have the same geometry.
+  double radius_m_max = 0;
+  friend bool operator==(const MovingKinds&, const MovingKinds&) = default;
+};
+MovingKinds moving_kinds(const Scene& scene);
+
 struct StaticOwner {
   std::uint32_t name = 0;  ///< index into names_
   MaterialId material{};
@@ -80,10 +91,7 @@ struct CentreRange {
 class StaticGeometry {
  public:
   /// Shares the scene's polyhedra and meshes. REQUIRES: error_of(scene) has none.
-  explicit StaticGeometry(const Scene& scene) { assign(scene); }
-  /// Makes this object equal to a newly built one, but reuses its memory. Reusing memory is several
-  /// times faster if the system allocates and frees memory page by page.
-  void assign(const Scene& scene);
+  explicit StaticGeometry(const Scene& scene);
   /// Updates a mesh (by its index in the scene) after its last move of vertices. After refresh(),
   /// this object equals newly built geometry. REQUIRES: only spheres meet the geometry.
   void refresh(std::size_t mesh);
@@ -189,11 +197,21 @@ class StaticGeometry {
                                 : overlap(piece_boxes_[index - plane_count_], box);
   }
 
+  /// Features and pieces of a mesh, as half-open ranges of indices.
+  struct MeshRange {
+    FeatureId features_begin{}, features_end{};
+    PieceId pieces_begin{}, pieces_end{};
+    friend bool operator==(const MeshRange&, const MeshRange&) = default;
+  };
+  /// Returns the meshes that equal those of `other`: they are the same object, and have the same
+  /// indices, regions, material and group. In ascending order.
+  std::vector<MeshRange> meshes_shared_with(const StaticGeometry& other) const;
+
   /// Returns the name of the solid that contains a point: a plane's lower side, a polyhedron or a
   /// closed mesh. Returns null if no solid that meets `group` contains the point. So a body is
   /// detected that starts wholly inside a solid and touches no feature of its surface. The answer
-  /// is exact except for points within a rounding error of a surface. Cost: about 60 ns per
-  /// triangle, for closed meshes whose box contains the point.
+  /// is exact except for points within a rounding error of a surface. Examines the triangles above
+  /// the point. REQUIRES: the scene has a moving body.
   const std::string* solid_at(const Vec3& point_m, CollisionGroup group = {}) const;
 
  private:
@@ -206,23 +224,24 @@ class StaticGeometry {
   struct Margins {
     double border_m = 0;
     double flat_m = 0;  ///< over edges that count as flat but may not be quite flat
+    friend bool operator==(const Margins&, const Margins&) = default;
   };
-  void clear();
   void reserve(const Sizes& sizes);
   Margins margins_of(std::span<const Vec3> vertices_m) const;
   void add_plane(const StaticPlane& plane);
   void add_convex(const StaticConvex& convex);
   void add_mesh(const StaticMesh& mesh);
   void add_features(const ConvexView& view, StaticOwner owner);
-  void add_features(const StaticMesh& placed, StaticOwner owner);
   struct MeshPlace {
     std::shared_ptr<const TriangleMesh> mesh;
+    StaticOwner owner;
     std::size_t solid = 0;  ///< index of the solid, if the mesh is closed
     bool closed = false;
     double slack_m = 0;
     Margins margins;
+    MeshRange range{};
     std::vector<Vec3> homes_m{};  ///< vertices when boxes were last built; empty without slack
-    std::uint32_t first_face = 0, first_edge = 0, first_vertex = 0;
+    std::uint32_t first_edge = 0, first_vertex = 0;
     std::uint32_t face_sides = 0, edge_sides = 0;
     std::vector<std::uint32_t> vertex_sides{};  ///< the sides of vertex v are [v] to [v + 1]
     /// By triangle: how far its region extends over each of its three borders.
@@ -231,6 +250,7 @@ class StaticGeometry {
     std::vector<std::array<std::uint32_t, 2>> end_sides{};
     bool keeps_side = false;  ///< no move within the slack turns the mesh inside out
   };
+  void add_features(MeshPlace& place);
   void lay_out(MeshPlace& place);
   void write_margins(MeshPlace& place, std::uint32_t triangle) const;
   // These functions rewrite the given faces, edges or vertices (indices in the mesh).
@@ -250,16 +270,14 @@ class StaticGeometry {
     StaticOwner owner;
     std::shared_ptr<const ConvexPolyhedron> polyhedron;  ///< set unless `mesh` is
     std::shared_ptr<const TriangleMesh> mesh;
-    Box box{};            ///< of the mesh
-    bool hollow = false;  ///< the mesh's normals point inwards, so everything outside is solid
+    bool hollow = false;    ///< the mesh's normals point inwards, so everything outside is solid
+    std::size_t place = 0;  ///< of the mesh in meshes_
   };
 
-  static bool is_solid_at(const Solid& solid, const Vec3& point_m);
+  bool is_solid_at(const Solid& solid, const Vec3& point_m) const;
 
   CollisionFilter filter_;
-  bool for_spheres_ = false;
-  bool for_pieces_ = false;
-  double radius_m_max_ = 0;  ///< largest radius of the moving spheres
+  MovingKinds moving_;
   std::size_t plane_count_ = 0;
   std::vector<HalfSpace> planes_;
   std::vector<std::shared_ptr<const FrictionMap>> friction_maps_;  ///< empty if no plane has a map

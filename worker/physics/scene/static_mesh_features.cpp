@@ -19,21 +19,15 @@ bool is_met(const MeshEdge& edge, bool closed) {
 
 }  // namespace
 
-void StaticGeometry::add_features(const StaticMesh& placed, StaticOwner owner) {
-  const TriangleMesh& mesh = *placed.mesh;
+void StaticGeometry::add_features(MeshPlace& place) {
+  const TriangleMesh& mesh = *place.mesh;
   const auto triangles = static_cast<std::uint32_t>(mesh.triangles().size());
   const auto edges = static_cast<std::uint32_t>(mesh.edges().size());
   const auto vertices = static_cast<std::uint32_t>(mesh.vertices_m().size());
-  MeshPlace place{.mesh = placed.mesh,
-                  .solid = solids_.size() - 1,
-                  .closed = is_closed(mesh),
-                  .slack_m = placed.slack_m,
-                  .margins = margins_of(mesh.vertices_m())};
   // Reserve the maximum number of sides. A face has three borders and its own plane. An edge has
   // two ends and two faces. A vertex has one side per edge.
   const std::uint32_t faces = place.closed ? triangles : 2 * triangles;
-  place.first_face = feature_count();
-  place.first_edge = place.first_face + faces;
+  place.first_edge = place.range.features_begin + faces;
   place.first_vertex = place.first_edge + edges;
   place.face_sides = side_count();
   place.edge_sides = place.face_sides + 4 * faces;
@@ -47,20 +41,19 @@ void StaticGeometry::add_features(const StaticMesh& placed, StaticOwner owner) {
   }
   place.vertex_sides.push_back(sides);
   features_.resize(place.first_vertex + vertices);
-  feature_owners_.resize(features_.size(), owner);
+  feature_owners_.resize(features_.size(), place.owner);
   feature_boxes_.resize(features_.size() - plane_count_);
   sides_.resize(sides);
   lay_out(place);
   write_all(place);
   write_boxes(place);
-  meshes_.push_back(std::move(place));
 }
 
 /// Writes the data that never changes.
 void StaticGeometry::lay_out(MeshPlace& place) {
-  for (std::uint32_t f = place.first_face; f < place.first_edge; ++f) {
-    const std::uint32_t side = place.face_sides + 4 * (f - place.first_face);
-    const bool back = !place.closed && (f - place.first_face) % 2 == 1;
+  for (std::uint32_t f = place.range.features_begin; f < place.first_edge; ++f) {
+    const std::uint32_t side = place.face_sides + 4 * (f - place.range.features_begin);
+    const bool back = !place.closed && (f - place.range.features_begin) % 2 == 1;
     features_[f] = {.kind = FeatureKind::face, .regions_begin = side, .regions_end = side + 4};
     for (std::uint32_t k = 0; k < 4; ++k)
       sides_[side + k].strict = back && k == 3;
@@ -90,8 +83,8 @@ void StaticGeometry::write_all(MeshPlace& place) {
 }
 
 void StaticGeometry::refresh(std::size_t index) {
-  CHECK(!for_pieces_);
-  if (!for_spheres_) return;
+  CHECK(!moving_.others);
+  if (!moving_.spheres) return;
   MeshPlace& place = meshes_[index];
   const TriangleMesh& mesh = *place.mesh;
   const Margins margins = margins_of(mesh.vertices_m());
@@ -99,8 +92,8 @@ void StaticGeometry::refresh(std::size_t index) {
     // The mesh's largest coordinate changed, so every region changes by a rounding error.
     place.margins = margins;
     write_all(place);
-    refreshed_.resize(place.first_vertex + mesh.vertices_m().size() - place.first_face);
-    std::ranges::generate(refreshed_, [next = FeatureId{place.first_face}]() mutable {
+    refreshed_.resize(place.first_vertex + mesh.vertices_m().size() - place.range.features_begin);
+    std::ranges::generate(refreshed_, [next = place.range.features_begin]() mutable {
       const FeatureId now = next;
       ++next;
       return now;
@@ -121,10 +114,6 @@ void StaticGeometry::refresh(std::size_t index) {
   if (within) return;
   write_boxes(place);
   ++boxes_made_;
-  if (place.closed) {
-    Box& box = solids_[place.solid].box;
-    box = wider(box_around(mesh.vertices_m()), place.slack_m);
-  }
   plant_feature_tree();
 }
 
@@ -155,8 +144,8 @@ void StaticGeometry::write_moved(MeshPlace& place) {
       *next++ = {first + each * number};
   };
   for (std::uint32_t back = 0; back < backs; ++back) {
-    add(mesh.moved_triangles(), place.first_face + back, backs);
-    add(beside_, place.first_face + back, backs);
+    add(mesh.moved_triangles(), place.range.features_begin + back, backs);
+    add(beside_, place.range.features_begin + back, backs);
   }
   add(mesh.moved_edges(), place.first_edge, 1);
   add(mesh.moved_vertices(), place.first_vertex, 1);
@@ -171,7 +160,7 @@ StaticGeometry::About StaticGeometry::about(std::size_t index, std::uint32_t ver
   const std::uint32_t backs = place.closed ? 1 : 2;
   const auto add_face = [&](std::uint32_t triangle, std::set<FeatureId>& to) {
     for (std::uint32_t back = 0; back < backs && triangle != k_no_triangle; ++back)
-      to.insert({place.first_face + backs * triangle + back});
+      to.insert({place.range.features_begin + backs * triangle + back});
   };
   for (std::uint32_t triangle = 0; triangle < mesh.triangles().size(); ++triangle) {
     const TriangleCorners& corners = mesh.triangles()[triangle];
@@ -210,7 +199,7 @@ void StaticGeometry::write_faces(const MeshPlace& place, std::span<const std::ui
   const TriangleCorners* const corners = place.mesh->triangles().data();
   const MeshFace* const faces = place.mesh->faces().data();
   const std::array<double, 3>* const margins_m = place.face_margins_m.data();
-  SphereFeature* const features = features_.data() + place.first_face;
+  SphereFeature* const features = features_.data() + place.range.features_begin;
   RegionSide* const all_sides = sides_.data() + place.face_sides;
   const std::uint32_t backs = place.closed ? 1 : 2;
   for (const std::uint32_t t : triangles) {
@@ -322,7 +311,8 @@ void StaticGeometry::write_boxes(MeshPlace& place) {
     const TriangleCorners& corners = mesh.triangles()[t];
     const Box first_two = joined(corner_boxes_[corners[0]], corner_boxes_[corners[1]]);
     for (std::uint32_t back = 0; back < backs; ++back) {
-      box_of(place.first_face + backs * t + back) = joined(first_two, corner_boxes_[corners[2]]);
+      box_of(place.range.features_begin + backs * t + back) =
+          joined(first_two, corner_boxes_[corners[2]]);
     }
   }
   for (std::uint32_t e = 0; e < mesh.edges().size(); ++e) {

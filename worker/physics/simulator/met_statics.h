@@ -6,13 +6,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "worker/physics/collision/convex_search.h"
 #include "worker/physics/collision/surface_search.h"
-#include "worker/physics/scene/static_geometry.h"
+#include "worker/physics/scene/static_geometries.h"
 #include "worker/physics/simulator/bodies.h"
 
 namespace sleight::physics {
@@ -26,10 +27,10 @@ struct MetSurface {
 
 class MetStatics {
  public:
-  /// Borrows the bodies, and builds the static geometry of their scene.
+  /// Borrows the bodies. Builds the static geometry of their scene unless the scene keeps it.
   explicit MetStatics(Bodies& bodies);
 
-  const StaticGeometry& geometry() const { return geometry_; }
+  const StaticGeometry& geometry() const { return *geometry_; }
   bool any() const { return any_; }
 
   // Candidates for contact. A fixed body has none.
@@ -53,11 +54,11 @@ class MetStatics {
                                  : geometry_.object_of_piece({met});
   }
   bool is_surface(BodyId body, StaticId met) const {
-    return !bodies_.is_sphere(body) && met >= geometry_.piece_count();
+    return !bodies_.is_sphere(body) && met >= geometry_->piece_count();
   }
   // These functions REQUIRE is_surface().
   MetSurface& surface(StaticId met) const { return surfaces_[surface_number(met)]; }
-  std::uint32_t surface_number(StaticId met) const { return met - geometry_.piece_count(); }
+  std::uint32_t surface_number(StaticId met) const { return met - geometry_->piece_count(); }
   const BoxLattice& lattice_on(StaticId met, BodyId body, std::uint32_t part) const {
     return surface(met).lattices[bodies_.constants(body).first_part + part];
   }
@@ -74,7 +75,7 @@ class MetStatics {
   CollisionGroup group(BodyId body, StaticId met) const;
 
   Bodies& bodies_;
-  StaticGeometry geometry_;
+  std::shared_ptr<const StaticGeometry> geometry_;
   mutable std::vector<MetSurface> surfaces_;
   bool any_ = false;
   bool filters_ = false;  ///< some groups don't meet

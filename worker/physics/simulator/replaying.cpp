@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "worker/physics/reuse/same_bits.h"
+#include "worker/physics/scene/same_bits.h"
 
 namespace sleight::physics {
 

@@ -6,7 +6,7 @@
 
 #include "worker/physics/collision/surface_search.h"
 #include "worker/physics/event/tolerances.h"
-#include "worker/physics/scene/static_geometry.h"
+#include "worker/physics/scene/static_geometries.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::physics {
@@ -227,6 +227,8 @@ std::optional<SceneError> error_of_noise(const ContactNoise& noise) {
 }
 
 std::optional<SceneError> error_of_statics(const Scene& scene) {
+  // If the scene's geometry is kept, its vertices were valid.
+  const bool is_known = scene.geometries && scene.geometries->has(scene);
   for (std::size_t i = 0; i < scene.planes.size(); ++i) {
     const StaticPlane& plane = scene.planes[i];
     const std::string name = name_of_static("plane", plane.name, i);
@@ -253,7 +255,9 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
     if (!convex.polyhedron || convex.polyhedron->vertices_m().empty()) {
       return error(Kind::bad_shape, fmt::format("{}: the solid has no vertices", name));
     }
-    if (auto wrong = error_of_vertices(convex.polyhedron->vertices_m(), name)) return wrong;
+    if (!is_known) {
+      if (auto wrong = error_of_vertices(convex.polyhedron->vertices_m(), name)) return wrong;
+    }
     if (auto wrong = error_of_owner(scene, convex, name)) return wrong;
   }
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
@@ -262,7 +266,9 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
     if (!mesh.mesh || mesh.mesh->triangles().empty()) {
       return error(Kind::bad_shape, fmt::format("{}: the mesh has no triangles", name));
     }
-    if (auto wrong = error_of_vertices(mesh.mesh->vertices_m(), name)) return wrong;
+    if (!is_known) {
+      if (auto wrong = error_of_vertices(mesh.mesh->vertices_m(), name)) return wrong;
+    }
     if (auto wrong = error_of_owner(scene, mesh, name)) return wrong;
   }
   return std::nullopt;

@@ -1,5 +1,7 @@
 #include "worker/worlds/user_scene/build.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -7,11 +9,10 @@
 #include <utility>
 #include <variant>
 
-#include <fmt/format.h>
-
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/physics/event/event.h"
+#include "worker/physics/scene/static_geometries.h"
 #include "worker/physics/scene/static_regions.h"
 
 namespace sleight::worlds::user_scene {
@@ -61,6 +62,7 @@ class Builder {
     if (error_) return std::move(*error_);
     built_.scene.slow = slow_contacts();
     built_.scene.noise = description_.noise;
+    built_.scene.geometries = std::make_shared<const physics::StaticGeometries>();
     surround_all();
     return std::move(built_);
   }

@@ -247,37 +247,6 @@ TEST(StaticGeometry, PiecesAreTheTrianglesAndStayWhenMoved) {
   EXPECT_EQ(StaticGeometry(cubes).feature_count(), 1U);
 }
 
-TEST(StaticGeometry, AssignedIsAsNew) {
-  // Reuse one StaticGeometry for scenes of several kinds. The reused object must equal a new one.
-  StaticGeometry used(scenes::tray(4, 1).scene);
-  random::Stream stream = stream_of(450);
-  for (std::uint64_t seed = 1; seed < 6; ++seed) {
-    for (const auto make : {&scenes::bumpy_floor, &scenes::tray, &scenes::hourglass}) {
-      const Scene scene = make(static_cast<std::uint32_t>(seed), seed).scene;
-      used.assign(scene);
-      const StaticGeometry fresh(scene);
-      ASSERT_EQ(used.feature_count(), fresh.feature_count());
-      ASSERT_EQ(used.piece_count(), fresh.piece_count());
-      for (FeatureId i{}; i < fresh.feature_count(); ++i) {
-        const SphereFeature& a = used.feature(i);
-        const SphereFeature& b = fresh.feature(i);
-        ASSERT_EQ(a.point_m, b.point_m);
-        ASSERT_EQ(a.direction, b.direction);
-        ASSERT_EQ(used.sides(a).size(), fresh.sides(b).size());
-        for (std::size_t k = 0; k < used.sides(a).size(); ++k) {
-          ASSERT_EQ(used.sides(a)[k].space.normal, fresh.sides(b)[k].space.normal);
-          ASSERT_EQ(used.sides(a)[k].space.offset_m, fresh.sides(b)[k].space.offset_m);
-          ASSERT_EQ(used.sides(a)[k].strict, fresh.sides(b)[k].strict);
-        }
-      }
-      for (PieceId i{fresh.plane_count()}; i < fresh.piece_count(); ++i)
-        ASSERT_EQ(used.piece(i).view->centre_m, fresh.piece(i).view->centre_m);
-      const Vec3 p = vector_between(stream, -0.1, 0.1);
-      EXPECT_EQ(used.solid_at(p) == nullptr, fresh.solid_at(p) == nullptr);
-    }
-  }
-}
-
 TEST(StaticGeometry, ErrorsNameTheMesh) {
   random::Stream stream = stream_of(500);
   Raw raw = sheet(2, 0.1, 0.1, stream);

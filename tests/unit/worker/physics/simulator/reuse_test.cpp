@@ -8,6 +8,7 @@
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/proposals.h"
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
+#include "worker/physics/scene/static_geometries.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::physics {
@@ -42,6 +43,7 @@ struct Tally {
 /// Makes proposals. Each proposal changes the last accepted proposal, at first `accepted`.
 void run_chain(const Subject& subject, Scene accepted, Dice& dice, Tally& tally) {
   std::shared_ptr<const History> history;
+  const auto geometries = std::make_shared<const StaticGeometries>();
   for (int step = 0; step < k_steps; ++step) {
     SCOPED_TRACE(fmt::format("step {}", step));
     Scene scene = accepted;
@@ -52,7 +54,9 @@ void run_chain(const Subject& subject, Scene accepted, Dice& dice, Tally& tally)
         Tick{} + ticks_after(subject.duration_s * (0.4 + 0.1 * static_cast<double>(dice.below(7))));
     const SimulationOptions way = random_way(dice);
     ++tally.runs;
+    scene.geometries = nullptr;
     auto whole = Simulation::start(scene, {.keep_impacts = way.keep_impacts});
+    if (step % 4 != 3) scene.geometries = geometries;
     auto reused = Simulation::start(scene, way, history);
     ASSERT_EQ(whole.ok(), reused.ok());
     if (!whole) {
