@@ -49,9 +49,9 @@ class MetStatics {
   const std::string& name(BodyId body, StaticId met) const;
   /// Returns the number of the object that the body meets; see Impact::higher.
   std::uint32_t object(BodyId body, StaticId met) const {
-    if (bodies_.is_sphere(body)) return geometry_.object_of_feature({met});
-    return is_surface(body, met) ? geometry_.object_count() + surface_number(met)
-                                 : geometry_.object_of_piece({met});
+    if (bodies_.is_sphere(body)) return geometry_->object_of_feature({met});
+    return is_surface(body, met) ? geometry_->object_count() + surface_number(met)
+                                 : geometry_->object_of_piece({met});
   }
   bool is_surface(BodyId body, StaticId met) const {
     return !bodies_.is_sphere(body) && met >= geometry_->piece_count();

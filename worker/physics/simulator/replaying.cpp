@@ -112,7 +112,7 @@ Tick Replaying::skip_quiet(Tick end) {
 bool Replaying::begins_as(BodyId body, const HistoryEvent& start) {
   if (!same_bits(start.segments[0], bodies().segment(body))) return false;
   if (start.contact_states.empty()) return true;
-  // The body starts at rest. What holds it depends on its whole structure.
+  // The body starts at rest: its contacts and supporters depend on its whole structure.
   const RestState& was = start.contact_states[0].rest;
   std::vector<TouchRecord> touches;
   const RestState is = world_.resting().state_of(body, touches);
