@@ -98,6 +98,41 @@ class Scene(ProgramTest):
         self.assertEqual(text.returncode, 3)
         self.assertRegex(text.stdout, r"die 4.*die 5.*mm")
 
+    def test_a_search_without_finds_says_why(self):
+        path = self.path("never.toml")
+        path.write_text("""
+[world]
+name = "scene"
+end_s = 0.05
+[[world.body]]
+name = "ball"
+radius_mm = 5
+[[world.body]]
+name = "floor"
+shape = "plane"
+at_mm = [0, 0, -500]
+[[world.uncertain]]
+body = "ball"
+quantity = "velocity_mps"
+normal_sd = [0.1, 0.1, 0.1]
+[[constraint.event]]
+name = "too early"
+body = "ball"
+hits = "floor"
+at_s = 0.02
+tolerance_s = 0.001
+sigma_s = 0.001
+""")
+        whys = set()
+        for threads in (1, 3):
+            output = self.path(f"{threads}.h5")
+            said = json.loads(self.direct(path, output, "-j", threads, "--json").stdout)
+            self.assertFalse(output.exists())
+            whys.add(said["gave_up_because"])
+        (why,) = whys
+        self.assertIn(why, self.direct(path, output).stdout)  # resumed
+        self.assertRegex(why, r"\b64\b")
+
     def test_errors_have_places(self):
         path = self.path("bad.toml")
         path.write_text('[world]\nname = "scene"\n[[world.body]]\nname = "a"\nshape = "box"\nsize_mm = [1, 2]\n')
