@@ -143,7 +143,7 @@ int check(const SceneArguments& arguments) {
   if (!parameters) return static_cast<int>(base::ExitCode::bad_request);
   const user_scene::UserScene world(*parameters);
   user_scene::SceneReport report = user_scene::check(parameters->scene, *parameters->built);
-  if (!parameters->uncertain.empty())
+  if (!parameters->uncertain.empty() || world.has_noise())
     user_scene::add_draws(world, draw_prior(world, arguments.draws), report);
   if (!arguments.drawing.empty()) {
     terminal::refuse_same_file(arguments.path, arguments.drawing);

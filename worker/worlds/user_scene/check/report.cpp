@@ -231,6 +231,11 @@ std::string report_text(const SceneReport& report) {
       "Slow contacts: bodies bounce at {:.3g} m/s or faster, and rest after {:.3g} s below {:.3g} "
       "m/s\n",
       slow.separation_speed_mps, slow.rest_time_s, slow.rest_speed_mps);
+  const physics::ContactNoise& noise = report.description.noise;
+  if (report.description.has_noise())
+    text +=
+        fmt::format("Contact noise: above {:.3g} m/s; tilt {:.3g} degrees; restitution {:.3g}\n",
+                    noise.above_mps, noise.tilt_sd_rad / k_rad_per_deg, noise.restitution_sd);
   text += report.run ? fmt::format("Run: {} after {:.3f} s\n\n", name_of(report.run->end),
                                    report.run->end_s)
                      : "Run: none, because objects overlap at the start\n\n";
