@@ -71,9 +71,10 @@ class Simulation {
   /// same, bit for bit, as without a history.
   ///
   /// The history is ignored if its scene has other laws (gravity, surfaces, slow contacts, periods,
-  /// filter) or another number of bodies. Two compounds are equal only if they are one object. To
-  /// remove a body, let it start at k_tick_max. REQUIRES: if a body starts as in the history, its
-  /// start_again is the same too; the history's meshes and polyhedra are unchanged.
+  /// filter, speed and deviations of contact noise) or another number of bodies. Two compounds are
+  /// equal only if they are one object. To remove a body, let it start at k_tick_max. REQUIRES: if
+  /// a body starts as in the history, its start_again is the same too; the history's meshes and
+  /// polyhedra are unchanged.
   static base::Result<Simulation, SceneError> start(
       const Scene& scene, const SimulationOptions& options,
       std::shared_ptr<const History> history = nullptr);

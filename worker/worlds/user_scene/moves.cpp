@@ -67,10 +67,6 @@ void change_block(const Quantities& quantities, Kind kind, double step, Numbers&
   });
 }
 
-double log_prior(const Quantities& quantities, const State& state) {
-  return quantities.log_density(state.numbers) + state.noise.log_density();
-}
-
 }  // namespace
 
 double random_step(double scale, random::Stream& stream) {
@@ -125,8 +121,8 @@ sampling::Proposal<State> propose(const MoveChoices& choices, const State& state
       candidate.noise = {.key = stream.bits(), .overrides = {}};
   }
   // Every move leaves the prior invariant, but for a shot's choice of the impact.
-  proposal.log_q_ratio =
-      log_prior(choices.quantities, state) - log_prior(choices.quantities, candidate) + shot_bound;
+  proposal.log_q_ratio = log_density(choices.quantities, state) -
+                         log_density(choices.quantities, candidate) + shot_bound;
   return proposal;
 }
 

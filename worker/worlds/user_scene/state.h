@@ -43,6 +43,11 @@ struct State {
   friend bool operator==(const State&, const State&) = default;
 };
 
+/// Returns log p_w.
+inline double log_density(const Quantities& quantities, const State& state) {
+  return quantities.log_density(state.numbers) + state.noise.log_density();
+}
+
 /// REQUIRES: the impact is noised.
 inline physics::NoiseAddress address_of(const physics::Impact& impact) {
   return {impact.lower, impact.higher, impact.noise_number};

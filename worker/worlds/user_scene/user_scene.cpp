@@ -48,6 +48,13 @@ State UserScene::draw_prior(random::Stream& stream) const {
 
 Outcome UserScene::simulate_from(const State& candidate, const State& state,
                                  const Outcome& outcome) const {
+  // A renewal changes only noise that no impact used.
+  const bool is_renewed =
+      candidate.numbers == state.numbers && outcome.is_animation() &&
+      std::ranges::all_of(outcome.noised, [&](const physics::Impact& impact) {
+        return candidate.noise.at(address_of(impact)) == state.noise.at(address_of(impact));
+      });
+  if (is_renewed) return outcome;
   // As for dice: if nothing can be replayed, the candidate stores no history.
   if (!quantities().resemble(candidate.numbers, state.numbers)) return simulate(candidate);
   return simulated(candidate, {.history = true}, outcome.history);

@@ -87,9 +87,7 @@ class UserScene {
   bool has_noise() const { return model_->parameters.scene.has_noise(); }
 
   State draw_prior(random::Stream& stream) const;
-  double log_prior(const State& state) const {
-    return quantities().log_density(state.numbers) + state.noise.log_density();
-  }
+  double log_prior(const State& state) const { return log_density(quantities(), state); }
   Outcome simulate(const State& state) const { return simulated(state, {}, nullptr); }
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
   double log_constraint(const Outcome& outcome) const;

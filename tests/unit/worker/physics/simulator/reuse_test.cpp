@@ -150,8 +150,8 @@ TEST(Reuse, AlsoWithFixedBodiesAndFilteredGroups) {
 
 TEST(Reuse, AlsoWithContactNoise) {
   // Goal: the same with contact noise, and with bodies that start at rest and move or turn.
-  // Proposals also change the noise of one impact or of all. In the list of impacts, each pair's
-  // noised impacts must be numbered without gaps, whatever was replayed.
+  // Proposals also change the noise of one impact or of all. The lists of impacts, with the
+  // numbers of the noised ones, must be equal too.
   Tally tally;
   Tally standing;
   for (const std::uint64_t n : property::cases(property::of_tier(12, chain_count()))) {

@@ -479,6 +479,11 @@ TEST(UserScene, ATailKeepsWhatCameBeforeIt) {
   EXPECT_NE(renewed.noise.key, state.noise.key);
   EXPECT_EQ(renewed.noise.overrides.size(), outcome.noised.size());
   EXPECT_EQ(world.simulate(renewed).noised, outcome.noised);
+  // It needs no simulation: the outcome keeps its history.
+  ASSERT_NE(changed.history, nullptr);
+  State again = other;
+  again.noise = with_fresh_tail(other.noise, changed.noised, physics::k_never, stream);
+  EXPECT_EQ(world.simulate_from(again, other, changed).history, changed.history);
   EXPECT_EQ(world.decode(world.encode(renewed)), renewed);
   std::swap(renewed.noise.overrides[0], renewed.noise.overrides[1]);
   EXPECT_FALSE(world.decode(world.encode(renewed)));
