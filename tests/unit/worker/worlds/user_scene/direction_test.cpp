@@ -493,6 +493,7 @@ TEST(UserScene, SearchGoesFrontToBack) {
   // Goal: constraints with times are stages in their order, and the search meets hits at times that
   // a single draw rarely meets. Method: a ball must hit a plate three times on a beat.
   const UserScene world = world_of(R"(end_s = 2
+region = [{name = "here", low_mm = [-200, -200, 0], high_mm = [200, 200, 400]}]
 [world.contact_noise]
 above_mps = 0.1
 restitution_sd = 0.1
@@ -512,10 +513,6 @@ body = "ball"
 region = "here"
 at_s = 1.5
 sigma_mm = 20
-[[world.region]]
-name = "here"
-low_mm = [-200, -200, 0]
-high_mm = [200, 200, 400]
 [[constraint.event]]
 name = "third"
 body = "ball"
