@@ -30,10 +30,10 @@ struct Dimension {
 
 /// A named array of doubles.
 struct Variable {
-  std::string name;             ///< with unit as suffix, such as "normal_rad"
-  std::vector<Dimension> dims;  ///< empty for a scalar
-  std::string unit;             ///< "rad", "m", "1" for a pure number
-  std::string meaning;          ///< one sentence, for `long_name`
+  std::string name;                  ///< with unit as suffix, such as "normal_rad"
+  std::vector<Dimension> dims = {};  ///< empty for a scalar
+  std::string unit = "1";            ///< "rad", "m", "1" for a pure number
+  std::string meaning;               ///< one sentence, for `long_name`
   /// For each element of a state's variable: mean and standard deviation under the normal prior.
   /// NaN: the element is not normally distributed. A standard deviation of 0: the element is fixed.
   /// Empty: no element is normally distributed.

@@ -36,8 +36,8 @@ struct LadderPart {
 };
 
 struct Block {
-  std::vector<Unit> members;         ///< At least one.
-  std::optional<LadderPart> ladder;  ///< Empty: a single unit. Otherwise one scan each.
+  std::vector<Unit> members;           ///< At least one.
+  std::optional<LadderPart> ladder{};  ///< Empty: a single unit. Otherwise one scan each.
   friend bool operator==(const Block&, const Block&) = default;
 };
 

@@ -82,7 +82,7 @@ struct Solution {
 
 /// A completed round of one ladder, or of all chains together (chain 0).
 struct EndedRound {
-  base::ChainId chain;
+  base::ChainId chain{};
   std::uint64_t round = 0;                     ///< From 1.
   std::uint64_t scans = 0;                     ///< The chain's number of scans at the round's end.
   std::optional<double> swaps{};               ///< Mean swap acceptance, for ladders.
@@ -168,7 +168,7 @@ class Plan {
 inline std::optional<Block> Plan::next_block(const BlockLimits& limits) {
   std::optional<Unit> unit = next_unit(limits.unit_scans_max);
   if (!unit) return std::nullopt;
-  return Block{.members = {*std::move(unit)}, .ladder = {}};
+  return Block{.members = {*std::move(unit)}};
 }
 
 }  // namespace sleight::plan

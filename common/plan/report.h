@@ -14,7 +14,7 @@ struct Table {
   std::string name;     ///< A plain word.
   std::string meaning;  ///< One sentence.
   std::vector<std::pair<std::string, std::size_t>> dims;
-  std::vector<double> values;
+  std::vector<double> values{};
 };
 
 /// Dimensions of the same name have the same size in all tables.

@@ -68,8 +68,7 @@ std::optional<plan::Unit> AnnealedImportance::next_unit(std::uint64_t horizon,
                     .lineage = chosen->lineage,
                     .inverse_temperatures =
                         std::vector<double>(first, first + static_cast<std::ptrdiff_t>(scans)),
-                    .proposal_scales = scales_[step == 0 && scans > 1 ? 1 : step],
-                    .excursion = {}};
+                    .proposal_scales = scales_[step == 0 && scans > 1 ? 1 : step]};
 }
 
 void AnnealedImportance::consume(base::ReplicaId replica, std::uint64_t first_scan,

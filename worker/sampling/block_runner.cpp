@@ -88,8 +88,7 @@ class PartRun {
                           .starts = false,
                           .lineage = so_far.scans.back().lineage,
                           .inverse_temperatures = {part_.inverse_temperatures[level]},
-                          .proposal_scales = part_.proposal_scales[level],
-                          .excursion = {}};
+                          .proposal_scales = part_.proposal_scales[level]};
     UnitResult result = worker_.run(unit, so_far.state_after);
     so_far.scans.push_back(std::move(result.scans.front()));
     so_far.state_after = std::move(result.state_after);

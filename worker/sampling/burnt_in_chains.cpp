@@ -45,7 +45,7 @@ std::optional<plan::Block> BurntInChains::next_block(const plan::BlockLimits& li
       return chain.burn_in.next_block(std::min(burn_in_scans_, horizon), limits, burning_);
     auto unit = chain.part->next_unit(horizon, limits.unit_scans_max);
     if (!unit) return std::nullopt;
-    return plan::Block{.members = {*std::move(unit)}, .ladder = {}};
+    return plan::Block{.members = {*std::move(unit)}};
   });
 }
 
@@ -159,10 +159,8 @@ plan::Report BurntInChains::report() const {
     for (const std::vector<ChainPart::Row>& chain : rows)
       width = std::max(width, chain[r].values.size());
     if (dimension == "draw") width = draws().count;
-    plan::Table table{.name = first.name,
-                      .meaning = first.meaning,
-                      .dims = {{"chain", chains_.size()}},
-                      .values = {}};
+    plan::Table table{
+        .name = first.name, .meaning = first.meaning, .dims = {{"chain", chains_.size()}}};
     if (!dimension.empty()) table.dims.emplace_back(dimension, width);
     for (const std::vector<ChainPart::Row>& chain : rows) {
       std::vector<double> values = chain[r].values;

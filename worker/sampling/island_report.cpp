@@ -27,10 +27,8 @@ plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint6
   plan::Report report;
   using Value = std::function<double(const IslandEstimate&)>;
   const auto add = [&](const char* name, const char* meaning, const Value& value) {
-    plan::Table table{.name = name,
-                      .meaning = meaning,
-                      .dims = {{"chain", chains.size()}, {"island", islands}},
-                      .values = {}};
+    plan::Table table{
+        .name = name, .meaning = meaning, .dims = {{"chain", chains.size()}, {"island", islands}}};
     for (const IslandsOfChain* chain : chains) {
       CHECK_EQ(chain->count_of(scans), islands);
       for (std::size_t i = 0; i < islands; ++i)
@@ -48,8 +46,7 @@ plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint6
       [](const IslandEstimate& island) { return island.accepted ? 1.0 : 0.0; });
   const auto add_number = [&](const char* name, const char* meaning, std::uint64_t of_scan) {
     CHECK_LE(of_scan, scans);
-    plan::Table table{
-        .name = name, .meaning = meaning, .dims = {{"chain", chains.size()}}, .values = {}};
+    plan::Table table{.name = name, .meaning = meaning, .dims = {{"chain", chains.size()}}};
     for (const IslandsOfChain* chain : chains)
       table.values.push_back(static_cast<double>(chain->count_of(of_scan)));
     report.tables.push_back(std::move(table));

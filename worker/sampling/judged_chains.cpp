@@ -174,9 +174,8 @@ std::vector<plan::EndedRound> JudgedChains::rounds_between(std::uint64_t after,
   std::vector<plan::EndedRound> all;
   for (auto end = std::ranges::upper_bound(round_ends_, after);
        end != round_ends_.end() && *end <= until; ++end)
-    all.push_back({.chain = {},
-                   .round = static_cast<std::uint64_t>(end - round_ends_.begin()) + 1,
-                   .scans = *end});
+    all.push_back(
+        {.round = static_cast<std::uint64_t>(end - round_ends_.begin()) + 1, .scans = *end});
   return all;
 }
 
@@ -194,8 +193,7 @@ plan::Report JudgedChains::report() const {
           const std::function<double(const Tour&, std::size_t chain, std::size_t value)>& number) {
         plan::Table table{.name = name,
                           .meaning = meaning,
-                          .dims = {{"chain", chains_.size()}, {"tour", tours_.size()}},
-                          .values = {}};
+                          .dims = {{"chain", chains_.size()}, {"tour", tours_.size()}}};
         if (values > 1) table.dims.emplace_back("judged_value", values);
         for (std::size_t chain = 0; chain < chains_.size(); ++chain)
           for (const Tour& tour : tours_)

@@ -36,10 +36,8 @@ plan::Unit LadderRun::anneal(std::uint32_t id, std::uint32_t scans_max) const {
           .scans = static_cast<std::uint32_t>(scans),
           .starts = replica.next_scan == 0,
           .lineage = replica.lineage,
-          .inverse_temperatures =
-              annealing(options_.first_ladder[id], options_.anneal_scans, replica.next_scan, scans),
-          .proposal_scales = {},
-          .excursion = {}};
+          .inverse_temperatures = annealing(options_.first_ladder[id], options_.anneal_scans,
+                                            replica.next_scan, scans)};
 }
 
 /// Returns a replica's next scan. REQUIRES: the replica's level is known.
@@ -52,8 +50,7 @@ plan::Unit LadderRun::scan_of(std::uint32_t id) const {
           .starts = replica.next_scan == replica.first_scan,
           .lineage = replica.lineage,
           .inverse_temperatures = {ladder()[replica.level]},
-          .proposal_scales = rounds_.back().scales[replica.level],
-          .excursion = {}};
+          .proposal_scales = rounds_.back().scales[replica.level]};
 }
 
 std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon, std::uint32_t scans_max) {
@@ -114,7 +111,7 @@ std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
   const bool alone =
       limits.block_scans_max <= 1 || replicas_[chosen].next_scan < options_.anneal_scans;
   if (alone) {
-    return plan::Block{.members = {*next_unit(horizon, limits.unit_scans_max)}, .ladder = {}};
+    return plan::Block{.members = {*next_unit(horizon, limits.unit_scans_max)}};
   }
 
   // An undivided ladder waits until all its levels can run.

@@ -124,9 +124,7 @@ void LadderRun::consume(base::ReplicaId id, std::uint64_t first_scan,
                                .lineage = record.lineage,
                                .inverse_temperature = record.inverse_temperature,
                                .proposed = record.proposed,
-                               .accepted = record.accepted,
-                               .outcome = {},
-                               .state = {}});
+                               .accepted = record.accepted});
   records_ += records.size();
   replica.handed_out = false;
   std::vector<std::uint32_t> ready{id.value};

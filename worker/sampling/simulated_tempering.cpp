@@ -38,8 +38,7 @@ std::optional<plan::Unit> SimulatedTempering::next_unit(std::uint64_t horizon,
                     .starts = false,
                     .lineage = lineage_,
                     .inverse_temperatures = {burn_in_.ladder[level_]},
-                    .proposal_scales = burn_in_.scales[level_],
-                    .excursion = {}};
+                    .proposal_scales = burn_in_.scales[level_]};
 }
 
 void SimulatedTempering::consume(base::ReplicaId replica, std::uint64_t first_scan,

@@ -42,7 +42,7 @@ std::vector<plan::EndedRound> StopJudge::rounds_between(std::uint64_t after,
   for (std::uint32_t round = 1; end_of_round(round) <= until && end_of_round(round) != k_no_end;
        ++round) {
     if (end_of_round(round) > after)
-      ended.push_back({.chain = {}, .round = round, .scans = end_of_round(round)});
+      ended.push_back({.round = round, .scans = end_of_round(round)});
   }
   return ended;
 }

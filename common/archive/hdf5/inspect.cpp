@@ -473,7 +473,6 @@ class Walk {
       const std::string path = path_of(group.name, found.name);
       DatasetSpec spec{.name = found.name,
                        .type = found.stored.type,
-                       .dims = {},
                        .attributes = std::move(found.attributes.content),
                        .text_bytes = found.stored.text_bytes};
       for (std::size_t d = 0; d < found.stored.dims.size(); ++d) {

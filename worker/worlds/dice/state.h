@@ -35,8 +35,8 @@ struct DieThrow {
 
 struct State {
   std::uint64_t table_key = 0;
-  Overrides overrides;
-  std::vector<DieThrow> dice;
+  Overrides overrides{};
+  std::vector<DieThrow> dice{};
   friend bool operator==(const State&, const State&) = default;
 };
 

@@ -27,13 +27,13 @@ ThrowBuilder::ThrowBuilder(const StagedDice& world, const ThrowGuide& guide)
 }
 
 ThrowPrefix ThrowBuilder::start(random::Stream& stream) const {
-  return {.state = {.table_key = stream.bits(), .overrides = {}, .dice = {}}, .outcome = {}};
+  return {.state = {.table_key = stream.bits()}};
 }
 
 ThrowBuilder::Lone ThrowBuilder::looked_at(std::size_t die, State state,
                                            sampling::SearchEffort& effort) const {
   const Dice& world = world_->alone(die);
-  Lone lone{.state = std::move(state), .outcome = {}, .log_target = sampling::k_log_zero};
+  Lone lone{.state = std::move(state), .log_target = sampling::k_log_zero};
   lone.outcome = world.simulate(lone.state);
   ++effort.guesses;
   if (lone.outcome.failure) effort.failures.push_back(lone.outcome.failure);
@@ -49,10 +49,10 @@ std::optional<ThrowBuilder::Lone> ThrowBuilder::promising_throw(const Prefix& pr
   const Dice& world = world_->alone(die);
   Parameters one_start = world.parameters();
   one_start.proposal = walk_;
-  State state{.table_key = prefix.state.table_key, .overrides = prefix.state.overrides, .dice = {}};
+  State state{.table_key = prefix.state.table_key, .overrides = prefix.state.overrides};
 
   // Throw the die several times from scratch.
-  Lone best{.state = {}, .outcome = {}, .log_target = sampling::k_log_zero};
+  Lone best{.log_target = sampling::k_log_zero};
   for (std::uint32_t nth = 0; nth < k_draws; ++nth) {
     state.dice = {guide_->maps[die].draw(stream)};
     if (!guide_->maps[die].is_plausible(state.dice.front())) continue;
@@ -80,7 +80,7 @@ std::optional<ThrowPrefix> ThrowBuilder::attempt(const Prefix& prefix, std::uint
                                                  random::Stream& stream) const {
   std::optional<Lone> lone = promising_throw(prefix, stage, effort, stream);
   if (!lone) return std::nullopt;
-  ThrowPrefix longer{.state = prefix.state, .outcome = {}};
+  ThrowPrefix longer{.state = prefix.state};
   longer.state.dice.push_back(lone->state.dice.front());
   if (stage == 0) {
     longer.outcome = std::move(lone->outcome);

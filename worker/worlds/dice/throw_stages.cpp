@@ -103,19 +103,17 @@ ThrowGround StagedDice::ground_of(const Guide& guide, State table, const State* 
 }
 
 ThrowGround StagedDice::draw_ground(const Guide& guide, random::Stream& stream) const {
-  return ground_of(guide, {.table_key = stream.bits(), .overrides = {}, .dice = {}}, nullptr,
-                   stream);
+  return ground_of(guide, {.table_key = stream.bits()}, nullptr, stream);
 }
 
 ThrowGround StagedDice::ground_given(const Guide& guide, const State& state,
                                      random::Stream& stream) const {
-  return ground_of(guide, {.table_key = state.table_key, .overrides = state.overrides, .dice = {}},
-                   &state, stream);
+  return ground_of(guide, {.table_key = state.table_key, .overrides = state.overrides}, &state,
+                   stream);
 }
 
 ThrowPrefix StagedDice::no_stages(const Guide& /*guide*/, const Ground& ground) const {
-  return {.state = {.table_key = ground.table_key, .overrides = ground.overrides, .dice = {}},
-          .outcome = {}};
+  return {.state = {.table_key = ground.table_key, .overrides = ground.overrides}};
 }
 
 sampling::Extension StagedDice::add(const Ground& ground, std::uint32_t stage, std::size_t place,
@@ -123,7 +121,7 @@ sampling::Extension StagedDice::add(const Ground& ground, std::uint32_t stage, s
   const ThrowPool& pool = ground.pools[stage];
   const PoolThrow& one = pool.throws[place];
   prefix.state.dice.push_back(one.thrown);
-  sampling::Extension extension{.log_weight = sampling::k_log_zero, .simulation = {}};
+  sampling::Extension extension{.log_weight = sampling::k_log_zero};
   if (stage == 0) {
     // The pool already has this outcome, and has reported its failure.
     prefix.outcome = ground.first_die_alone[place];

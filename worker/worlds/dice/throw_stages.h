@@ -79,7 +79,7 @@ struct ThrowGround {
 
 struct ThrowPrefix {
   State state;
-  Outcome outcome;
+  Outcome outcome{};
 };
 
 class ThrowBuilder;
@@ -163,8 +163,8 @@ class ThrowBuilder {
  private:
   /// A die alone on the prefix's table, with its outcome.
   struct Lone {
-    State state;
-    Outcome outcome;
+    State state{};
+    Outcome outcome{};
     double log_target = 0;  ///< log p_w p_c, up to a constant
   };
 

@@ -24,11 +24,9 @@ archive::WorldLayout make_layout(const WorldParameters& world) {
                          .prior_mean = std::vector<double>(world.collisions, 0),
                          .prior_sd = std::vector<double>(world.collisions, world.normal_sd_rad)}},
           .outcomes = {{.name = "landing_x_m",
-                        .dims = {},
                         .unit = "m",
                         .meaning = "x at which the ball lands after its last random collision"},
                        {.name = "landing_time_s",
-                        .dims = {},
                         .unit = "s",
                         .meaning = "time from the ball's release to its landing at landing_x_m"}},
           .proposal_kinds = {"change_normals"}};

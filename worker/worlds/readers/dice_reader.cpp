@@ -42,11 +42,8 @@ std::vector<archive::Variable> variables_of(const Dice& world) {
   const archive::Dimension half{.name = "half", .size = 2};
   return {{.name = "table_key",
            .dims = {half},
-           .unit = "1",
            .meaning = "upper and lower 32 bits of the key that generates the table"},
           {.name = "changed_points",
-           .dims = {},
-           .unit = "1",
            .meaning = "number of control points that differ from those that the key generates"},
           {.name = "start_position_m",
            .dims = {die, xyz},
@@ -56,7 +53,6 @@ std::vector<archive::Variable> variables_of(const Dice& world) {
            .prior_sd = components(parameters, &DieStart::position_sd_m)},
           {.name = "start_orientation",
            .dims = {die, quaternion},
-           .unit = "1",
            .meaning = "rotation at release, from the unnumbered cube's frame to the table's"},
           {.name = "start_velocity_mps",
            .dims = {die, xyz},
@@ -75,29 +71,16 @@ std::vector<archive::Variable> variables_of(const Dice& world) {
 std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
   std::vector<archive::Variable> outcomes{
       {.name = "end",
-       .dims = {},
-       .unit = "1",
        .meaning = "why the simulation ended: 0 all dice at rest, 1 time limit, 2 no room to start, "
                   "or the simulator failed"},
-      {.name = "end_s",
-       .dims = {},
-       .unit = "s",
-       .meaning = "time at which the last die came to rest"},
-      {.name = "collisions",
-       .dims = {},
-       .unit = "1",
-       .meaning = "number of collisions of dice with the table"},
+      {.name = "end_s", .unit = "s", .meaning = "time at which the last die came to rest"},
+      {.name = "collisions", .meaning = "number of collisions of dice with the table"},
       {.name = "log_plausibility",
-       .dims = {},
-       .unit = "1",
        .meaning = "log p_w of the control points on which the dice's collisions depended"},
       {.name = "offset_squares",
-       .dims = {},
-       .unit = "1",
        .meaning = "sum of the squared heights of these control points, in standard deviations"},
       {.name = "offsets",
        .dims = {{.name = "offset_bin", .size = k_offset_bins}},
-       .unit = "1",
        .meaning = fmt::format("histogram of the heights of these control points, in standard "
                               "deviations; bins: below {}, steps of {}, above the last step",
                               k_offset_first_sd, k_offset_step_sd)}};
@@ -105,7 +88,6 @@ std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
     const Goal& goal = parameters.goals[i];
     const std::string unit = unit_of(goal);
     outcomes.push_back({.name = fmt::format("goal_{}_{}_{}", i + 1, name_of(goal), unit),
-                        .dims = {},
                         .unit = unit == "mps" ? "m s-1" : unit,
                         .meaning = fmt::format("distance of die {} from this goal", goal.die + 1)});
   }

@@ -50,34 +50,26 @@ archive::WorldLayout make_layout(const UserScene& world) {
   archive::WorldLayout layout{
       .world = "scene",
       .variables = {},
-      .outcomes =
-          {{.name = "end",
-            .dims = {},
-            .unit = "1",
-            .meaning = "how the simulation ended: 0 all bodies rest or have left, or no "
-                       "constraint waits for this, 1 at the time limit, 2 it can't start "
-                       "(for example, bodies overlap), 3 the simulator failed"},
-           {.name = "end_s", .dims = {}, .unit = "s", .meaning = "end of the simulation"},
-           {.name = "collisions", .dims = {}, .unit = "1", .meaning = "number of collisions"}},
+      .outcomes = {{.name = "end",
+                    .meaning = "how the simulation ended: 0 all bodies rest or have left, or no "
+                               "constraint waits for this, 1 at the time limit, 2 it can't start "
+                               "(for example, bodies overlap), 3 the simulator failed"},
+                   {.name = "end_s", .unit = "s", .meaning = "end of the simulation"},
+                   {.name = "collisions", .meaning = "number of collisions"}},
       .proposal_kinds = {"redraw_all", "redraw_body", "redraw_quantity", "step_all", "step_body",
                          "step_quantity", "shot", "tail"}};
   layout.proposal_kinds.resize(world.proposal_kinds());
   if (world.has_noise()) {
-    layout.outcomes.push_back({.name = "normals",
-                               .dims = {},
-                               .unit = "1",
-                               .meaning = "standard normals that the simulation used"});
+    layout.outcomes.push_back(
+        {.name = "normals", .meaning = "standard normals that the simulation used"});
     layout.outcomes.push_back(
         {.name = "squares",
-         .dims = {},
-         .unit = "1",
          .meaning = "sum of their squares; the chi-square tail tells how plausible they are"});
   }
   const std::vector<std::string> names = world.quantities().value_names();
   if (!names.empty()) {
     archive::Variable value{.name = "value",
                             .dims = {dimension_of("quantity", names)},
-                            .unit = "1",
                             .meaning = "uncertain values, in the units that their names end with"};
     for (const auto& [mean, sd] : world.quantities().normal_values()) {
       value.prior_mean.push_back(mean);
@@ -86,14 +78,12 @@ archive::WorldLayout make_layout(const UserScene& world) {
     layout.variables = {std::move(value),
                         {.name = "log_prior_of",
                          .dims = {dimension_of("uncertain", names_of(parameters.uncertain))},
-                         .unit = "1",
                          .meaning = "log p_w of the random numbers of each [[world.uncertain]]"}};
   }
   if (!parameters.constraints.empty())
     layout.outcomes.push_back(
         {.name = "distance",
          .dims = {dimension_of("constraint", names_of(parameters.constraints))},
-         .unit = "1",
          .meaning = "distance from each constraint: m, rad, s or bodies"});
   return layout;
 }
