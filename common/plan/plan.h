@@ -121,13 +121,15 @@ class Plan {
 
   /// Number of independent solutions so far. solutions_wanted: the number at which the run ends, if
   /// there is one.
-  virtual std::uint64_t solutions_found() const = 0;
-  virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
+  virtual std::uint64_t solutions_found() const { return 0; }
+  virtual std::optional<std::uint64_t> solutions_wanted() const { return std::nullopt; }
 
   /// Solutions with after < decided <= until, ordered by (decided, chain, scan). These solutions
   /// are a function of the results before scan `until`. REQUIRES: until <= scans_common().
-  virtual std::vector<Solution> solutions_between(std::uint64_t after,
-                                                  std::uint64_t until) const = 0;
+  virtual std::vector<Solution> solutions_between(std::uint64_t /*after*/,
+                                                  std::uint64_t /*until*/) const {
+    return {};
+  }
 
   /// Rounds with after < scans <= until, ordered by (scans, chain). The conditions of
   /// solutions_between hold.

@@ -54,11 +54,6 @@ class RelaxedFinds final : public plan::Plan {
 
   /// Always 0, because relaxing chains yield no draws.
   std::uint64_t scans_common() const override { return 0; }
-  std::uint64_t solutions_found() const override { return 0; }
-  std::optional<std::uint64_t> solutions_wanted() const override { return std::nullopt; }
-  std::vector<plan::Solution> solutions_between(std::uint64_t, std::uint64_t) const override {
-    return {};
-  }
   bool learns() const override { return false; }
 
  private:
