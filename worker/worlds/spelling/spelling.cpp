@@ -232,7 +232,7 @@ sampling::SurrogateSteps Spelling::surrogate_steps(std::span<const double> scale
 Spelling::Alone Spelling::fall_alone(std::span<const Vec3> offsets_m, const Vec2& drop_m) const {
   const State state{
       .offsets_m = {offsets_m.begin(), offsets_m.end()}, .active = {1}, .drops_m = {drop_m}};
-  Outcome outcome = simulated(state, Until::decided).outcome;
+  const Outcome outcome = simulated(state, Until::decided);
   if (outcome.end == End::impossible) return {.possible = false};
   if (outcome.is_animation()) return {.bin = outcome.filling.front()};
   // Report the failure with a whole state, because people can simulate a whole state again. Only
@@ -327,7 +327,7 @@ State Spelling::draw_throw(random::Stream& stream) const {
 }
 
 Outcome Spelling::simulate(const State& state) const {
-  return simulated(state, Until::decided).outcome;
+  return simulated(state, Until::decided);
 }
 
 Outcome Spelling::simulate_from(const State& candidate, const State& state,
@@ -336,48 +336,53 @@ Outcome Spelling::simulate_from(const State& candidate, const State& state,
   // no history, because most such candidates are rejected. After an acceptance, the next candidate
   // that resembles the new state stores a history.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
-  if (!outcome.history) return simulated(candidate, Until::decided, true).outcome;
+  if (!outcome.history) return simulated(candidate, Until::decided, true);
   const Known known{.state = state, .history = *outcome.history};
-  return simulated(candidate, Until::decided, true, &known).outcome;
+  return simulated(candidate, Until::decided, true, &known);
 }
 
 Outcome Spelling::simulate_to_rest(const State& state) const {
-  return simulated(state, Until::rest).outcome;
+  return simulated(state, Until::rest);
 }
 
-Spelling::Result Spelling::simulated(const State& state, Until until, bool records,
-                                     const Known* known) const {
+Outcome Spelling::simulated(const State& state, Until until, bool records,
+                            const Known* known) const {
   const BoxGeometries::Loan geometry =
       geometries_->borrow(state.offsets_m, [&] { return new_geometry(); });
-  if (!geometry->move_to(bins_, state.offsets_m)) return {.outcome = {.end = End::impossible}};
-  if (state.active_count() == 0) return {.outcome = {.filling = filling_of({})}};
-  std::optional<Result> result;
+  if (!geometry->move_to(bins_, state.offsets_m)) return {.end = End::impossible};
+  if (state.active_count() == 0) return judged({}, 0);
+  std::optional<Outcome> result;
   if (known != nullptr && known->history.border_m == geometry->near().statics().border_m(0))
     result = simulated_in(*geometry, state, until, records, known);
   if (!result) result = simulated_in(*geometry, state, until, records, nullptr);
   return *std::move(result);
 }
 
-std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, const State& state,
-                                                       Until until, bool records,
-                                                       const Known* known) const {
+std::optional<Outcome> Spelling::simulated_in(BoxGeometry& geometry, const State& state,
+                                              Until until, bool records, const Known* known) const {
   const physics::Scene scene = scene_in(state, geometry.mesh(), Bodies::all);
   std::size_t last = state.active.size() - 1;
   while (state.active[last] == 0)
     --last;
   const physics::Tick last_start = start_of(last);
   const Traps traps(parameters_.world, bins_, state.offsets_m);
-  const InCommon in_common =
-      known != nullptr ? in_common_with(*known, state, geometry) : InCommon{};
+  // Find the part of the known state's history that also holds for this state.
+  physics::MarbleHistories histories;
+  std::vector<physics::MarbleChange> changes;
+  if (known != nullptr) {
+    histories = histories_that_hold(known->history, known->state, state);
+    changes = influence_.changes(known->state.offsets_m, known->history.flat_edges, state.offsets_m,
+                                 influence_.flat_edges(*geometry.mesh()));
+  }
   physics::Marbles& marbles = geometry.marbles();
   const std::uint64_t work_max =
       (until == Until::rest ? k_work_to_rest : 1) * k_work_per_ball_max * state.active_count();
   marbles.start(scene, geometry.near(), limit_after(last_start),
                 until == Until::decided ? within(traps) : physics::MarbleConfinement{}, work_max,
-                {.histories = known != nullptr ? &in_common.histories : nullptr,
-                 .changes = in_common.changes,
+                {.histories = known != nullptr ? &histories : nullptr,
+                 .changes = changes,
                  // Traps depend on the partition vertices too.
-                 .confinement_differs = !in_common.changes.empty(),
+                 .confinement_differs = !changes.empty(),
                  .records = records});
   if (const auto error = marbles.run_until(physics::Tick{})) {
     if (marbles.is_replay_void()) return std::nullopt;
@@ -394,59 +399,37 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
   if (marbles.is_replay_void()) return std::nullopt;
   if (error) return stopped(*error, state);
 
-  Result result = came_to(state, looks.balls(), traps);
-  result.outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
+  Outcome outcome = came_to(state, looks.balls(), traps);
+  outcome.end_s = physics::seconds(marbles.now() - physics::Tick{});
   if (history) {
     history->histories = marbles.histories();
     history->flat_edges = influence_.flat_edges(*geometry.mesh());
     history->border_m = geometry.near().statics().border_m(0);
     history->simulated = marbles.counts().work();
-    result.outcome.history = std::move(history);
+    outcome.history = std::move(history);
   }
-  return result;
+  return outcome;
 }
 
-Spelling::InCommon Spelling::in_common_with(const Known& known, const State& state,
-                                            const BoxGeometry& geometry) const {
-  return {.histories = histories_that_hold(known.history, known.state, state),
-          .changes = influence_.changes(known.state.offsets_m, known.history.flat_edges,
-                                        state.offsets_m, influence_.flat_edges(*geometry.mesh()))};
-}
-
-Spelling::Result Spelling::came_to(const State& state, std::span<const Traps::Ball> balls,
-                                   const Traps& traps) const {
-  Result result;
+Outcome Spelling::came_to(const State& state, std::span<const Traps::Ball> balls,
+                          const Traps& traps) const {
+  std::vector<Staying> staying;
   std::size_t nth = 0;
   for (std::uint32_t ball = 0; ball < state.active.size(); ++ball) {
     if (state.active[ball] == 0) continue;
     const Traps::Ball& seen = balls[nth++];
-    if (!seen.rests && !traps.of(seen.centre_m, seen.twist)) continue;
-    result.staying.push_back(ball);
-    result.places_m.push_back(seen.centre_m);
+    if (seen.rests || traps.of(seen.centre_m, seen.twist))
+      staying.push_back({.ball = ball, .centre_m = seen.centre_m});
   }
-  const auto others = static_cast<std::uint32_t>(balls.size() - result.staying.size());
-  result.outcome = judged(result.places_m, others);
-  result.outcome.filling = filling_of(result);
-  result.outcome.end = others == 0 ? End::settled : End::time_limit;
-  return result;
+  const auto others = static_cast<std::uint32_t>(balls.size() - staying.size());
+  Outcome outcome = judged(staying, others);
+  outcome.end = others == 0 ? End::settled : End::time_limit;
+  return outcome;
 }
 
-Spelling::Result Spelling::stopped(const physics::SceneError& error, const State& state) {
+Outcome Spelling::stopped(const physics::SceneError& error, const State& state) {
   plan::FailurePointer failure = failure_of(error, spelling::encode(state));
-  return {
-      .outcome = {.end = failure ? End::failed : End::impossible, .failure = std::move(failure)}};
-}
-
-Filling Spelling::filling_of(const Result& result) const {
-  Filling filling(prior_.balls, k_fills_none);
-  std::vector<std::uint8_t> full(windows_.bins(), 0);
-  for (std::size_t i = 0; i < result.staying.size(); ++i) {
-    const auto bin = filled_bin(result.places_m[i]);
-    if (!bin) continue;
-    const std::int16_t number = numbers_[std::size_t{bin->row} * bins_.columns() + bin->column];
-    if (full[static_cast<std::size_t>(number)]++ == 0) filling[result.staying[i]] = number;
-  }
-  return filling;
+  return {.end = failure ? End::failed : End::impossible, .failure = std::move(failure)};
 }
 
 Animation Spelling::animate(const State& state) const {
@@ -470,34 +453,23 @@ Animation Spelling::animate(const State& state) const {
 }
 
 std::vector<int> Spelling::balls_of_bins(const State& state) const {
-  std::vector<int> balls(std::size_t{bins_.columns()} * bins_.rows(), -1);
-  const Result result = simulated(state, Until::decided);
-  for (std::size_t i = 0; i < result.staying.size(); ++i) {
-    const auto bin = filled_bin(result.places_m[i]);
-    if (!bin) continue;
-    int& ball = balls[bin->row * bins_.columns() + bin->column];
-    if (ball < 0) ball = static_cast<int>(result.staying[i]);
+  const Filling filling = simulated(state, Until::decided).filling;
+  std::vector<int> balls;
+  for (const std::int16_t number : numbers_) {
+    const auto ball = std::ranges::find(filling, number);
+    const bool is_filled = number != k_fills_none && ball != filling.end();
+    balls.push_back(is_filled ? static_cast<int>(ball - filling.begin()) : -1);
   }
   return balls;
 }
 
-std::optional<Bin> Spelling::filled_bin(const Vec3& centre_m) const {
-  const auto bin = bins_.bin_at(centre_m);
-  const bool inside =
-      bin && centre_m.z() > 0 && centre_m.z() < parameters_.world.partition_height_m;
-  // A pattern's rows are counted from the top.
-  if (!inside || !parameters_.pattern.at(bin->column, bins_.rows() - 1 - bin->row))
-    return std::nullopt;
-  return bin;
-}
-
-Outcome Spelling::judged(std::span<const Vec3> staying_m, std::uint32_t others) const {
-  Outcome outcome{.elsewhere = others};
-  std::vector<std::uint8_t> filled(std::size_t{bins_.columns()} * bins_.rows());
-  for (const Vec3& centre_m : staying_m) {
-    const auto bin = filled_bin(centre_m);
-    if (bin && filled[bin->row * bins_.columns() + bin->column] == 0) {
-      filled[bin->row * bins_.columns() + bin->column] = 1;
+Outcome Spelling::judged(std::span<const Staying> staying, std::uint32_t others) const {
+  Outcome outcome{.elsewhere = others, .filling = Filling(balls(), k_fills_none)};
+  for (const auto& [ball, centre_m] : staying) {
+    const bool is_low = centre_m.z() > 0 && centre_m.z() < parameters_.world.partition_height_m;
+    const std::int16_t bin = is_low ? number_below(Vec2(centre_m.x(), centre_m.y())) : k_fills_none;
+    if (bin != k_fills_none && std::ranges::find(outcome.filling, bin) == outcome.filling.end()) {
+      outcome.filling[ball] = bin;
       ++outcome.filled;
     } else {
       ++outcome.elsewhere;
@@ -507,7 +479,7 @@ Outcome Spelling::judged(std::span<const Vec3> staying_m, std::uint32_t others) 
 }
 
 double Spelling::log_constraint(const Outcome& outcome) const {
-  if (!outcome.is_animation()) return -std::numeric_limits<double>::infinity();
+  if (!outcome.is_animation()) return k_impossible;
   return outcome.filled * parameters_.constraint.log_lambda;
 }
 

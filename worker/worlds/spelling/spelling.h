@@ -193,9 +193,12 @@ class Spelling {
   /// By bin, row by row from the lowest y: the number of the ball that fills the designated bin, or
   /// -1. Bins count as in simulate().
   std::vector<int> balls_of_bins(const State& state) const;
-  /// Returns the outcome of balls whose centres stay at the given places. `others` further balls
-  /// fill no bin. The outcome has no filling.
-  Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
+  struct Staying {
+    std::uint32_t ball = 0;
+    Vec3 centre_m = Vec3::Zero();
+  };
+  /// Returns the outcome of balls that stay where they are. `others` further balls fill no bin.
+  Outcome judged(std::span<const Staying> staying, std::uint32_t others) const;
 
  private:
   /// Runs until all balls stay, or until the time limit. Returns an error if the simulator fails.
@@ -204,39 +207,24 @@ class Spelling {
                                          const AllStay& all_stay) const;
   physics::Tick limit_after(physics::Tick last_start) const;
   physics::Tick start_of(std::size_t ball) const;
-  /// An outcome, and the places of the balls that stay.
-  struct Result {
-    Outcome outcome{};
-    std::vector<std::uint32_t> staying{};  ///< balls
-    std::vector<Vec3> places_m{};
-  };
   enum class Until : std::uint8_t { decided, rest };
   struct Known {
     const State& state;
     const SpellingHistory& history;
   };
-  Result simulated(const State& state, Until until, bool records = false,
-                   const Known* known = nullptr) const;
+  Outcome simulated(const State& state, Until until, bool records = false,
+                    const Known* known = nullptr) const;
   /// Returns nothing if the history doesn't suffice.
-  std::optional<Result> simulated_in(BoxGeometry& geometry, const State& state, Until until,
-                                     bool records, const Known* known) const;
-  /// The part of a similar state's history that also holds for a new state.
-  struct InCommon {
-    physics::MarbleHistories histories{};
-    std::vector<physics::MarbleChange> changes{};
-  };
-  InCommon in_common_with(const Known& known, const State& state,
-                          const BoxGeometry& geometry) const;
-  /// Returns the result. `balls` are the balls as observed at the end. The result has no end time.
-  Result came_to(const State& state, std::span<const Traps::Ball> balls, const Traps& traps) const;
-  Filling filling_of(const Result& result) const;
-  static Result stopped(const physics::SceneError& error, const State& state);
+  std::optional<Outcome> simulated_in(BoxGeometry& geometry, const State& state, Until until,
+                                      bool records, const Known* known) const;
+  /// Returns the outcome without its end time. `balls` are the balls as observed at the end.
+  Outcome came_to(const State& state, std::span<const Traps::Ball> balls, const Traps& traps) const;
+  static Outcome stopped(const physics::SceneError& error, const State& state);
   /// Returns a state's physics scene. Bodies::all contains all balls; inactive balls never start.
   enum class Bodies : std::uint8_t { active, all };
   physics::Scene scene_in(const State& state, std::shared_ptr<const physics::TriangleMesh> surface,
                           Bodies bodies) const;
   std::unique_ptr<BoxGeometry> new_geometry() const;
-  std::optional<Bin> filled_bin(const Vec3& centre_m) const;
 
   Parameters parameters_;
   Replays replays_ = Replays::yes;

@@ -83,16 +83,17 @@ void expect_alike(const Spelling& world, const State& state, bool to_rest) {
   EXPECT_EQ(outcome.is_animation(), goes_on);
   if (!goes_on) return;
   // The world's outcome uses the same places at the same times.
-  std::vector<Vec3> staying_m;
-  for (const Traps::Ball& ball : balls) {
-    if (ball.rests || traps.of(ball.centre_m, ball.twist)) staying_m.push_back(ball.centre_m);
+  std::vector<Spelling::Staying> staying;
+  for (std::uint32_t i = 0; i < balls.size(); ++i) {
+    if (balls[i].rests || traps.of(balls[i].centre_m, balls[i].twist))
+      staying.push_back({.ball = i, .centre_m = balls[i].centre_m});
   }
   const Outcome expected =
-      world.judged(staying_m, static_cast<std::uint32_t>(balls.size() - staying_m.size()));
+      world.judged(staying, static_cast<std::uint32_t>(balls.size() - staying.size()));
   EXPECT_EQ(outcome.filled, expected.filled);
   EXPECT_EQ(outcome.elsewhere, expected.elsewhere);
   EXPECT_EQ(outcome.end_s, physics::seconds(simulation.now() - Tick{}));
-  EXPECT_EQ(outcome.end == End::settled, staying_m.size() == balls.size());
+  EXPECT_EQ(outcome.end == End::settled, staying.size() == balls.size());
 }
 
 void expect_all_alike(const Pattern& pattern, std::uint64_t states) {

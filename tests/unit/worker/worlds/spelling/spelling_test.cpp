@@ -39,7 +39,10 @@ TEST(Spelling, OutcomesCountDesignatedBins) {
   const Vec3 other = bins.floor_middle_m({0, 0});
   const auto expect = [&](const std::vector<Vec3>& resting_m, std::uint32_t others,
                           std::uint32_t filled, std::uint32_t elsewhere) {
-    const Outcome outcome = world.judged(resting_m, others);
+    std::vector<Spelling::Staying> staying;
+    for (const Vec3& centre_m : resting_m)
+      staying.push_back({static_cast<std::uint32_t>(staying.size()), centre_m});
+    const Outcome outcome = world.judged(staying, others);
     EXPECT_EQ(outcome.filled, filled);
     EXPECT_EQ(outcome.elsewhere, elsewhere);
   };
