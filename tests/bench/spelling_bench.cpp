@@ -33,7 +33,8 @@ std::vector<Spelling::State> full_states(const Spelling& world, std::uint64_t co
   for (std::uint64_t i = 0; states.size() < count; ++i) {
     random::Stream stream = k_streams.at(random::Purpose::prior, i);
     const Spelling::State state = world.draw_prior(stream);
-    auto candidate = propose(world.prior(), enable, state, stream).candidate;
+    auto candidate =
+        propose_of(drawn_kind(enable, stream), world.prior(), enable, state, {}, stream).candidate;
     if (candidate.active_count() == world.balls()) states.push_back(std::move(candidate));
   }
   return states;

@@ -42,9 +42,6 @@ class FailingBall {
   bool satisfied(const Outcome& outcome) const;
   plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
   bool starts_overlap(const Outcome& outcome) const { return outcome.starts_overlap; }
-  sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
-    return ball_.propose(state, stream);
-  }
   sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
                                     random::Stream& stream) const {
     return ball_.propose(state, scales, stream);

@@ -58,9 +58,6 @@ class Pucks {
   PuckMotion simulate(const State& state) const;
   double log_constraint(const PuckMotion& motion) const;
   bool satisfied(const PuckMotion& motion) const;
-  sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
-    return propose(state, {}, stream);
-  }
   sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
                                     random::Stream& stream) const;
   bool has_scale(std::uint32_t /*kind*/) const { return true; }

@@ -103,13 +103,6 @@ class Formula {
     return -0.5 * z * z;
   }
   bool satisfied(const Outcome& outcome) const { return std::fabs(outcome.end_m) < 0.01; }
-  sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
-    return propose(state, {}, stream);
-  }
-  sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
-                                    random::Stream& stream) const {
-    return worlds::dice::propose(parameters_, state, {}, scales, stream);
-  }
   sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
                                     std::span<const double> scales, random::Stream& stream) const {
     return worlds::dice::propose(parameters_, state, outcome.contacts, scales, stream);

@@ -43,7 +43,6 @@ concept Target = std::copyable<typename T::State> && std::copyable<typename T::O
   { target.simulate(state) } -> std::same_as<typename T::Outcome>;
   { target.log_constraint(outcome) } -> std::same_as<double>;
   { target.satisfied(outcome) } -> std::same_as<bool>;
-  { target.propose(state, stream) } -> std::same_as<Proposal<typename T::State>>;
   { target.proposal_kinds() } -> std::convertible_to<std::uint32_t>;
 };
 
@@ -92,10 +91,7 @@ bool is_refused(const SimulationReport& report) {
 /// are 1. A kind without a scale ignores its factor. Proposals must be correct for any constant
 /// factors.
 template <class T>
-concept ScalesProposals = Target<T> &&
-    requires(const T& target, const typename T::State& state, std::span<const double> scales,
-             random::Stream& stream) {
-  { target.propose(state, scales, stream) } -> std::same_as<Proposal<typename T::State>>;
+concept ScalesProposals = Target<T> && requires(const T& target) {
   { target.has_scale(std::uint32_t{}) } -> std::same_as<bool>;
 };
 
@@ -180,7 +176,9 @@ typename T::Outcome simulate_from(const T& target, const typename T::State& cand
   }
 }
 
-/// Proposes a candidate. If the target has scales, `scales` applies.
+/// Proposes a candidate by the target's function for this: `propose(state, outcome, scales,
+/// stream)` if the target is a ProposesByOutcome, `propose(state, scales, stream)` if it is another
+/// ScalesProposals, otherwise `propose(state, stream)`.
 template <Target T>
 Proposal<typename T::State> propose_from(const T& target, const Sample<T>& current,
                                          std::span<const double> scales, random::Stream& stream) {

@@ -24,7 +24,7 @@ class BrokenProposal {
   std::uint32_t proposal_kinds() const { return 1; }
 
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
-    sampling::Proposal<State> proposal = ball_.propose(state, stream);
+    sampling::Proposal<State> proposal = ball_.propose(state, {}, stream);
     State& candidate = proposal.candidate;
     switch (bug_) {
       case Bug::always_accepts:
@@ -69,7 +69,7 @@ class BrokenProposal {
 void step_reusing_a_number(const Ball& ball, double beta, const sampling::ChainStreams& streams,
                            std::uint64_t iteration, BallSample& current) {
   random::Stream proposal_stream = streams.at(random::Purpose::proposal, iteration);
-  auto proposal = ball.propose(current.state, proposal_stream);
+  auto proposal = ball.propose(current.state, {}, proposal_stream);
   BallSample candidate = sampling::evaluate(ball, proposal.candidate);
   const double log_ratio =
       sampling::log_acceptance_ratio(current.log_prior, current.log_constraint, candidate.log_prior,

@@ -94,9 +94,6 @@ struct Line {
   }
   Outcome simulate(const State& x) const { return x; }
   std::uint32_t proposal_kinds() const { return 1; }
-  sampling::Proposal<State> propose(const State& x, random::Stream& stream) const {
-    return propose(x, {}, stream);
-  }
   sampling::Proposal<State> propose(const State& x, std::span<const double> scales,
                                     random::Stream& stream) const {
     const double sd = step_sd * (scales.empty() ? 1 : scales.front());

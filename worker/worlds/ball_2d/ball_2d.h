@@ -37,9 +37,6 @@ class Ball2d {
   Landing simulate(const State& normals) const;
   double log_constraint(const Landing& landing) const;
   bool satisfied(const Landing& landing) const;
-  sampling::Proposal<State> propose(const State& normals, random::Stream& stream) const {
-    return propose(normals, {}, stream);
-  }
   /// Multiplies the proposal's half width by the scale.
   sampling::Proposal<State> propose(const State& normals, std::span<const double> scales,
                                     random::Stream& stream) const;

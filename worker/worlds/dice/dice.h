@@ -126,14 +126,6 @@ class Dice {
   bool satisfied(const Outcome& outcome) const {
     return outcome.end == End::settled && outcome.judgement.all_met;
   }
-  sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
-    return propose(state, std::span<const double>{}, stream);
-  }
-  /// Without an outcome, change_contact knows no collisions, so it proposes the present state.
-  sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
-                                    random::Stream& stream) const {
-    return dice::propose(parameters_, state, {}, scales, stream);
-  }
   sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
                                     std::span<const double> scales, random::Stream& stream) const {
     return dice::propose(parameters_, state, outcome.contacts, scales, stream);

@@ -123,12 +123,6 @@ Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
   return static_cast<Kind>(random::draw_by_share(shares, stream));
 }
 
-sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& p,
-                                  const State& state, std::span<const double> scales,
-                                  random::Stream& stream) {
-  return propose_of(drawn_kind(p, stream), prior, p, state, scales, stream);
-}
-
 sampling::Proposal<State> propose_of(Kind kind, const Prior& prior, const ProposalParameters& p,
                                      const State& state, std::span<const double> scales,
                                      random::Stream& stream) {

@@ -86,15 +86,6 @@ bool SoloBalls::satisfied(const Outcome& outcome) const {
   return outcome.possible && outcome.filled == world_->balls();
 }
 
-sampling::Proposal<State> SoloBalls::propose(const State& state, random::Stream& stream) const {
-  return propose(state, {}, stream);
-}
-
-sampling::Proposal<State> SoloBalls::propose(const State& state, std::span<const double> scales,
-                                             random::Stream& stream) const {
-  return world_->propose(state, scales, stream);
-}
-
 sampling::Proposal<State> SoloBalls::propose(const State& state, const Outcome& outcome,
                                              std::span<const double> scales,
                                              random::Stream& stream) const {

@@ -56,9 +56,6 @@ class SoloBalls {
   bool starts_overlap(const Outcome& /*outcome*/) const { return false; }
   double log_constraint_at_most(const State& state) const;
   bool satisfied(const Outcome& outcome) const;
-  sampling::Proposal<State> propose(const State& state, random::Stream& stream) const;
-  sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
-                                    random::Stream& stream) const;
   sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
                                     std::span<const double> scales, random::Stream& stream) const;
   double log_q_ratio(const State& state, const Outcome& outcome,

@@ -125,13 +125,6 @@ class Spelling {
     return std::max(0.0, state.active_count() * parameters_.constraint.log_lambda);
   }
   bool satisfied(const Outcome& outcome) const;
-  sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
-    return propose(state, {}, stream);
-  }
-  sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
-                                    random::Stream& stream) const {
-    return spelling::propose(prior_, parameters_.proposal, state, scales, stream);
-  }
   /// Proposes all kinds, including the kinds that depend on the outcome (aimed_drops.h).
   sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
                                     std::span<const double> scales, random::Stream& stream) const {

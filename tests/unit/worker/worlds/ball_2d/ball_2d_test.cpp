@@ -119,7 +119,7 @@ TEST(Ball2d, ProposalIsAlgorithm22) {
   for (const std::uint64_t draw : property::cases(20'000)) {
     random::Stream stream = stream_of(k_seed, draw);
     const NormalAngles now = random_normals({}, 0.2, stream);
-    const auto proposal = ball.propose(now, stream);
+    const auto proposal = ball.propose(now, {}, stream);
     EXPECT_EQ(proposal.log_q_ratio, 0);
     EXPECT_EQ(proposal.kind, 0U);
     unsigned subset = 0;

@@ -26,6 +26,11 @@ ProposalParameters only(Kind kind) {
   return p;
 }
 
+sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& p,
+                                  const State& state, random::Stream& stream) {
+  return propose_of(drawn_kind(p, stream), prior, p, state, {}, stream);
+}
+
 State with_active(const Prior& prior, std::uint32_t active) {
   State state;
   state.offsets_m.assign(prior.vertices, Vec3::Zero());
