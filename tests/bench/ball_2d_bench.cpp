@@ -31,7 +31,7 @@ BENCHMARK(simulate)->Name("ball_2d/simulate");
 
 void iteration(benchmark::State& state) {
   const Ball2d ball{worlds::ball_2d::Parameters{}};
-  auto sample = sampling::initialize(ball, k_streams);
+  auto sample = sampling::draw_afresh(ball, k_streams, 0);
   ResultHash hash;
   std::uint64_t i = 1;
   for (; i <= 1000; ++i) {

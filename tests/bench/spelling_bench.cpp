@@ -90,7 +90,7 @@ void chain(benchmark::State& state, worlds::spelling::Replays replays) {
   for (auto _ : state) {
     ResultHash hash;
     simulated = 0;
-    auto sample = sampling::initialize(world, k_streams);
+    auto sample = sampling::draw_afresh(world, k_streams, 0);
     for (std::uint64_t i = 1; i <= k_iterations; ++i) {
       simulated += metropolis_hastings_step(world, 1.0, k_streams, i, sample).simulated ? 1U : 0U;
       if (i % 1000 == 0) hash.add(sample.log_prior + sample.log_constraint);

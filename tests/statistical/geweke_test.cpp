@@ -64,7 +64,7 @@ double largest_z(Bug bug) {
   for (auto& series : successive)
     series.resize(1);
   const sampling::ChainStreams streams = streams_of(k_seed, 1);
-  BallSample sample = sampling::initialize(prior_ball, streams);
+  BallSample sample = sampling::draw_afresh(prior_ball, streams, 0);
   for (std::uint64_t iteration = 1; iteration <= k_steps; ++iteration) {
     random::Stream datum_stream = streams_of(k_seed, 2).at(random::Purpose::prior, iteration);
     const double datum = draw_datum(sample.outcome.x_m, datum_stream);

@@ -49,14 +49,18 @@ struct StepReport {
 /// Maximum number of consecutive failed draws from the prior.
 inline constexpr std::uint32_t k_draws_max = 1000;
 
-/// Draws from the prior until a simulation succeeds. A replica's start and a scan at inverse
-/// temperature 0 use this draw. Repeated draws use the next numbers of the same stream, so the
-/// result is exactly a draw from the prior conditioned on success. Calls `told` for each
-/// simulation. Throws base::Error after k_draws_max consecutive failures. REQUIRES: each scan of a
-/// replica at most once.
-template <Target T, class Told>
+struct TellNobody {
+  void operator()(const SimulationReport& /*report*/) const {}
+};
+
+/// Draws from the prior until a simulation succeeds. A replica's start (lines 1 and 2 of
+/// Algorithm 2.1) and a scan at inverse temperature 0 use this draw. Repeated draws use the next
+/// numbers of the same stream, so the result is exactly a draw from the prior conditioned on
+/// success. Calls `told` for each simulation. Throws base::Error after k_draws_max consecutive
+/// failures. REQUIRES: each scan of a replica at most once.
+template <Target T, class Told = TellNobody>
 Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_t scan,
-                      const Told& told) {
+                      const Told& told = {}) {
   random::Stream prior = streams.at(random::Purpose::prior, scan);
   SimulationReport report;
   for (std::uint32_t draw = 0; draw < k_draws_max; ++draw) {
@@ -69,16 +73,6 @@ Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_
                     "all " + std::to_string(k_draws_max) +
                         " draws from the prior failed in the simulator; the last failure: " +
                         report.failure->message);
-}
-template <Target T>
-Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_t scan) {
-  return draw_afresh(target, streams, scan, [](const SimulationReport&) {});
-}
-
-/// Starts a chain: lines 1 and 2 of Algorithm 2.1.
-template <Target T>
-Sample<T> initialize(const T& target, const ChainStreams& streams) {
-  return draw_afresh(target, streams, 0);
 }
 
 /// Returns log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)), line 7. A candidate of zero density is

@@ -43,10 +43,10 @@ struct ExcursionReport {
 
 /// Calls `told` for each simulation. REQUIRES: each scan of a replica at most once; fewer than
 /// k_excursion_steps_max steps in total.
-template <Target T, class Told>
+template <Target T, class Told = TellNobody>
 ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                                     const ChainStreams& streams, std::uint64_t scan,
-                                    Sample<T>& current, const Told& told) {
+                                    Sample<T>& current, const Told& told = {}) {
   CHECK_LT(2 * excursion.below.size() * excursion.steps, k_excursion_steps_max);
   // Use iteration numbers that only this excursion has, above the numbers of plain iterations.
   std::uint64_t iteration = (std::uint64_t{1} << 63U) + scan * k_excursion_steps_max;
@@ -94,13 +94,6 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
   if (!(log_u < log_ratio)) return {.simulations = simulations};
   current = std::move(candidate);
   return {.accepted = true, .from_prior = from_prior, .simulations = simulations};
-}
-template <Target T>
-ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
-                                    const ChainStreams& streams, std::uint64_t scan,
-                                    Sample<T>& current) {
-  return tempered_transition(target, excursion, streams, scan, current,
-                             [](const SimulationReport&) {});
 }
 
 }  // namespace sleight::sampling

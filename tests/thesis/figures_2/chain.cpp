@@ -66,7 +66,7 @@ Chain run_chain(const worlds::spelling::Parameters& parameters, const ChainOptio
   chain.iterations.reserve(options.iterations + 1);
   BestStates best;
   const sampling::ChainStreams streams{.seed = options.seed, .chain = {}, .replica = {}};
-  Sample current = sampling::initialize(world, streams);
+  Sample current = sampling::draw_afresh(world, streams, 0);
   chain.iterations.push_back(iteration_of(world.prior(), current));
   best.offer(current);
   for (std::uint64_t i = 1; i <= options.iterations; ++i) {

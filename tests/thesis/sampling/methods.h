@@ -66,7 +66,7 @@ Score restarted_chains(const Parameters& parameters, std::uint64_t seed,
   for (std::uint32_t chain = 0; score.simulations < simulations; ++chain) {
     const sampling::ChainStreams streams{
         .seed = seed, .chain = base::ChainId{chain}, .replica = {}};
-    auto sample = sampling::initialize(world, streams);
+    auto sample = sampling::draw_afresh(world, streams, 0);
     for (std::uint64_t i = 1; score.simulations < simulations && !world.satisfied(sample.outcome);
          ++i)
       sampling::iterate(world, 1, streams, i, sample, {}, [](const sampling::StepReport&) {});

@@ -78,7 +78,7 @@ Tallies timed_chain(const worlds::spelling::Parameters& parameters, std::uint64_
   Tallies tallies{};
   const Spelling reuses(parameters, Replays::yes);
   const Spelling fresh(parameters, Replays::no);
-  auto with = sampling::initialize(reuses, streams);
+  auto with = sampling::draw_afresh(reuses, streams, 0);
   auto without = with;
   for (std::uint64_t begin = 1; begin <= iterations; begin += k_turn) {
     const std::uint64_t end = std::min(iterations + 1, begin + k_turn);
@@ -105,7 +105,7 @@ void count_events(const worlds::spelling::Parameters& parameters, std::uint64_t 
   const sampling::ChainStreams streams{.seed = seed, .chain = {}, .replica = {}};
   Events last;
   const Observed world(parameters, last);
-  auto sample = sampling::initialize(world, streams);
+  auto sample = sampling::draw_afresh(world, streams, 0);
   for (std::uint64_t i = 1; i <= iterations; ++i) {
     last = {};
     const auto report = metropolis_hastings_step(world, 1.0, streams, i, sample);

@@ -160,7 +160,7 @@ TEST(ChainWorker, WalksByIterationsFromOne) {
   const sampling::ChainStreams streams{
       .seed = 11, .chain = base::ChainId{4}, .replica = base::ReplicaId{0}};
   const plan::UnitResult result = ball_worker(3).run(unit(4, 0, 30), {});
-  auto sample = sampling::initialize(ball, streams);
+  auto sample = sampling::draw_afresh(ball, streams, 0);
   std::uint64_t iteration = 0;
   for (std::size_t scan = 1; scan < 30; ++scan) {
     for (int i = 0; i < 3; ++i)

@@ -100,8 +100,8 @@ Tally compare(double beta, std::uint32_t chain, const Expected& expected) {
   target.simulations = &simulations;
   const Walk<S> reference{&reference_simulations};
   const ChainStreams streams = streams_of(chain);
-  Sample<T> sample = initialize(target, streams);
-  Sample<Walk<S>> plain = initialize(reference, streams);
+  Sample<T> sample = draw_afresh(target, streams, 0);
+  Sample<Walk<S>> plain = draw_afresh(reference, streams, 0);
   Tally tally;
   for (std::uint64_t step = 1; step <= k_steps; ++step) {
     const std::uint64_t before = simulations;

@@ -291,7 +291,7 @@ TEST(Iteration, ReportsEachStepAndTransition) {
   Ring ring;
   ring.steps = {.walk = 4, .single = 3, .walk_kind = 1, .single_kind = 2};
   const ChainStreams streams{.seed = random::k_test_seed, .chain = {}, .replica = {}};
-  Sample<Ring> sample = initialize(ring, streams);
+  Sample<Ring> sample = draw_afresh(ring, streams, 0);
   std::uint64_t walks = 0;
   for (std::uint64_t i = 1; i <= 4000; ++i) {
     std::array<std::uint32_t, 3> kinds{};

@@ -145,14 +145,15 @@ TEST(Transitions, AreTheExactOnes) {
 }
 
 TEST(Transitions, StartIsADrawFromThePrior) {
-  // Goal: initialize() uses a chain's own streams to draw the chain's start from the prior p_w.
+  // Goal: draw_afresh() uses a chain's own streams to draw the chain's start from the prior p_w.
   // Method: compare the starts of 100,000 chains with the prior by chi-square.
   const Ring ring;
   std::vector<int> counts(k_states, 0);
   for (std::uint32_t chain = 0; chain < 100'000; ++chain) {
-    const Sample<Ring> sample = initialize(ring, {.seed = random::k_test_seed,
-                                                  .chain = base::ChainId{chain},
-                                                  .replica = base::ReplicaId{0}});
+    const Sample<Ring> sample = draw_afresh(
+        ring,
+        {.seed = random::k_test_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}},
+        0);
     ASSERT_EQ(sample.log_constraint, k_log_constraint[sample.state]);
     ++counts[sample.state];
   }

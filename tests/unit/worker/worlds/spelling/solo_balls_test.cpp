@@ -175,7 +175,7 @@ TEST(SoloBalls, HeldOutcomesAreThoseOfTheState) {
   const Spelling world(parameters_with_aims());
   const sampling::ChainStreams streams{.seed = 28, .chain = {}, .replica = {}};
   for (const double beta : {0.3, 1.0}) {
-    auto sample = sampling::initialize(world, streams);
+    auto sample = sampling::draw_afresh(world, streams, 0);
     std::uint64_t held = 0;
     for (std::uint64_t i = 1; i <= 200; ++i) {
       sampling::iterate(world, beta, streams, i, sample, {}, [](const sampling::StepReport&) {});
