@@ -13,7 +13,6 @@
 #include "tests/posterior/arrays.h"
 #include "worker/sampling/diagnostics/effective_sample_size.h"
 #include "worker/sampling/diagnostics/r_hat.h"
-#include "worker/sampling/diagnostics/standard_error.h"
 
 namespace {
 

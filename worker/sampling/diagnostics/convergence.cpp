@@ -7,20 +7,18 @@
 
 #include "worker/sampling/diagnostics/effective_sample_size.h"
 #include "worker/sampling/diagnostics/r_hat.h"
-#include "worker/sampling/diagnostics/standard_error.h"
 #include "worker/sampling/diagnostics/transforms.h"
 
 namespace sleight::sampling {
 namespace {
 
 bool all_equal(std::span<const double> values) {
-  return std::all_of(values.begin(), values.end(),
-                     [&](double value) { return value == values.front(); });
+  return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
 }
 
 std::size_t count_not_finite(std::span<const double> values) {
-  return static_cast<std::size_t>(std::count_if(
-      values.begin(), values.end(), [](double value) { return !std::isfinite(value); }));
+  const auto is_not_finite = [](double value) { return !std::isfinite(value); };
+  return static_cast<std::size_t>(std::ranges::count_if(values, is_not_finite));
 }
 
 /// Returns "3 of 4 chains never move and ", or nothing if all chains move.

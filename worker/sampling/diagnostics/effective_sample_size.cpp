@@ -112,4 +112,8 @@ double ess_quantile(const Chains& draws, double probability) {
   return ess_mean({.values = indicators, .chains = draws.chains, .draws = draws.draws});
 }
 
+double mcse_mean(const Chains& draws) {
+  return std::sqrt(variance_of(draws.values)) / std::sqrt(ess_mean(draws));
+}
+
 }  // namespace sleight::sampling

@@ -41,4 +41,8 @@ double ess_mean(const Chains& draws);
 /// Probability 1 counts as 1 - 0.5 / (number of all draws). REQUIRES: probability in [0, 1].
 double ess_quantile(const Chains& draws, double probability);
 
+/// Returns the Monte Carlo standard error of the mean, in the unit of the draws: the standard
+/// deviation of all draws, divided by sqrt(ess_mean).
+double mcse_mean(const Chains& draws);
+
 }  // namespace sleight::sampling

@@ -47,15 +47,14 @@ double variance_of(std::span<const double> values) {
 }
 
 bool is_degenerate(std::span<const double> values) {
-  if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); }))
-    return true;
+  if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); })) return true;
   const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
   return *greatest - *least < std::numeric_limits<double>::epsilon();
 }
 
 double median_of(std::span<const double> values) {
   CHECK(!values.empty());
-  if (std::any_of(values.begin(), values.end(), [](double value) { return std::isnan(value); }))
+  if (std::ranges::any_of(values, [](double value) { return std::isnan(value); }))
     return std::numeric_limits<double>::quiet_NaN();
   std::vector<double> sorted(values.begin(), values.end());
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -109,8 +108,7 @@ OwnedChains normal_scores(const Chains& draws) {
                      .chains = draws.chains,
                      .draws = draws.draws};
   const std::span<const double> values = draws.values;
-  if (std::any_of(values.begin(), values.end(), [](double value) { return std::isnan(value); }))
-    return scores;
+  if (std::ranges::any_of(values, [](double value) { return std::isnan(value); })) return scores;
 
   // Process the draws in ascending order, one group of equal draws after another.
   std::vector<std::size_t> order(values.size());

@@ -10,7 +10,6 @@
 
 #include "worker/sampling/diagnostics/effective_sample_size.h"
 #include "worker/sampling/diagnostics/r_hat.h"
-#include "worker/sampling/diagnostics/standard_error.h"
 
 namespace sleight::sampling {
 namespace {

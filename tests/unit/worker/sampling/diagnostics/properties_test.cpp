@@ -7,7 +7,6 @@
 #include "tests/unit/worker/sampling/diagnostics/made_chains.h"
 #include "worker/sampling/diagnostics/effective_sample_size.h"
 #include "worker/sampling/diagnostics/r_hat.h"
-#include "worker/sampling/diagnostics/standard_error.h"
 
 namespace sleight::sampling {
 namespace {
