@@ -52,7 +52,8 @@ inline worlds::spelling::Parameters parameters_with_solo_steps() {
 inline SpellingSample exact_draw(const Spelling& world, double beta, random::Stream& stream) {
   const double most = world.balls() * world.parameters().constraint.log_lambda;
   while (true) {
-    SpellingSample sample = sampling::evaluate(world, world.prior().draw(stream));
+    SpellingSample sample = sampling::evaluate(
+        world, draw_state(world.prior(), worlds::spelling::Kernel::correct, stream));
     const double u = stream.uniform();
     if (math::log(u) < beta * (sample.log_constraint - most)) return sample;
   }

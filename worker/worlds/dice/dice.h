@@ -38,7 +38,6 @@
 #include "worker/worlds/dice/parameters.h"
 #include "worker/worlds/dice/proposals.h"
 #include "worker/worlds/dice/state.h"
-#include "worker/worlds/dice/state_bytes.h"
 
 namespace sleight::worlds::dice {
 

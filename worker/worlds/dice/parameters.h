@@ -24,6 +24,7 @@ struct Range {
   double high = 0;
   bool is_constant() const { return low == high; }
   double mean() const { return 0.5 * (low + high); }
+  friend bool operator==(const Range&, const Range&) = default;
 };
 
 struct TableParameters {
@@ -35,6 +36,7 @@ struct TableParameters {
   double height_sd_m = 0.00125;
   Range restitution{0.5, 0.5};
   Range friction{0.4, 0.4};
+  friend bool operator==(const TableParameters&, const TableParameters&) = default;
 };
 
 enum class StartOrientation : std::uint8_t { uniform, fixed };

@@ -9,16 +9,6 @@
 namespace sleight::worlds::dice {
 namespace {
 
-bool same(const Range& a, const Range& b) {
-  return a.low == b.low && a.high == b.high;
-}
-
-bool same(const TableParameters& a, const TableParameters& b) {
-  return a.spacing_m == b.spacing_m && a.columns == b.columns && a.rows == b.rows &&
-         a.height_sd_m == b.height_sd_m && same(a.restitution, b.restitution) &&
-         same(a.friction, b.friction);
-}
-
 double draw_from(const Range& range, random::Stream& stream) {
   if (range.is_constant()) return range.low;
   return random::Uniform{.low = range.low, .high = range.high}.draw(stream);
@@ -120,7 +110,7 @@ SurfaceControl RandomTable::at(GridIndex index) const {
 std::optional<std::vector<GridIndex>> RandomTable::changed_from(
     const SurfaceControls& before) const {
   const auto* other = dynamic_cast<const RandomTable*>(&before);
-  if (other == nullptr || other->key_ != key_ || !same(other->table_, table_)) return std::nullopt;
+  if (other == nullptr || other->key_ != key_ || other->table_ != table_) return std::nullopt;
   return differences(other->overrides_, overrides_);
 }
 

@@ -302,17 +302,10 @@ struct GoalBinder {
     }
   }
 
-  void bind_all();
   void bind_places();
   void bind_directions();
   void bind_motion();
 };
-
-void GoalBinder::bind_all() {
-  bind_places();
-  bind_directions();
-  bind_motion();
-}
 
 void GoalBinder::bind_places() {
   const NumberOptions place{
@@ -490,7 +483,10 @@ void bind(request::WorldSections& sections, Parameters& parameters) {
   sections.constraint.choice<Numbering>("numbering", parameters.numbering, k_numbering_names,
                                         "free: faces are numbered after the throw to fit the "
                                         "goals best; fixed: faces are numbered before it");
-  GoalBinder{sections.constraint, parameters.world, parameters.goals}.bind_all();
+  GoalBinder goals{sections.constraint, parameters.world, parameters.goals};
+  goals.bind_places();
+  goals.bind_directions();
+  goals.bind_motion();
   check_faces(sections.constraint, parameters);
   bind_proposal(sections.sampler, parameters.proposal);
 }

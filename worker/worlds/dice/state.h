@@ -14,8 +14,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "common/base/bytes.h"
 #include "common/random/stream.h"
 #include "worker/worlds/dice/parameters.h"
 #include "worker/worlds/dice/random_table.h"
@@ -47,6 +49,14 @@ double log_density_of(const DieStart& start, const DieThrow& one);
 State draw_state(const WorldParameters& world, random::Stream& stream);
 /// REQUIRES: the state has as many dice as the world.
 double log_density_of(const WorldParameters& world, const State& state);
+
+/// Encodes a state: the table's key (u64) and the number of overrides (u64), then each override's
+/// index (i32, i32), height, restitution and friction (f64), then each die's position, orientation
+/// (w, x, y, z), velocity and spin (f64).
+base::Bytes encode(const State& state);
+/// Refuses a wrong length, numbers that aren't finite, overrides that are out of order, off the
+/// table or out of range, and orientations whose norm isn't 1.
+std::optional<State> decode(const WorldParameters& world, base::BytesView bytes);
 
 SurfaceControl control_at(const WorldParameters& world, const State& state, GridIndex index);
 

@@ -1,8 +1,7 @@
-#include "worker/worlds/dice/state_bytes.h"
-
 #include <cmath>
 
 #include "common/random/angular_distributions.h"
+#include "worker/worlds/dice/state.h"
 
 namespace sleight::worlds::dice {
 namespace {

@@ -21,13 +21,8 @@ constexpr double k_variance_min = 1e-4;
 /// A standard deviation below this multiple of the component's mean counts as 0.
 constexpr double k_sd_min = 1e-9;
 
-double& at(DieThrow& one, std::size_t place) {
-  const auto axis = static_cast<Eigen::Index>(place % 3);
-  if (place < 3) return one.position_m[axis];
-  return place < 6 ? one.velocity_mps[axis] : one.spin_radps[axis];
-}
-
-double at(const DieThrow& one, std::size_t place) {
+/// One of a throw's numbers. `place` is an index in (position, velocity, spin).
+auto& at(auto& one, std::size_t place) {
   const auto axis = static_cast<Eigen::Index>(place % 3);
   if (place < 3) return one.position_m[axis];
   return place < 6 ? one.velocity_mps[axis] : one.spin_radps[axis];

@@ -46,13 +46,13 @@ std::optional<std::size_t> changed_ball(const State& a, const State& b) {
   return std::nullopt;
 }
 
-double log_aim_q(const AimParameters& p, std::size_t loose, double density_pm2) {
-  return math::log(p.aim) - log_of(loose) + math::log(density_pm2);
+double log_aim_q(const ProposalParameters& p, std::size_t loose, double density_pm2) {
+  return math::log(p.aim_ball) - log_of(loose) + math::log(density_pm2);
 }
 
-double log_scatter_q(const Prior& prior, const AimParameters& p, std::size_t right, const State& to,
-                     std::size_t ball) {
-  return math::log(p.scatter) - log_of(right) + log_prior_of_ball(prior, to, ball);
+double log_scatter_q(const Prior& prior, const ProposalParameters& p, std::size_t right,
+                     const State& to, std::size_t ball) {
+  return math::log(p.scatter_ball) - log_of(right) + log_prior_of_ball(prior, to, ball);
 }
 
 }  // namespace
@@ -125,7 +125,7 @@ double Windows::greatest_density(const Vec2& drop_m) const {
 }
 
 std::optional<sampling::Proposal<State>> aim_ball(const Prior& prior, const Windows& windows,
-                                                  const AimParameters& p, const State& state,
+                                                  const ProposalParameters& p, const State& state,
                                                   const Filling& filling, random::Stream& stream) {
   const std::vector<std::size_t> loose = balls_that(false, filling);
   const std::vector<std::size_t> empty = empty_bins(windows.bins(), filling);
@@ -142,8 +142,8 @@ std::optional<sampling::Proposal<State>> aim_ball(const Prior& prior, const Wind
 }
 
 std::optional<sampling::Proposal<State>> scatter_ball(const Prior& prior, const Windows& windows,
-                                                      const AimParameters& p, const State& state,
-                                                      const Filling& filling,
+                                                      const ProposalParameters& p,
+                                                      const State& state, const Filling& filling,
                                                       random::Stream& stream) {
   const std::vector<std::size_t> right = balls_that(true, filling);
   if (right.empty()) return std::nullopt;
@@ -158,7 +158,7 @@ std::optional<sampling::Proposal<State>> scatter_ball(const Prior& prior, const 
   return proposal;
 }
 
-double aim_log_q_ratio(const Prior& prior, const Windows& windows, const AimParameters& p,
+double aim_log_q_ratio(const Prior& prior, const Windows& windows, const ProposalParameters& p,
                        const State& state, const Filling& filling, const State& candidate,
                        const Filling& candidate_filling) {
   const auto ball = changed_ball(state, candidate);
@@ -171,7 +171,7 @@ double aim_log_q_ratio(const Prior& prior, const Windows& windows, const AimPara
   return log_scatter_q(prior, p, right, state, *ball) - log_aim_q(p, loose, density_pm2);
 }
 
-double scatter_log_q_ratio(const Prior& prior, const Windows& windows, const AimParameters& p,
+double scatter_log_q_ratio(const Prior& prior, const Windows& windows, const ProposalParameters& p,
                            const State& state, const Filling& filling, const State& candidate,
                            const Filling& candidate_filling) {
   const double back =

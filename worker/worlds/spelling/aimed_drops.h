@@ -71,28 +71,24 @@ inline bool is_full(std::span<const std::uint8_t> full, std::int16_t bin) {
 }
 std::vector<std::size_t> empty_bins(std::size_t bins, const Filling& filling);
 
-struct AimParameters {
-  double aim = 0;      ///< probability of aim_ball among all kinds
-  double scatter = 0;  ///< probability of scatter_ball among all kinds
-};
-
 /// Return a proposal whose ratio is an upper bound. Return nothing if there is no ball to move.
 std::optional<sampling::Proposal<State>> aim_ball(const Prior& prior, const Windows& windows,
-                                                  const AimParameters& parameters,
+                                                  const ProposalParameters& parameters,
                                                   const State& state, const Filling& filling,
                                                   random::Stream& stream);
 std::optional<sampling::Proposal<State>> scatter_ball(const Prior& prior, const Windows& windows,
-                                                      const AimParameters& parameters,
+                                                      const ProposalParameters& parameters,
                                                       const State& state, const Filling& filling,
                                                       random::Stream& stream);
 
 /// Return the log q ratio, given the candidate's filling. If there is no reverse proposal, return
 /// -infinity. The ratio of `scatter_ball` is the inverse of the reverse `aim_ball`'s ratio.
-double aim_log_q_ratio(const Prior& prior, const Windows& windows, const AimParameters& parameters,
-                       const State& state, const Filling& filling, const State& candidate,
+double aim_log_q_ratio(const Prior& prior, const Windows& windows,
+                       const ProposalParameters& parameters, const State& state,
+                       const Filling& filling, const State& candidate,
                        const Filling& candidate_filling);
 double scatter_log_q_ratio(const Prior& prior, const Windows& windows,
-                           const AimParameters& parameters, const State& state,
+                           const ProposalParameters& parameters, const State& state,
                            const Filling& filling, const State& candidate,
                            const Filling& candidate_filling);
 

@@ -10,14 +10,27 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "common/random/stream.h"
 #include "worker/sampling/stage_search.h"
 #include "worker/worlds/spelling/landing_map.h"
-#include "worker/worlds/spelling/pouring.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
+
+/// Balls that drop one after another, and the outcome of the balls dropped so far. Search builds
+/// pourings, and islands extend them (pouring_stages.h).
+struct Pouring {
+  State state;  ///< balls that have not been dropped yet are inactive
+  Outcome outcome;
+};
+
+Pouring no_balls(const Spelling& world, std::vector<Vec3> offsets_m);
+
+/// Adds one ball, and simulates the result. REQUIRES: the ball is inactive.
+Pouring with_ball(const Spelling& world, const Pouring& pouring, std::size_t ball,
+                  const Vec2& drop_m);
 
 /// A try fails after this number of simulated lone balls.
 inline constexpr std::uint32_t k_lone_tries_max = 200;

@@ -45,7 +45,6 @@
 #include "worker/sampling/burn_in_judge.h"
 #include "worker/sampling/stages.h"
 #include "worker/worlds/spelling/landing_map.h"
-#include "worker/worlds/spelling/pouring.h"
 #include "worker/worlds/spelling/pouring_builder.h"
 #include "worker/worlds/spelling/spelling.h"
 

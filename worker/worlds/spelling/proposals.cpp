@@ -72,10 +72,6 @@ double Prior::log_area() const {
   return math::log(4 * drop_half_m.x() * drop_half_m.y());
 }
 
-State Prior::draw(random::Stream& stream) const {
-  return draw_state(*this, Kernel::correct, stream);
-}
-
 Vec2 Prior::draw_drop(random::Stream& stream) const {
   const double x = random::Uniform{.low = -drop_half_m.x(), .high = drop_half_m.x()}.draw(stream);
   const double y = random::Uniform{.low = -drop_half_m.y(), .high = drop_half_m.y()}.draw(stream);

@@ -37,9 +37,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "common/base/bytes.h"
 #include "common/math/vector.h"
 #include "common/random/stream.h"
 #include "worker/sampling/target.h"
@@ -85,7 +87,6 @@ struct Prior {
   Vec2 drop_half_m{1, 1};  ///< half the sides of the drop region
 
   double log_area() const;
-  State draw(random::Stream& stream) const;
   /// Draws the drop place of an active ball.
   Vec2 draw_drop(random::Stream& stream) const;
   bool may_drop_at(const Vec2& drop_m) const;
@@ -93,26 +94,26 @@ struct Prior {
   double log_density(const State& state) const;
 };
 
-/// Draws a chain's start. The kernel's `change_all` proposes states in the same way. Same as
-/// prior.draw(stream) for Kernel::correct.
+/// Draws a chain's start. The kernel's `change_all` proposes states in the same way.
+/// Kernel::correct draws from the prior.
 State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream);
 
-/// `scales` is by kind; if empty, all scales are 1. Scales multiply the lengths by which vertices
-/// and balls move, and the probability of disabling or enabling a ball. Disabling and enabling both
-/// use the scale of disable_balls. REQUIRES: the kinds that depend on the outcome have probability
-/// 0.
-sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
-                                  const State& state, std::span<const double> scales,
-                                  random::Stream& stream);
-/// Proposes a change of one kind. REQUIRES: the kind doesn't depend on the outcome.
+/// Proposes a change of one kind. `scales` is by kind; if empty, all scales are 1. Scales multiply
+/// the lengths by which vertices and balls move, and the probability of disabling or enabling a
+/// ball. Disabling and enabling both use the scale of disable_balls. REQUIRES: the kind doesn't
+/// depend on the outcome.
 sampling::Proposal<State> propose_of(Kind kind, const Prior& prior,
                                      const ProposalParameters& parameters, const State& state,
                                      std::span<const double> scales, random::Stream& stream);
 Kind drawn_kind(const ProposalParameters& parameters, random::Stream& stream);
-inline sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,
-                                         const State& state, random::Stream& stream) {
-  return propose(prior, parameters, state, {}, stream);
-}
+
+/// Returns all numbers of a state: all partition vertices' offsets (x, y, z each), then 1 for each
+/// active ball and 0 for each other ball, then each ball's drop place (x, y).
+std::vector<double> values_of(const State& state);
+/// Encodes a state as the doubles of values_of().
+base::Bytes encode(const State& state);
+/// Refuses a wrong length, an offset or place that isn't finite, and any activity except 0 and 1.
+std::optional<State> decode(const Prior& prior, base::BytesView bytes);
 
 inline bool has_scale(Kind kind) {
   return kind == Kind::change_vertices || kind == Kind::change_ball ||

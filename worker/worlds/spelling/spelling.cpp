@@ -155,14 +155,13 @@ sampling::Proposal<State> Spelling::propose(const State& state, const Filling* f
                                             random::Stream& stream) const {
   const ProposalParameters& p = parameters_.proposal;
   const Kind kind = drawn_kind(p, stream);
-  const AimParameters aims{.aim = p.aim_ball, .scatter = p.scatter_ball};
   sampling::Proposal<State> proposal{.candidate = state};
   if (kind != Kind::scatter_ball && kind != Kind::aim_ball) {
     proposal = propose_of(kind, prior_, p, state, scales, stream);
   } else if (filling != nullptr) {
     const auto drawn = kind == Kind::aim_ball
-                           ? aim_ball(prior_, windows_, aims, state, *filling, stream)
-                           : scatter_ball(prior_, windows_, aims, state, *filling, stream);
+                           ? aim_ball(prior_, windows_, p, state, *filling, stream)
+                           : scatter_ball(prior_, windows_, p, state, *filling, stream);
     if (drawn) proposal = *drawn;
   }
   proposal.kind = static_cast<std::uint32_t>(kind);
@@ -173,11 +172,10 @@ double Spelling::log_q_ratio(const State& state, const Filling* filling,
                              const sampling::Proposal<State>& proposal,
                              const Filling* candidate_filling) const {
   if (filling == nullptr || candidate_filling == nullptr) return k_impossible;
-  const AimParameters aims{.aim = parameters_.proposal.aim_ball,
-                           .scatter = parameters_.proposal.scatter_ball};
   const bool aimed = proposal.kind == static_cast<std::uint32_t>(Kind::aim_ball);
   const auto ratio = aimed ? aim_log_q_ratio : scatter_log_q_ratio;
-  return ratio(prior_, windows_, aims, state, *filling, proposal.candidate, *candidate_filling);
+  return ratio(prior_, windows_, parameters_.proposal, state, *filling, proposal.candidate,
+               *candidate_filling);
 }
 
 Anchor Spelling::draw_anchor(const State& state, const Outcome& outcome,

@@ -47,7 +47,6 @@
 #include "worker/worlds/spelling/proposals.h"
 #include "worker/worlds/spelling/solo_balls.h"
 #include "worker/worlds/spelling/spelling_history.h"
-#include "worker/worlds/spelling/state_bytes.h"
 
 namespace sleight::worlds::spelling {
 

@@ -11,8 +11,6 @@ namespace {
 /// Margin around moved vertices. This margin is greater than the touch distance and rounding.
 constexpr float k_margin_m = 1e-5F;
 
-constexpr physics::TouchBox k_nowhere = physics::k_unmeetable;
-
 }  // namespace
 
 bool starts_alike(const State& state, const State& candidate, std::size_t ball) {
@@ -77,7 +75,7 @@ std::vector<physics::MarbleChange> Influence::changes(
   for (std::size_t i = 0; i < of_vertex_.size(); ++i) {
     if (before_m[i] == after_m[i]) continue;
     const Vertex& vertex = of_vertex_[i];
-    physics::TouchBox box = k_nowhere;
+    physics::TouchBox box = physics::k_unmeetable;
     for (const std::uint32_t corner : vertex.corners) {
       const bool moves = corner < before_m.size();
       for (const std::span<const Vec3>& offsets_m : {before_m, after_m})

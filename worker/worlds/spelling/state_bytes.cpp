@@ -1,6 +1,6 @@
-#include "worker/worlds/spelling/state_bytes.h"
-
 #include <cmath>
+
+#include "worker/worlds/spelling/proposals.h"
 
 namespace sleight::worlds::spelling {
 

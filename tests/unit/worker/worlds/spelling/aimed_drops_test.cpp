@@ -13,7 +13,7 @@
 
 namespace sleight::worlds::spelling::aimed_drops_test {
 
-constexpr AimParameters k_aims{.aim = 0.3, .scatter = 0.2};
+constexpr ProposalParameters k_aims{.aim_ball = 0.3, .scatter_ball = 0.2};
 
 struct Case {
   Prior prior{.vertices = 0, .balls = 6, .vertex_sd_m = 1, .drop_half_m = {0.05, 0.03}};
@@ -27,7 +27,7 @@ Case random_case(random::Stream& stream) {
   Case made;
   for (int bin = 0; bin < 6; ++bin)
     made.windows.add({-0.045 + 0.018 * bin, 0.004 * bin - 0.01}, 0.018, made.prior.drop_half_m);
-  made.state = made.prior.draw(stream);
+  made.state = draw_state(made.prior, Kernel::correct, stream);
   made.filling.assign(6, k_fills_none);
   for (std::size_t ball = 0; ball < 6; ++ball) {
     const auto bin = static_cast<std::int16_t>(stream.bits() % 6);
@@ -143,8 +143,8 @@ TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
     double density_pm2 = 0;
     for (const std::size_t bin : {1, 2, 3})
       density_pm2 += windows.density(std::span(&bin, 1), candidate.drops_m[1]) / 3;
-    const double aim = k_aims.aim / 3 * density_pm2;
-    const double scatter = k_aims.scatter / 2 * (was_active ? 0.5 / (0.1 * 0.06) : 0.5);
+    const double aim = k_aims.aim_ball / 3 * density_pm2;
+    const double scatter = k_aims.scatter_ball / 2 * (was_active ? 0.5 / (0.1 * 0.06) : 0.5);
     EXPECT_NEAR(aim_log_q_ratio(prior, windows, k_aims, state, filling, candidate, there),
                 std::log(scatter / aim), 1e-13);
     EXPECT_NEAR(scatter_log_q_ratio(prior, windows, k_aims, candidate, there, state, filling),

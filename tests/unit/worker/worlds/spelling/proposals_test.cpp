@@ -211,17 +211,6 @@ TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
   EXPECT_NEAR(moved, 1, 0.03);
 }
 
-TEST(Proposals, CorrectDrawsAreThePriors) {
-  // Goal: draw_state() with Kernel::correct draws the same bits as the prior.
-  const Prior prior{.vertices = 7, .balls = 3, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
-  for (const std::uint64_t i : property::cases(20)) {
-    random::Stream a = stream_of(61, i);
-    random::Stream b = stream_of(61, i);
-    EXPECT_EQ(draw_state(prior, Kernel::correct, a), prior.draw(b));
-    EXPECT_EQ(a.uniform(), b.uniform());
-  }
-}
-
 TEST(Proposals, KindsHaveTheirShares) {
   // Goal: each kind of proposal occurs with its share, and a kind with share 0 never occurs.
   const Prior prior{.vertices = 3, .balls = 4, .drop_half_m = {0.2, 0.05}};
@@ -267,7 +256,7 @@ TEST(Proposals, DrawsBelongToTheDensity) {
   constexpr int k_draws = 2000;
   for (int i = 0; i < k_draws; ++i) {
     random::Stream stream = stream_of(21, static_cast<std::uint64_t>(i));
-    const State state = prior.draw(stream);
+    const State state = draw_state(prior, Kernel::correct, stream);
     log_density += prior.log_density(state) / k_draws;
     for (const Vec3& offset_m : state.offsets_m)
       square += math::dot(offset_m, offset_m) / (k_draws * 120.0);
