@@ -12,7 +12,6 @@
 #include "common/plan/unit.h"
 #include "worker/run/search_start.h"
 #include "worker/sampling/island.h"
-#include "worker/sampling/island_estimate.h"
 #include "worker/sampling/particle_steps.h"
 
 namespace sleight::run {
@@ -66,13 +65,9 @@ class IslandScan {
     }
     Visit visit{.sample = {}, .is_new = false, .method_values = {}};
     for (std::uint32_t nth = 0; nth < k_free_islands; ++nth) {
-      const auto report = sampling::independence_step(islands_, number + 1 + 2 * nth, current);
-      visit.is_new = visit.is_new || report.accepted;
-      sampling::IslandEstimate{.log_z = report.log_z,
-                               .log_satisfied = report.log_satisfied,
-                               .effective_size = report.effective_size,
-                               .accepted = report.accepted}
-          .append_to(visit.method_values);
+      const auto estimate = sampling::independence_step(islands_, number + 1 + 2 * nth, current);
+      visit.is_new = visit.is_new || estimate.accepted;
+      estimate.append_to(visit.method_values);
     }
     visit.sample = std::move(current.sample);
     return visit;

@@ -24,6 +24,7 @@
 #include "common/math/elementary.h"
 #include "common/random/stream.h"
 #include "worker/sampling/island.h"
+#include "worker/sampling/island_estimate.h"
 
 namespace sleight::sampling {
 
@@ -35,38 +36,32 @@ struct ParticleSample {
   std::optional<double> log_z{};
 };
 
-struct ParticleStepReport {
-  bool accepted = false;  ///< Always true for a conditional step whose state is reachable.
-  /// Estimates of the step's island, which is free or conditional.
-  double log_z = k_log_zero;
-  double log_satisfied = k_log_zero;
-  double effective_size = 0;
-};
-
 template <ActsInStages T>
-ParticleStepReport report_of(const Island<T>& island) {
+IslandEstimate estimate_of(const Island<T>& island) {
   return {.log_z = island.log_z,
           .log_satisfied = island.log_satisfied,
           .effective_size = island.effective_size};
 }
 
-/// The draw is the next state. REQUIRES: the same as Islands::given; a chain uses each number once.
+/// Returns the conditional island's estimate. The draw is the next state. REQUIRES: the same as
+/// Islands::given; a chain uses each number once.
 template <ActsInStages T>
-ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t number,
-                                    ParticleSample<T>& current) {
+IslandEstimate conditional_step(const Islands<T>& islands, std::uint64_t number,
+                                ParticleSample<T>& current) {
   Island<T> island = islands.given(number, current.sample.state);
   if (island.is_unreachable) return {};
   CHECK(island.drawn.has_value());
-  ParticleStepReport report = report_of(island);
-  report.accepted = true;
+  IslandEstimate estimate = estimate_of(island);
+  estimate.accepted = true;
   current = {.sample = std::move(*island.drawn), .log_z = island.log_z};
-  return report;
+  return estimate;
 }
 
-/// Uses island numbers `number` and number + 1. REQUIRES: as conditional_step.
+/// Returns the free island's estimate. Uses island numbers `number` and number + 1. REQUIRES: as
+/// conditional_step.
 template <ActsInStages T>
-ParticleStepReport independence_step(const Islands<T>& islands, std::uint64_t number,
-                                     ParticleSample<T>& current) {
+IslandEstimate independence_step(const Islands<T>& islands, std::uint64_t number,
+                                 ParticleSample<T>& current) {
   // If Z is stale, estimate it from an island that is conditioned on the current state.
   bool stays = false;
   if (!current.log_z) {
@@ -77,13 +72,13 @@ ParticleStepReport independence_step(const Islands<T>& islands, std::uint64_t nu
 
   // Propose a free island.
   Island<T> island = islands.free(number + 1);
-  ParticleStepReport report = report_of(island);
-  if (stays || !island.drawn) return report;
+  IslandEstimate estimate = estimate_of(island);
+  if (stays || !island.drawn) return estimate;
   random::Stream acceptance = islands.acceptance_of(number + 1);
   const double log_u = math::log(acceptance.uniform());
-  report.accepted = log_u < island.log_z - *current.log_z;
-  if (report.accepted) current = {.sample = std::move(*island.drawn), .log_z = island.log_z};
-  return report;
+  estimate.accepted = log_u < island.log_z - *current.log_z;
+  if (estimate.accepted) current = {.sample = std::move(*island.drawn), .log_z = island.log_z};
+  return estimate;
 }
 
 }  // namespace sleight::sampling
