@@ -88,14 +88,6 @@ void BurntInChains::begin_part(Chain& chain) {
     chain.part->consume(base::ReplicaId{replica}, results.first, results.second);
 }
 
-bool BurntInChains::finished() const {
-  return order_.least() >= stop_.end();
-}
-
-std::uint64_t BurntInChains::scans_common() const {
-  return std::min(order_.least(), stop_.end());
-}
-
 plan::Draws BurntInChains::draws() const {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   for (const Chain& chain : chains_)

@@ -1,6 +1,7 @@
 #include "worker/sampling/independent_chains.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/base/check.h"
 #include "worker/sampling/ladder.h"
@@ -13,43 +14,31 @@ IndependentChains::IndependentChains(const IndependentChainsOptions& options)
       scans_before_draws_(options.anneal_scans + options.burn_in_scans),
       has_islands_(options.has_islands),
       chains_(options.chains),
-      stop_(options.stop, options.round_scans, scans_before_draws_) {
-  CHECK_GE(options.chains, 1U);
-  for (std::uint32_t id = 0; id < options.chains; ++id)
-    by_progress_.emplace_hint(by_progress_.end(), 0, id);
-  idle_ = by_progress_;
-}
-
-void IndependentChains::judge_rounds() {
-  const auto solutions_before = [this](std::uint64_t round_end) {
-    std::uint64_t solutions = 0;
-    for (const Chain& chain : chains_)
-      solutions += chain.solutions.before(round_end);
-    return solutions;
-  };
-  stop_.judge(common_consumed(), solutions_before);
-}
+      behind_(options.chains),
+      stop_(options.stop, options.round_scans, scans_before_draws_) {}
 
 std::optional<plan::Unit> IndependentChains::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
-  // Choose the idle chain that is furthest behind; among equals, choose the lowest id.
-  if (idle_.empty()) return std::nullopt;
-  const auto [consumed, id] = *idle_.begin();
-  if (consumed >= stop_.horizon()) return std::nullopt;
-  idle_.erase(idle_.begin());
-  std::uint64_t scans = std::min<std::uint64_t>(stop_.horizon() - consumed, scans_max);
-  std::vector<double> betas{1};
-  if (consumed < anneal_scans_) {
-    scans = std::min(scans, anneal_scans_ - consumed);
-    betas = annealing(1, anneal_scans_, consumed, scans);
-  }
-  return plan::Unit{.replica = {base::ChainId{id}, base::ReplicaId{0}},
-                    .seed = seed_,
-                    .first_scan = base::ScanIndex{consumed},
-                    .scans = static_cast<std::uint32_t>(scans),
-                    .starts = consumed == 0,
-                    .lineage = chains_[id].lineage,
-                    .inverse_temperatures = std::move(betas)};
+  const std::uint64_t horizon = stop_.horizon();
+  return behind_.first({.horizon = horizon}, [&](std::size_t id) -> std::optional<plan::Unit> {
+    Chain& chain = chains_[id];
+    if (chain.is_out || chain.consumed >= horizon) return std::nullopt;
+    chain.is_out = true;
+    std::uint64_t scans = std::min<std::uint64_t>(horizon - chain.consumed, scans_max);
+    std::vector<double> betas{1};
+    if (chain.consumed < anneal_scans_) {
+      scans = std::min(scans, anneal_scans_ - chain.consumed);
+      betas = annealing(1, anneal_scans_, chain.consumed, scans);
+    }
+    return plan::Unit{
+        .replica = {base::ChainId{static_cast<std::uint32_t>(id)}, base::ReplicaId{0}},
+        .seed = seed_,
+        .first_scan = base::ScanIndex{chain.consumed},
+        .scans = static_cast<std::uint32_t>(scans),
+        .starts = chain.consumed == 0,
+        .lineage = chain.lineage,
+        .inverse_temperatures = std::move(betas)};
+  });
 }
 
 plan::Draws IndependentChains::draws() const {
@@ -70,29 +59,20 @@ void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_
   CHECK_EQ(replica.replica.value, 0U);
   Chain& chain = chains_[replica.chain.value];
   CHECK_EQ(first_scan.value, chain.consumed);
-  by_progress_.erase({chain.consumed, replica.chain.value});
-  idle_.erase({chain.consumed, replica.chain.value});  // Idle if from a run store.
   for (const plan::ScanRecord& record : records) {
     if (counts(record, chain.consumed)) chain.solutions.add(chain.consumed, record);
     if (has_islands_) chain.islands.add(record);
     chain.lineage = record.lineage;
     ++chain.consumed;
   }
-  by_progress_.emplace(chain.consumed, replica.chain.value);
-  idle_.emplace(chain.consumed, replica.chain.value);
-  judge_rounds();
-}
-
-bool IndependentChains::finished() const {
-  return common_consumed() >= stop_.end();
-}
-
-std::uint64_t IndependentChains::common_consumed() const {
-  return by_progress_.begin()->first;
-}
-
-std::uint64_t IndependentChains::scans_common() const {
-  return std::min(common_consumed(), stop_.end());
+  chain.is_out = false;
+  behind_.moved(replica.chain.value, chain.consumed);
+  stop_.judge(behind_.least(), [this](std::uint64_t round_end) {
+    std::uint64_t solutions = 0;
+    for (const Chain& each : chains_)
+      solutions += each.solutions.before(round_end);
+    return solutions;
+  });
 }
 
 std::uint64_t IndependentChains::solutions_found() const {
@@ -108,13 +88,6 @@ std::vector<plan::Solution> IndependentChains::solutions_between(std::uint64_t a
   for (const Chain& chain : chains_)
     chains.push_back(&chain.solutions);
   return sampling::solutions_between(chains, after, until);
-}
-
-std::uint64_t IndependentChains::scans_consumed() const {
-  std::uint64_t sum = 0;
-  for (const Chain& chain : chains_)
-    sum += std::min(chain.consumed, stop_.end());
-  return sum;
 }
 
 plan::Report IndependentChains::report() const {

@@ -4,14 +4,14 @@
 // Invariant: the scan at which the run stops is a function of the results up to that scan.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "common/plan/plan.h"
+#include "worker/sampling/furthest_behind.h"
 #include "worker/sampling/island_report.h"
 #include "worker/sampling/solutions.h"
 #include "worker/sampling/stop_rule.h"
@@ -39,8 +39,8 @@ class IndependentChains final : public plan::Plan {
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
   void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records) override;
-  bool finished() const override;
-  std::uint64_t scans_common() const override;
+  bool finished() const override { return behind_.least() >= stop_.end(); }
+  std::uint64_t scans_common() const override { return std::min(behind_.least(), stop_.end()); }
   plan::Draws draws() const override;
   std::uint64_t solutions_found() const override;
   std::optional<std::uint64_t> solutions_wanted() const override {
@@ -52,7 +52,7 @@ class IndependentChains final : public plan::Plan {
                                                std::uint64_t until) const override {
     return stop_.rounds_between(after, until);
   }
-  std::uint64_t scans_consumed() const override;
+  std::uint64_t scans_consumed() const override { return behind_.sum(stop_.end()); }
   std::optional<std::uint64_t> scans_total() const override;
   /// Reports the islands, if there are any. If solutions end the run, only islands up to the end of
   /// the first round count towards the odds, because these islands are made in any case.
@@ -62,6 +62,7 @@ class IndependentChains final : public plan::Plan {
  private:
   struct Chain {
     std::uint64_t consumed = 0;
+    bool is_out = false;        ///< Whether a unit is handed out.
     std::uint64_t lineage = 0;  ///< The lineage of the last consumed state.
     Solutions solutions;
     IslandsOfChain islands;
@@ -69,17 +70,12 @@ class IndependentChains final : public plan::Plan {
 
   bool counts(const plan::ScanRecord& record, std::uint64_t scan) const;
 
-  std::uint64_t common_consumed() const;
-  void judge_rounds();
-
   std::uint64_t seed_;
   std::uint64_t anneal_scans_;
   std::uint64_t scans_before_draws_;
   bool has_islands_;
   std::vector<Chain> chains_;
-  using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed scans, chain).
-  std::set<Progress> by_progress_;                           ///< All chains.
-  std::set<Progress> idle_;                                  ///< Chains with no unit handed out.
+  FurthestBehind behind_;
   StopJudge stop_;
 };
 

@@ -138,10 +138,6 @@ std::vector<std::optional<std::uint64_t>> JudgedChains::solutions_of(std::uint64
   return counted;
 }
 
-std::uint64_t JudgedChains::scans_common() const {
-  return std::min(behind_.least(), end_);
-}
-
 plan::Draws JudgedChains::draws() const {
   plan::Draws draws{.first_scan = tours_.empty() ? scans_common() : tours_.front().judged_from};
   for (const Tour& tour : tours_) {

@@ -17,6 +17,7 @@
 // Memory: the judged values of a tour's scans, until the tour ends. Not thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -48,7 +49,7 @@ class JudgedChains final : public plan::Plan {
   void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override { return behind_.least() >= end_; }
-  std::uint64_t scans_common() const override;
+  std::uint64_t scans_common() const override { return std::min(behind_.least(), end_); }
   plan::Draws draws() const override;
   std::uint64_t solutions_found() const override { return solutions_; }
   std::optional<std::uint64_t> solutions_wanted() const override {

@@ -92,14 +92,6 @@ std::vector<plan::EndedRound> ParallelTempering::rounds_between(std::uint64_t af
   return all;
 }
 
-bool ParallelTempering::finished() const {
-  return order_.least() >= stop_.end();
-}
-
-std::uint64_t ParallelTempering::scans_common() const {
-  return std::min(order_.least(), stop_.end());
-}
-
 plan::Draws ParallelTempering::draws() const {
   const std::uint64_t scans = scans_common();
   std::uint64_t first_scan = burnt_in_at_.value_or(scans);

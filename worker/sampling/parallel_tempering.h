@@ -8,6 +8,7 @@
 // burns in.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -35,8 +36,8 @@ class ParallelTempering final : public plan::Plan {
   std::optional<plan::Block> next_block(const plan::BlockLimits& limits) override;
   void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records) override;
-  bool finished() const override;
-  std::uint64_t scans_common() const override;
+  bool finished() const override { return order_.least() >= stop_.end(); }
+  std::uint64_t scans_common() const override { return std::min(order_.least(), stop_.end()); }
   plan::Draws draws() const override;
   std::uint64_t solutions_found() const override;
   std::optional<std::uint64_t> solutions_wanted() const override {

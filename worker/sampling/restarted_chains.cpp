@@ -71,12 +71,8 @@ void RestartedChains::judge_tours() {
   }
 }
 
-std::uint64_t RestartedChains::scans_common() const {
-  return std::min(behind_.least(), end_);
-}
-
 plan::Draws RestartedChains::draws() const {
-  plan::Draws draws{.first_scan = options_.tour_scans - 1, .count = tours_, .parts = {}};
+  plan::Draws draws{.first_scan = options_.tour_scans - 1, .count = tours_};
   for (std::uint64_t tour = 0; tour < tours_; ++tour) {
     const std::uint64_t last_scan = end_of_tour(tour) - 1;
     std::vector<std::optional<std::uint64_t>> counted(chains_.size());

@@ -12,6 +12,7 @@
 // Not thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -43,7 +44,7 @@ class RestartedChains final : public plan::Plan {
   void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override { return behind_.least() >= end_; }
-  std::uint64_t scans_common() const override;
+  std::uint64_t scans_common() const override { return std::min(behind_.least(), end_); }
   plan::Draws draws() const override;
   std::uint64_t solutions_found() const override { return solutions_; }
   std::optional<std::uint64_t> solutions_wanted() const override {

@@ -47,11 +47,6 @@ std::vector<plan::EndedRound> StopJudge::rounds_between(std::uint64_t after,
   return ended;
 }
 
-bool StopJudge::has_enough_solutions(const SolutionsBefore& solutions_before) const {
-  return rule_.independent_solutions &&
-         solutions_before(round_end()) >= *rule_.independent_solutions;
-}
-
 std::optional<std::uint64_t> StopJudge::scans_in_any_case() const {
   if (!rule_.independent_solutions) return std::nullopt;
   return std::min(end_of_round(1), rule_.scans.value_or(k_no_end));
@@ -61,7 +56,7 @@ void StopJudge::judge(std::uint64_t reached_by_all, const SolutionsBefore& solut
   horizon_ = end_;
   if (!rule_.independent_solutions) return;
   while (reached_by_all >= round_end() && round_end() < end_) {
-    if (has_enough_solutions(solutions_before)) {
+    if (solutions_before(round_end()) >= *rule_.independent_solutions) {
       end_ = round_end();
       break;
     }

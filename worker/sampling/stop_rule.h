@@ -55,10 +55,8 @@ class StopJudge {
  private:
   std::uint64_t round_end() const { return end_of_round(round_); }
   std::uint64_t end_of_round(std::uint32_t round) const;
-  bool has_enough_solutions(const SolutionsBefore& solutions_before) const;
 
   StopRule rule_;
-
   std::uint64_t round_scans_;
   std::uint64_t before_;
   std::uint32_t round_ = 1;
