@@ -18,6 +18,7 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "common/plan/failure.h"
 #include "common/random/stream.h"
@@ -205,6 +206,18 @@ template <Target T>
 typename T::State nth_prior_draw(const T& target, std::uint64_t nth) {
   random::Stream stream({.purpose = random::Purpose::prior_draw}, nth);
   return target.draw_prior(stream);
+}
+
+/// Returns log p_w of `count` blind throws, which `draw` makes for comparison with found states.
+/// Every call returns the same values.
+template <Target T, class Draw>
+std::vector<double> log_priors_of_throws(const T& target, std::size_t count, const Draw& draw) {
+  std::vector<double> all;
+  for (std::uint64_t nth = 0; nth < count; ++nth) {
+    random::Stream stream({.purpose = random::Purpose::blind_throw}, nth);
+    all.push_back(target.log_prior(draw(stream)));
+  }
+  return all;
 }
 
 /// Returns log p_w + beta log p_c, with p_c^0 = 1 even if p_c = 0.

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "worker/sampling/blind_throws.h"
+#include "worker/sampling/target.h"
 #include "worker/worlds/readers/places_likeness.h"
 #include "worker/worlds/readers/played_out.h"
 

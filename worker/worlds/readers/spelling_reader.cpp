@@ -9,7 +9,6 @@
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/physics/scene/static_geometry.h"
-#include "worker/sampling/blind_throws.h"
 #include "worker/worlds/readers/played_out.h"
 #include "worker/worlds/scene_parts/scene_parts.h"
 #include "worker/worlds/segments/recorded_segments.h"
