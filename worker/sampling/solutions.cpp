@@ -20,13 +20,6 @@ std::uint64_t Solutions::before(std::uint64_t scan) const {
   return between(0, scan).size();
 }
 
-std::vector<std::uint64_t> Solutions::scans() const {
-  std::vector<std::uint64_t> scans;
-  for (const First& first : firsts_)
-    scans.push_back(first.scan);
-  return scans;
-}
-
 std::span<const Solutions::First> Solutions::between(std::uint64_t first, std::uint64_t end) const {
   const auto begin = std::ranges::lower_bound(firsts_, first, {}, &First::scan);
   return {begin, std::ranges::lower_bound(begin, firsts_.end(), end, {}, &First::scan)};

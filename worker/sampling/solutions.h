@@ -24,8 +24,6 @@ class Solutions {
   void add(std::uint64_t scan, const plan::ScanRecord& record);
   std::uint64_t count() const { return firsts_.size(); }
   std::uint64_t before(std::uint64_t scan) const;
-  /// The first satisfied scans of all lineages, ascending.
-  std::vector<std::uint64_t> scans() const;
   /// Solutions with first <= scan < end, by (scan, lineage).
   std::span<const First> between(std::uint64_t first, std::uint64_t end) const;
 

@@ -58,8 +58,8 @@ std::size_t offset_bin_of(double score) {
   return static_cast<std::size_t>(std::clamp(bin, 0.0, k_last));
 }
 
-Dice::Dice(const Parameters& parameters, Replays replays)
-    : parameters_(parameters), replays_(replays), times_s_(goal_times(parameters.goals)) {
+Dice::Dice(const Parameters& parameters)
+    : parameters_(parameters), times_s_(goal_times(parameters.goals)) {
   CHECK(!parameters_.world.dice.empty());
   auto cube = std::make_shared<physics::Compound>();
   cube->parts.push_back(physics::cube(parameters_.world.side_m).value());
@@ -111,7 +111,7 @@ Outcome Dice::simulate_from(const State& candidate, const State& state,
   // If the candidate doesn't resemble the state, nothing can be replayed. The candidate then stores
   // no history, because most such candidates are rejected. After an acceptance, the next candidate
   // that resembles the new state stores a history.
-  if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
+  if (!resembles(candidate, state)) return simulate(candidate);
   return simulated(candidate, {.history = true}, outcome.history);
 }
 

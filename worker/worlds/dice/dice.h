@@ -92,15 +92,12 @@ struct Animation {
   physics::Recording recording;
 };
 
-/// Whether simulations reuse the histories of similar simulations. Changes no result.
-enum class Replays : std::uint8_t { no, yes };
-
 class Dice {
  public:
   using State = dice::State;
   using Outcome = dice::Outcome;
 
-  explicit Dice(const Parameters& parameters, Replays replays = Replays::yes);
+  explicit Dice(const Parameters& parameters);
 
   const Parameters& parameters() const { return parameters_; }
   std::size_t dice() const { return parameters_.world.dice.size(); }
@@ -164,7 +161,6 @@ class Dice {
                         std::span<const physics::SurfaceTouch> touches, Outcome& outcome) const;
 
   Parameters parameters_;
-  Replays replays_;
   std::vector<double> times_s_;  ///< times of the goals
   std::shared_ptr<const physics::Compound> cube_;
 };

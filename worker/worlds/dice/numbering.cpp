@@ -51,12 +51,6 @@ AxisDirection direction_of_face(std::uint32_t face, std::uint32_t numbering) {
   return direction;
 }
 
-Vec3 vector_of(AxisDirection direction) {
-  Vec3 v(0, 0, 0);
-  v[direction.axis] = direction.sign;
-  return v;
-}
-
 Quat rotation_of_numbering(std::uint32_t numbering) {
   CHECK_LT(numbering, k_numberings);
   const auto entry = [&](std::uint8_t row, std::size_t column) {

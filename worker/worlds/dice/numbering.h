@@ -36,8 +36,6 @@ AxisDirection direction_of_face(std::uint32_t face, std::uint32_t numbering);
 /// Returns the rotation from the numbered die's frame to the cube's frame.
 Quat rotation_of_numbering(std::uint32_t numbering);
 
-Vec3 vector_of(AxisDirection direction);
-
 /// Returns an orientation that has this face up. The orientation results from the identity by two
 /// turns: the smallest turn that brings the face up, and then a turn by yaw_rad about the vertical.
 Quat orientation_with_face_up(std::uint32_t face, double yaw_rad);

@@ -36,13 +36,13 @@ double promise_of(const Dice& world, const Outcome& outcome, double log_floor) {
 
 }  // namespace
 
-StagedDice::StagedDice(const Parameters& parameters, Replays replays) : Dice(parameters, replays) {
+StagedDice::StagedDice(const Parameters& parameters) : Dice(parameters) {
   const std::vector<DieStart>& starts = parameters.world.dice;
   thrown_at_once_ = std::ranges::all_of(
       starts, [&](const DieStart& start) { return start.start_s == starts.front().start_s; });
   for (std::size_t die = 0; die < dice(); ++die) {
-    first_.emplace_back(with_dice(parameters, 0, die + 1), replays);
-    if (die > 0) alone_.emplace_back(with_dice(parameters, die, 1), replays);
+    first_.emplace_back(with_dice(parameters, 0, die + 1));
+    if (die > 0) alone_.emplace_back(with_dice(parameters, die, 1));
   }
 }
 

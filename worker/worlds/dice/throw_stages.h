@@ -90,7 +90,7 @@ class StagedDice : public Dice {
   using Ground = ThrowGround;
   using Prefix = ThrowPrefix;
 
-  explicit StagedDice(const Parameters& parameters, Replays replays = Replays::yes);
+  explicit StagedDice(const Parameters& parameters);
 
   /// Returns the guide that all runs with this seed share.
   Guide learn(std::uint64_t seed) const;

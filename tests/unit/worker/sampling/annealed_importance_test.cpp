@@ -9,6 +9,7 @@
 #include "tests/support/numbers.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/sampling/any_plan.h"
+#include "tests/unit/worker/sampling/scans_of.h"
 
 namespace sleight::sampling::annealed_importance_test {
 
@@ -129,7 +130,7 @@ TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
     }
     const auto n = static_cast<double>(logs.size());
     EXPECT_EQ(part.draws(), logs.size());
-    EXPECT_EQ(part.solutions().scans(), solutions);
+    EXPECT_EQ(scans_of(part.solutions()), solutions);
     const std::vector<ChainPart::Row> rows = part.rows();
     EXPECT_EQ(row(rows, "ascent_inverse_temperature"), betas);
     ASSERT_EQ(row(rows, "log_weight").size(), logs.size());

@@ -15,6 +15,7 @@
 #include "tests/tempering/slow_ladder.h"
 #include "tests/unit/worker/sampling/any_plan.h"
 #include "tests/unit/worker/sampling/replaced_formulas.h"
+#include "tests/unit/worker/sampling/scans_of.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
 
@@ -183,7 +184,7 @@ void expect_end(const ParallelTempering& plan, const AnySession& session,
   for (std::size_t i = 0; i < expected.ladders.size(); ++i) {
     const LadderRun& ladder = plan.ladders()[i];
     const SlowLadder& slow = expected.ladders[i];
-    EXPECT_EQ(fingerprint(ladder.rounds(), ladder.solutions().scans()),
+    EXPECT_EQ(fingerprint(ladder.rounds(), scans_of(ladder.solutions())),
               fingerprint(slow.rounds, slow.solutions));
   }
   expect_rounds_after(plan.report(), expected.ladders, expected.burnt_in.value_or(expected.end));

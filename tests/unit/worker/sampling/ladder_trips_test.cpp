@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 
+#include "tests/unit/worker/sampling/scans_of.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/ladder_run.h"
 
@@ -92,7 +93,7 @@ TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
   const RoundReport& round = played.run().rounds().front();
   EXPECT_EQ(round.restarts, 4U);
   EXPECT_EQ(round.round_trips, 3U);
-  EXPECT_EQ(played.run().solutions().scans(), (std::vector<std::uint64_t>{0, 1, 3, 5, 7}));
+  EXPECT_EQ(scans_of(played.run().solutions()), (std::vector<std::uint64_t>{0, 1, 3, 5, 7}));
   EXPECT_EQ(round.statistics.rejections(), std::vector{0.0});
   std::vector<std::vector<std::uint16_t>> levels;
   for (const IndexProcess::Moment& moment : played.run().index_process().moments()) {

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "tests/unit/worker/sampling/scans_of.h"
+
 namespace sleight::sampling {
 namespace {
 
@@ -27,7 +29,7 @@ TEST(Solutions, CountEachLineageOnce) {
   solutions.add(5, record_of(7, 1, true));
   solutions.add(6, record_of(7, 1, true));
   solutions.add(20, record_of(8, 1, true));
-  EXPECT_EQ(solutions.scans(), (std::vector<std::uint64_t>{5, 20, 20}));
+  EXPECT_EQ(scans_of(solutions), (std::vector<std::uint64_t>{5, 20, 20}));
   EXPECT_EQ(solutions.count(), 3U);
   EXPECT_EQ(solutions.before(5), 0U);
   EXPECT_EQ(solutions.before(6), 1U);

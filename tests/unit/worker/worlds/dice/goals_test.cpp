@@ -167,7 +167,8 @@ TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
         case 2:
           return goal_of(FaceDirection{
               .face = face,
-              .direction = math::rotated(turned(), vector_of(direction_of_face(face, 0)))});
+              .direction =
+                  math::rotated(turned(), testing::vector_of(direction_of_face(face, 0)))});
         case 3:
           return goal_of(Turn{turned()});
         default:

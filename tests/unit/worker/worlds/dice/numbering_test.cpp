@@ -5,6 +5,8 @@
 #include <set>
 #include <vector>
 
+#include "tests/unit/worker/worlds/dice/support.h"
+
 namespace sleight::worlds::dice {
 namespace {
 
@@ -12,7 +14,9 @@ TEST(Numbering, IsThatOfADie) {
   // Goal: in numbering 0, opposite faces add up to 7, and faces 1, 2 and 3 are anticlockwise seen
   // from outside. Method: compare the normals of opposite faces, and compute the triple product of
   // the normals of faces 1, 2 and 3.
-  const auto normal = [](std::uint32_t face) { return vector_of(direction_of_face(face, 0)); };
+  const auto normal = [](std::uint32_t face) {
+    return testing::vector_of(direction_of_face(face, 0));
+  };
   for (std::uint32_t face = 1; face <= 6; ++face)
     EXPECT_EQ(normal(face), Vec3(-normal(7 - face))) << face;
   EXPECT_EQ(math::dot(math::cross(normal(1), normal(2)), normal(3)), 1);
@@ -30,8 +34,9 @@ TEST(Numbering, RotationsAreAllTwentyFour) {
     std::vector<int> faces;
     for (std::uint32_t face = 1; face <= 6; ++face) {
       const AxisDirection direction = direction_of_face(face, s);
-      const Vec3 turned = math::rotated(q, vector_of(direction_of_face(face, 0)));
-      EXPECT_LT(math::norm(Vec3(turned - vector_of(direction))), 1e-15) << s << " " << face;
+      const Vec3 turned = math::rotated(q, testing::vector_of(direction_of_face(face, 0)));
+      EXPECT_LT(math::norm(Vec3(turned - testing::vector_of(direction))), 1e-15)
+          << s << " " << face;
       faces.push_back(direction.sign * (direction.axis + 1));
     }
     seen.insert(faces);
@@ -45,7 +50,7 @@ TEST(Numbering, OrientationsHaveTheirFaceUp) {
   for (std::uint32_t face = 1; face <= 6; ++face) {
     for (const double yaw_rad : {0.0, 1.0, -2.5}) {
       const Quat q = orientation_with_face_up(face, yaw_rad);
-      const Vec3 normal = math::rotated(q, vector_of(direction_of_face(face, 0)));
+      const Vec3 normal = math::rotated(q, testing::vector_of(direction_of_face(face, 0)));
       EXPECT_NEAR(normal.z(), 1, 1e-15) << face << " " << yaw_rad;
     }
   }

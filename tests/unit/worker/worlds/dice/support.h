@@ -12,6 +12,12 @@ inline random::Stream stream_of(std::uint64_t seed, std::uint64_t index) {
   return random::Stream({.seed = seed, .purpose = random::Purpose::prior}, index);
 }
 
+inline Vec3 vector_of(AxisDirection direction) {
+  Vec3 v(0, 0, 0);
+  v[direction.axis] = direction.sign;
+  return v;
+}
+
 /// A table with all fields random, and `dice` dice.
 inline Parameters all_random(std::uint32_t dice = 1) {
   Parameters parameters;

@@ -109,7 +109,8 @@ TEST(DiceReader, NamesFitValues) {
     EXPECT_EQ(path.segments().front().position_m, state.dice[path.body()].position_m);
     const motion::Segment& last = path.segments().back();
     EXPECT_EQ(last.mode, motion::Mode::resting);
-    EXPECT_GT(math::rotated(last.orientation, vector_of(direction_of_face(2, 0))).z(), 0.9);
+    EXPECT_GT(math::rotated(last.orientation, testing::vector_of(direction_of_face(2, 0))).z(),
+              0.9);
   }
 }
 
