@@ -1,4 +1,4 @@
-// Draws bar charts and overlaid histograms as SVG. A table below contains the same numbers as text.
+// Draws overlaid histograms as SVG. A table below contains the same numbers as text.
 import { el, svgEl } from "../ui/dom";
 import { number } from "../ui/words";
 import type { Chart } from "./line-chart";
@@ -21,19 +21,16 @@ export function makeBarChart(data: PlotData, isDark: boolean): Chart {
   });
   const highest = Math.max(
     1e-300,
-    ...data.bars.flatMap((bar) =>
-      Array.from(bar.height, (value, i) => value + (bar.error?.[i] ?? 0)).filter(Number.isFinite),
-    ),
+    ...data.bars.flatMap(({ height }) => Array.from(height)).filter(Number.isFinite),
   );
   const placeY = (value: number): number => height - bottom - ((height - bottom - top) * value) / highest;
   drawScale(svg, highest, placeY, data);
-  if (data.kind === "histograms") drawHistograms(svg, data, isDark, placeY);
-  else drawBars(svg, data, isDark, placeY);
+  drawHistograms(svg, data, isDark, placeY);
   return {
     element: el(
       "div",
       {},
-      data.kind === "histograms" ? legendOf(data, isDark) : "",
+      legendOf(data, isDark),
       svg,
       el("details", {}, el("summary", {}, "Show as table"), tableOf(data)),
     ),
@@ -56,62 +53,6 @@ function drawScale(
     );
   }
   svg.append(svgEl("text", { x: (left + width) / 2, y: height - 6, class: "tick tick-middle" }, data.xLabel));
-}
-
-function drawBars(
-  svg: SVGSVGElement,
-  data: PlotData,
-  isDark: boolean,
-  placeY: (value: number) => number,
-): void {
-  const many = Math.max(1, ...data.bars.map((bar) => bar.height.length));
-  const slot = (width - left - 8) / many;
-  const thick = (0.8 * slot) / Math.max(1, data.bars.length);
-  const labelStep = Math.max(1, Math.ceil(many / 12));
-  data.bars.forEach((bar, k) => {
-    bar.height.forEach((value, i) => {
-      if (!Number.isFinite(value)) return;
-      const x = left + slot * (i + 0.1) + thick * k;
-      const y = placeY(Math.max(0, value));
-      const label = `${data.names[i] ?? number(bar.x[i] ?? i)}, ${bar.label}: ${number(value)}`;
-      svg.append(
-        svgEl(
-          "rect",
-          {
-            x,
-            y,
-            width: Math.max(1, thick - 1),
-            height: Math.max(0, placeY(0) - y),
-            fill: lineColour(k, isDark),
-          },
-          svgEl("title", {}, label),
-        ),
-      );
-      const error = bar.error?.[i] ?? NaN;
-      if (Number.isFinite(error)) {
-        const middle = x + thick / 2;
-        svg.append(
-          svgEl("line", {
-            x1: middle,
-            x2: middle,
-            y1: placeY(Math.max(0, value - error)),
-            y2: placeY(value + error),
-            class: "error-bar",
-          }),
-        );
-      }
-    });
-  });
-  for (let i = 0; i < many; i += labelStep) {
-    const label = data.names[i] ?? number(data.bars[0]?.x[i] ?? i);
-    svg.append(
-      svgEl(
-        "text",
-        { x: left + slot * (i + 0.5), y: height - bottom + 16, class: "tick tick-middle" },
-        label,
-      ),
-    );
-  }
 }
 
 function drawHistograms(
@@ -168,16 +109,8 @@ function tableOf(data: PlotData): HTMLElement {
     el(
       "tr",
       {},
-      el("th", { scope: "row" }, data.names[i] ?? number(data.bars[0]?.x[i] ?? i)),
-      ...data.bars.map((bar) => {
-        const error = bar.error?.[i];
-        const words = number(bar.height[i] ?? NaN);
-        return el(
-          "td",
-          {},
-          error === undefined || !Number.isFinite(error) ? words : `${words} ± ${number(error)}`,
-        );
-      }),
+      el("th", { scope: "row" }, number(data.bars[0]?.x[i] ?? i)),
+      ...data.bars.map((bar) => el("td", {}, number(bar.height[i] ?? NaN))),
     ),
   );
   return el(
@@ -190,7 +123,7 @@ function tableOf(data: PlotData): HTMLElement {
         "tr",
         {},
         el("th", { scope: "col" }, data.xLabel || "Name"),
-        ...data.bars.map((bar) => el("th", { scope: "col" }, bar.label || data.yLabel || "Value")),
+        ...data.bars.map((bar) => el("th", { scope: "col" }, bar.label)),
       ),
     ),
     el("tbody", {}, ...rows),

@@ -158,7 +158,7 @@ export function makePlotsView(ui: Ui): PlotsView {
     setText(title, data.title);
     const isOfDraws = data.xIs === "draw";
     chart =
-      data.kind === "bars" || data.kind === "histograms"
+      data.kind === "histograms"
         ? makeBarChart(data, isDark)
         : makeLineChart(data, {
             isDark,

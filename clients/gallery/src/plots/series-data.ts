@@ -2,8 +2,6 @@
 // the known parts of a newer server's plots. clients/gallery_server/series.h describes kinds and columns.
 import type { Column, Series } from "../data/types";
 
-export type PlotKind = "lines" | "bars" | "histograms";
-
 export interface PlotLine {
   readonly label: string;
   /** -1: the line belongs to no chain. */
@@ -21,16 +19,14 @@ export interface PlotMark {
 
 export interface PlotBars {
   readonly label: string;
-  /** Edges of bars (one more than heights), or their middles (as many as heights). */
+  /** Edges of bars: one more than heights. */
   readonly x: Column;
   readonly height: Column;
-  /** Standard errors; null: none. */
-  readonly error: Column | null;
 }
 
 export interface PlotData {
   readonly title: string;
-  readonly kind: PlotKind;
+  readonly kind: "lines" | "histograms";
   readonly notices: readonly string[];
   readonly xLabel: string;
   readonly yLabel: string;
@@ -39,7 +35,6 @@ export interface PlotData {
   readonly lines: readonly PlotLine[];
   readonly marks: readonly PlotMark[];
   readonly bars: readonly PlotBars[];
-  readonly names: readonly string[];
 }
 
 type Fields = Readonly<Record<string, unknown>>;
@@ -54,7 +49,6 @@ const nothing: PlotData = {
   lines: [],
   marks: [],
   bars: [],
-  names: [],
 };
 
 /** `all`: a trace has an answer for each chain; other plots have one answer. */
@@ -116,7 +110,7 @@ function pairOf(title: string, { head, columns }: Series): PlotData {
   ];
   const bars = parts.flatMap(({ name, label }) => {
     const height = columns.get(name);
-    return x && height ? [{ label, x, height, error: null }] : [];
+    return x && height ? [{ label, x, height }] : [];
   });
   const weighted = "Draws are weighted; the histogram uses the weights.";
   const notices = fields["is_weighted"] === true ? [weighted] : [];
@@ -128,7 +122,6 @@ function pairOf(title: string, { head, columns }: Series): PlotData {
     notices: [...notices, ...warningsOf([fields])],
     bars,
     xLabel: unit === "1" ? "" : unit,
-    yLabel: "share",
   };
 }
 
