@@ -87,7 +87,7 @@ function traceOf(title: string, all: readonly Series[]): PlotData {
   return {
     ...nothing,
     title,
-    notices: [...notices, ...warningsOf(heads)],
+    notices,
     lines,
     marks,
     xLabel: "draw",
@@ -119,7 +119,7 @@ function pairOf(title: string, { head, columns }: Series): PlotData {
     ...nothing,
     title,
     kind: "histograms",
-    notices: [...notices, ...warningsOf([fields])],
+    notices,
     bars,
     xLabel: unit === "1" ? "" : unit,
   };
@@ -148,10 +148,10 @@ function levelsOf(title: string, { head, columns }: Series): PlotData {
       : [];
   });
   const xLabel = `level (0: the prior), after round ${last + 1}`;
-  return { ...nothing, title, notices: warningsOf([fields]), lines, xLabel };
+  return { ...nothing, title, lines, xLabel };
 }
 
-function roundsOf(title: string, { head, columns }: Series): PlotData {
+function roundsOf(title: string, { columns }: Series): PlotData {
   const x = columns.get("round");
   if (!x) return { ...nothing, title };
   const names = ["round_trips", "predicted_round_trips", "restarts", "barrier"];
@@ -159,7 +159,7 @@ function roundsOf(title: string, { head, columns }: Series): PlotData {
     const y = columns.get(name);
     return y ? [{ label: name.replaceAll("_", " "), chain: -1, x, y, isSteps: true }] : [];
   });
-  return { ...nothing, title, notices: warningsOf([fieldsOf(head)]), lines, xLabel: "round" };
+  return { ...nothing, title, lines, xLabel: "round" };
 }
 
 /** One line per replica. Replicas that travel all the way up and down bring new draws. */
@@ -181,21 +181,12 @@ function indexOf(title: string, { head, columns }: Series): PlotData {
   const marks = begins ? [{ label: "start of a round, with new temperatures", x: begins }] : [];
   const every = (x[1] ?? 0) - (x[0] ?? 0);
   const notices = every > 1 ? [`Only one scan in ${every} was recorded; replicas may have moved in between.`] : [];
-  const yLabel = "level (0: the prior)";
-  return {
-    ...nothing, title, notices: [...notices, ...warningsOf([fields])], lines, marks, xLabel: "scan", yLabel,
-  };
+  return { ...nothing, title, notices, lines, marks, xLabel: "scan", yLabel: "level (0: the prior)" };
 }
 
 /** Number of chains of a trace, from one chain's answer. */
 export function chainsOf(series: Series): number {
   return Math.max(1, numberOf(fieldsOf(series.head)["chains"]) ?? 1);
-}
-
-function warningsOf(heads: readonly Fields[]): string[] {
-  return [
-    ...new Set(heads.flatMap((head) => [textOf(head["warning"]), ...stringsOf(head["notices"])])),
-  ].filter((words) => words !== "");
 }
 
 function fieldsOf(value: unknown): Fields {
