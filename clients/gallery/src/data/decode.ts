@@ -135,9 +135,6 @@ function animationOf(
   head: Json, columns: ReadonlyMap<string, Column>, prefix: string, bodies: number,
 ): Animation {
   const name = textOf(head["name"], "an animation's name");
-  const figures: Record<string, number> = {};
-  for (const [key, value] of Object.entries(isObject(head["figures"]) ? head["figures"] : {}))
-    if (typeof value === "number") figures[key] = value;
   let recording: Recording;
   try {
     recording = new Recording(segmentsOf(columns, prefix), bodies);
@@ -150,7 +147,6 @@ function animationOf(
     endS: numberOf(head["end_s"], "an animation's end"),
     recording,
     meshes: meshesOf(head["meshes"] ?? [], columns),
-    figures,
   };
 }
 

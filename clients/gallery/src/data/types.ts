@@ -121,8 +121,6 @@ export interface Animation {
   readonly recording: Recording;
   /** Meshes of the features whose look is specific to this animation. */
   readonly meshes: readonly Mesh[];
-  /** Named numbers, if the answer has them. */
-  readonly figures: Readonly<Record<string, number>>;
 }
 
 export interface ArchiveAt {

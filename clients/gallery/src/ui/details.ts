@@ -7,7 +7,7 @@ import type { TimelineItem } from "../view/timeline";
 import { button, el, field, select, setChoices, setHidden, setText } from "./dom";
 import { numberOf, plausibilityOf } from "./card";
 import type { Part, Ui } from "./part";
-import { count, number, seconds, withUnit } from "./words";
+import { count, seconds, withUnit } from "./words";
 
 /** Maximum length of the event list, which keeps the page responsive. */
 const eventsShownMax = 1000;
@@ -19,11 +19,7 @@ export interface Details extends Part {
   readonly chosen: number;
 }
 
-export function makeDetails(
-  ui: Ui,
-  seek: (sharedS: number) => void,
-  figuresOf: (name: string) => Readonly<Record<string, number>>,
-): Details {
+export function makeDetails(ui: Ui, seek: (sharedS: number) => void): Details {
   let items: readonly TimelineItem[] = [];
   let chosen = 0;
   const nameNow = (): string => ui.store.state.page.playing[chosen] ?? "";
@@ -83,9 +79,7 @@ export function makeDetails(
     const rows = loaded.scene.numbers.map(({ name: of, unit }) =>
       numberRow(of, withUnit(numberOf(loaded, entry, of), unit)),
     );
-    const known = new Set(loaded.scene.numbers.map((other) => other.name));
-    const figures = Object.entries(figuresOf(name)).filter(([of]) => !known.has(of));
-    numbers.replaceChildren(...rows, ...figures.map(([of, value]) => numberRow(of, number(value))));
+    numbers.replaceChildren(...rows);
     note.show(state, name);
     listEvents();
   };

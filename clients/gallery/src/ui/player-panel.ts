@@ -70,11 +70,7 @@ export function makePlayerPanel(
       ui.store.set({ drawnRange: { low: own(from), high: own(to) } });
     },
   });
-  const details = makeDetails(
-    ui,
-    (time) => player.seek(time),
-    (name) => animations.get(name)?.figures ?? {},
-  );
+  const details = makeDetails(ui, (time) => player.seek(time));
   const exportHint = makeExportHint(ui, (state) => state.page.playing, "export-playing");
   const title = el("h2", { id: "player-title" }, "Player");
   const close = iconButton("close", "Close the player (Escape)", () => ui.page.closePlayer(), {
