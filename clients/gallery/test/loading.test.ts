@@ -19,14 +19,13 @@ const beginning = 4;
 function summary(kept: number, isBeginning: boolean): ArchiveSummary {
   return {
     id: 0, name: "a.h5", run: "ab", generation: isBeginning ? 1 : 2, world: "", state: "ready", words: "",
-    reading: null, kept, finds: 0, is_beginning: isBeginning, keep_max: 0, chains: 1, draws: 9, scans: 9,
-    as_of: `scan ${kept}`, warning: "", method: "", in_proportion: true, satisfied: null, is_live: false,
-    live_words: "",
+    reading: null, is_beginning: isBeginning, chains: 1, draws: kept, as_of: `scan ${kept}`, warning: "",
+    method: "", in_proportion: true, is_live: false, live_words: "",
   };
 }
 
 function stateOf(archive: ArchiveSummary): GalleryState {
-  return { version: "", archives: [archive], left_out: [], notes: { writable: true, words: "" } };
+  return { archives: [archive], left_out: [], notes: { writable: true, words: "" } };
 }
 
 function tableOf(entries: number, generation: number): Table {
@@ -36,20 +35,25 @@ function tableOf(entries: number, generation: number): Table {
   } as unknown as Table;
 }
 
+/** A source of the archive that `now` returns, with its draws as animations. */
+function sourceOf(now: () => ArchiveSummary, more: object = {}): GallerySource {
+  return {
+    gallery: () => Promise.resolve(stateOf(now())),
+    table: () => Promise.resolve(tableOf(now().draws, now().generation)),
+    scene: () => Promise.resolve({ features: [] } as unknown as Scene),
+    looks: () => Promise.resolve({}),
+    onChange: () => () => undefined,
+    ...more,
+  } as unknown as GallerySource;
+}
+
 const settled = () => new Promise((resolve) => setTimeout(resolve, 5));
 
 /** The page's state after the source reported an archive's beginning, then the whole archive. */
 async function seen(page: Page): Promise<{ first: number | null; then: number; offered: string }> {
   let archive = summary(beginning, true);
-  const source = {
-    gallery: () => Promise.resolve(stateOf(archive)),
-    table: () => Promise.resolve(tableOf(archive.kept, archive.generation)),
-    scene: () => Promise.resolve({ features: [] } as unknown as Scene),
-    looks: () => Promise.resolve({}),
-    onChange: () => () => undefined,
-  } as unknown as GallerySource;
   const store = new Store(initialState(page));
-  const loading = new Loading(store, source);
+  const loading = new Loading(store, sourceOf(() => archive));
   loading.see(stateOf(archive));
   await settled();
   const first = store.state.loaded === null ? null : store.state.visible.length;
@@ -79,14 +83,7 @@ test("another run at the same path stays hidden until requested", async () => {
   const other: ArchiveSummary = { ...summary(whole, false), run: "cd", generation: 2 };
   let now = shownRun;
   let asked = 0;
-  const source = {
-    gallery: () => Promise.resolve(stateOf(now)),
-    table: () => Promise.resolve(tableOf(now.kept, now.generation)),
-    scene: () => Promise.resolve({ features: [] } as unknown as Scene),
-    looks: () => Promise.resolve({}),
-    animations: () => Promise.resolve([(asked += 1)]),
-    onChange: () => () => undefined,
-  } as unknown as GallerySource;
+  const source = sourceOf(() => now, { animations: () => Promise.resolve([(asked += 1)]) });
   const store = new Store(initialState({ ...firstPage, playing: ["c0.1"] }));
   const loading = new Loading(store, source);
   const page = new PageActions(store, {} as NoteKeeping, () => void loading.lookAgain());
@@ -135,14 +132,8 @@ test("another run at the same path stays hidden until requested", async () => {
 });
 
 test("a link to a missing run shows another archive", async () => {
-  const source = {
-    gallery: () => Promise.resolve(stateOf(summary(whole, false))),
-    table: () => Promise.resolve(tableOf(whole, 2)),
-    scene: () => Promise.resolve({ features: [] } as unknown as Scene),
-    looks: () => Promise.resolve({}),
-  } as unknown as GallerySource;
   const store = new Store(initialState({ ...firstPage, run: "ef" }));
-  new Loading(store, source).see(stateOf(summary(whole, false)));
+  new Loading(store, sourceOf(() => summary(whole, false))).see(stateOf(summary(whole, false)));
   await settled();
   assert.equal(store.state.loaded?.run, "ab");
   assert.match(store.state.message.words, /\bef\b.*\ba\.h5\b/);
@@ -150,15 +141,12 @@ test("a link to a missing run shows another archive", async () => {
 
 test("an archive that changes during loading is loaded again", async () => {
   let looks = 0;
-  const source = {
-    gallery: () => {
-      looks += 1;
-      return Promise.resolve(stateOf({ ...summary(whole, false), run: "cd", generation: 3 }));
-    },
-    table: () => Promise.resolve(tableOf(whole, 3)),
-    scene: () => Promise.resolve({ features: [] } as unknown as Scene),
-    looks: () => Promise.resolve({}),
-  } as unknown as GallerySource;
+  const now = { ...summary(whole, false), run: "cd", generation: 3 };
+  const gallery = () => {
+    looks += 1;
+    return Promise.resolve(stateOf(now));
+  };
+  const source = sourceOf(() => now, { gallery });
   const store = new Store(initialState(firstPage));
   new Loading(store, source).see(stateOf(summary(whole, false)));
   await settled();

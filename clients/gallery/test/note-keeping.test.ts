@@ -196,7 +196,7 @@ test("a slow answer doesn't revert changes saved meanwhile", async () => {
   assert.equal(noteOf(store.state.notes, "c0.1").star, true);
 
   // If the server doesn't store notes, the next change reports this; a later change withdraws the message.
-  store.set({ gallery: { version: "", archives: [], left_out: [], notes: { writable: true, words: "" } } });
+  store.set({ gallery: { archives: [], left_out: [], notes: { writable: true, words: "" } } });
   server.words = "The disk is full.";
   keeping.toggle(["c0.2"], "star");
   await settle();

@@ -11,14 +11,12 @@ function flat(feature: number, low: [number, number], high: [number, number]): M
 }
 
 function sceneOf(kinds: readonly ("body" | "fixed" | "wanted")[]): Scene {
-  const features = kinds.map((kind, i) => ({ name: `thing ${i}`, kind, twin_of: i, body: -1, radius_m: 0 }));
+  const features = kinds.map((kind, i) => ({ name: `thing ${i}`, kind, radius_m: 0 }));
   return { features } as unknown as Scene;
 }
 
 test("a place has the x and y ranges of its feature; only wanted features on the ground are places", () => {
   const looks: Looks = {
-    generation: 1,
-    own: [],
     meshes: [flat(0, [0, 0], [1, 1]), flat(2, [-0.054, 0.034], [-0.034, 0.054]), flat(3, [0, 0], [0, 0.1])],
   };
   const places = namedPlaces(sceneOf(["body", "fixed", "wanted", "wanted"]), looks);

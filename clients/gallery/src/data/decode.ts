@@ -71,16 +71,12 @@ export function sceneOf(value: unknown): Scene {
     return {
       name: textOf(feature["name"], "a feature's name"),
       kind,
-      twin_of: numberOf(feature["twin_of"], "a feature's twin"),
-      body: numberOf(feature["body"], "a feature's body"),
       radius_m: numberOf(feature["radius_m"], "a feature's radius"),
     };
   });
   return {
-    generation: numberOf(scene["generation"], "a scene's generation"),
     view_low_m: placeOf(scene["view_low_m"], "'view_low_m'"),
     view_high_m: placeOf(scene["view_high_m"], "'view_high_m'"),
-    offsets: scene["offsets"] === true,
     features,
     numbers: listOf(scene["numbers"], "'numbers'").map((item) => {
       const of = objectOf(item, "an entry of 'numbers'");
@@ -88,17 +84,12 @@ export function sceneOf(value: unknown): Scene {
     }),
     prior_log_prior: listOf(scene["prior_log_prior"] ?? [], "'prior_log_prior'").map((item) =>
       numberOf(item, "an entry of 'prior_log_prior'")),
-    request: textOf(scene["request"], "the request"),
   };
 }
 
 export function looksOf(packed: Packed): Looks {
   const head = objectOf(packed.head, "the header of looks");
-  return {
-    generation: numberOf(head["generation"], "the generation of looks"),
-    meshes: meshesOf(head["meshes"], packed.columns),
-    own: listOf(head["own"] ?? [], "'own'").map((item) => indexOf(item, "an entry of 'own'")),
-  };
+  return { meshes: meshesOf(head["meshes"], packed.columns) };
 }
 
 export function tableOf(packed: Packed): Table {
@@ -116,8 +107,6 @@ export function tableOf(packed: Packed): Table {
     chain: typed(columns, "chain", entries, Uint32Array),
     draw: typed(columns, "draw", entries, Float64Array),
     inProportion: typed(columns, "in_proportion", entries, Uint8Array),
-    endS: typed(columns, "end_s", entries, Float64Array),
-    lineage: typed(columns, "lineage", entries, Float64Array),
     numbers,
   };
 }
@@ -142,12 +131,7 @@ function animationOf(
     if (error instanceof Error && error.name === "SourceError") throw error;
     throw torn(`animation ${name}: ${error instanceof Error ? error.message : ""}`);
   }
-  return {
-    name,
-    endS: numberOf(head["end_s"], "an animation's end"),
-    recording,
-    meshes: meshesOf(head["meshes"] ?? [], columns),
-  };
+  return { name, recording, meshes: meshesOf(head["meshes"] ?? [], columns) };
 }
 
 /** `prefix` precedes each column's name. */

@@ -27,19 +27,14 @@ export interface ArchiveSummary {
   /** Reason for the state, for people; may be empty. */
   readonly words: string;
   readonly reading: { readonly done: number; readonly of: number } | null;
-  readonly kept: number;
-  readonly finds: number;
-  /** `kept` and `finds` count only the archive's first animations; the rest is being read. */
+  /** Only the archive's first animations have been read; the rest is being read. */
   readonly is_beginning: boolean;
-  readonly keep_max: number;
   readonly chains: number;
   readonly draws: number;
-  readonly scans: number;
   readonly as_of: string;
   readonly warning: string;
   readonly method: string;
   readonly in_proportion: boolean;
-  readonly satisfied: { readonly draws: number; readonly of: number } | null;
   /** The run is in progress, and the gallery follows it. */
   readonly is_live: boolean;
   /** Status of the run, for people. */
@@ -47,7 +42,6 @@ export interface ArchiveSummary {
 }
 
 export interface GalleryState {
-  readonly version: string;
   readonly archives: readonly ArchiveSummary[];
   readonly left_out: readonly { readonly name: string; readonly reason: string }[];
   readonly notes: { readonly writable: boolean; readonly words: string };
@@ -58,24 +52,18 @@ export type Place = readonly [number, number, number];
 export interface Feature {
   readonly name: string;
   readonly kind: "body" | "fixed" | "wanted";
-  readonly twin_of: number;
-  /** The body that should reach a wanted place; -1: none, or any. */
-  readonly body: number;
   /** Radius of a ball around the body's centre that contains the body; 0 for other features. */
   readonly radius_m: number;
 }
 
 export interface Scene {
-  readonly generation: number;
   readonly view_low_m: Place;
   readonly view_high_m: Place;
-  readonly offsets: boolean;
   /** Bodies come first. */
   readonly features: readonly Feature[];
   readonly numbers: readonly { readonly name: string; readonly unit: string }[];
   /** log_prior of blind throws, ascending; empty if unknown. */
   readonly prior_log_prior: readonly number[];
-  readonly request: string;
 }
 
 /** Triangles of one material, with y up; bodies are in their own frame. */
@@ -93,10 +81,7 @@ export interface Mesh {
 }
 
 export interface Looks {
-  readonly generation: number;
   readonly meshes: readonly Mesh[];
-  /** Features whose look differs between animations. */
-  readonly own: readonly number[];
 }
 
 export interface Table {
@@ -106,8 +91,6 @@ export interface Table {
   readonly chain: Uint32Array;
   readonly draw: Float64Array;
   readonly inProportion: Uint8Array;
-  readonly endS: Float64Array;
-  readonly lineage: Float64Array;
   /** Columns by name; NaN where an animation has no value. */
   readonly numbers: ReadonlyMap<string, Float64Array>;
 }
@@ -117,7 +100,6 @@ export type AnimationName = string;
 
 export interface Animation {
   readonly name: AnimationName;
-  readonly endS: number;
   readonly recording: Recording;
   /** Meshes of the features whose look is specific to this animation. */
   readonly meshes: readonly Mesh[];

@@ -36,7 +36,6 @@ export interface ShownGroup {
   readonly representative: number;
   readonly members: Entries;
   readonly mean_m: number;
-  readonly greatest_m: number;
   readonly share: { readonly value: number; readonly error: number | null } | null;
 }
 
