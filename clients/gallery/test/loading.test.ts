@@ -42,7 +42,7 @@ function sourceOf(now: () => ArchiveSummary, more: object = {}): GallerySource {
     table: () => Promise.resolve(tableOf(now().draws, now().generation)),
     scene: () => Promise.resolve({ features: [] } as unknown as Scene),
     looks: () => Promise.resolve({}),
-    onChange: () => () => undefined,
+    onChange: () => undefined,
     ...more,
   } as unknown as GallerySource;
 }

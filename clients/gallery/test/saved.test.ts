@@ -298,8 +298,7 @@ test("the source reports once that it is reachable, and then reports nothing", (
   // Goal: nothing is reported later. Method: count a listener's calls.
   const { source } = open();
   const said: string[] = [];
-  const end = source.onChange({ gallery: () => said.push("gallery"), source: (state) => said.push(state) });
-  end();
+  source.onChange({ gallery: () => said.push("gallery"), source: (state) => said.push(state) });
   assert.deepEqual(said, ["here"]);
   assert.equal(source.isLive, false);
 });

@@ -210,9 +210,8 @@ class SavedSource implements GallerySource {
   }
 
   /** Nothing changes: the files are static. */
-  onChange(listener: SourceListener): () => void {
+  onChange(listener: SourceListener): void {
     listener.source("here");
-    return () => {};
   }
 
   // ---- Files

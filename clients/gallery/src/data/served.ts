@@ -1,6 +1,6 @@
 // A gallery answered by a server: `sleight gallery`.
 //
-// While the server doesn't answer, listeners are notified, and requests wait until the server answers; then
+// While the server doesn't answer, the listener is notified, and requests wait until the server answers; then
 // they are sent again. Only changeNotes() doesn't wait. The event stream shows whether the server answers. A
 // broken stream is opened again with increasing pauses, so nobody has to reload the page.
 
@@ -9,7 +9,7 @@ import {
 } from "./decode";
 import { isObject, type Packed, torn, unpack } from "./packed";
 import {
-  ANIMATIONS_PER_ASK, type AskOptions, type FailureKind, type GallerySource, SourceError,
+  type AskOptions, type FailureKind, type GallerySource, SourceError,
   type SourceListener, type SourceState,
 } from "./source";
 import type {
@@ -39,8 +39,7 @@ interface Question {
 class ServedSource implements GallerySource {
   readonly isLive = true;
   private state: SourceState = "here";
-  private readonly listeners = new Set<SourceListener>();
-  private newest: GalleryState | null = null;
+  private listener: SourceListener | null = null;
   private stream: EventSource | null = null;
   private timer: ReturnType<typeof setTimeout> | null = null;
   private pauseMs = PAUSE_MS_MIN;
@@ -65,18 +64,8 @@ class ServedSource implements GallerySource {
   async animations(
     archive: ArchiveId, names: readonly AnimationName[], bodies: number, options?: AskOptions,
   ): Promise<Animation[]> {
-    const byName = new Map<AnimationName, Animation>();
-    for (let i = 0; i < names.length; i += ANIMATIONS_PER_ASK) {
-      const list = names.slice(i, i + ANIMATIONS_PER_ASK).map(encodeURIComponent).join(",");
-      const path = `archives/${archive}/animations?names=${list}`;
-      for (const animation of animationsOf(await this.packed({ path, waits: true }, options), bodies))
-        byName.set(animation.name, animation);
-    }
-    return names.map((name) => {
-      const animation = byName.get(name);
-      if (animation === undefined) throw torn(`animation ${name} is missing`);
-      return animation;
-    });
+    const path = `archives/${archive}/animations?names=${names.map(encodeURIComponent).join(",")}`;
+    return animationsOf(await this.packed({ path, waits: true }, options), bodies);
   }
 
   async find(
@@ -119,15 +108,10 @@ class ServedSource implements GallerySource {
     return answer as unknown as ChangedNotes;
   }
 
-  onChange(listener: SourceListener): () => void {
-    this.listeners.add(listener);
+  onChange(listener: SourceListener): void {
+    this.listener = listener;
     listener.source(this.state);
-    if (this.newest !== null) listener.gallery(this.newest);
     if (this.stream === null && this.timer === null) this.listen();
-    return () => {
-      this.listeners.delete(listener);
-      if (this.listeners.size === 0) this.hangUp();
-    };
   }
 
   // ---- Requests
@@ -212,7 +196,7 @@ class ServedSource implements GallerySource {
       const response = await fetch(new URL("api/gallery", this.base), { cache: "no-store" });
       if (response.ok) {
         // The server answers; only the stream broke.
-        this.tell(galleryOf(await response.json()));
+        this.listener?.gallery(galleryOf(await response.json()));
         this.found();
       } else {
         this.lost((await failureOf(response)).kind === "refused" ? "refused" : "away");
@@ -224,7 +208,7 @@ class ServedSource implements GallerySource {
   }
 
   private again(): void {
-    if (this.stream !== null || this.timer !== null || this.listeners.size === 0) return;
+    if (this.stream !== null || this.timer !== null) return;
     this.timer = setTimeout(() => this.listen(), this.pauseMs);
     this.pauseMs = Math.min(2 * this.pauseMs, PAUSE_MS_MAX);
   }
@@ -237,11 +221,6 @@ class ServedSource implements GallerySource {
 
   private lost(state: "away" | "refused"): void {
     this.become(state);
-    if (this.listeners.size === 0) {
-      // Nobody follows events, so no stream reports the server's return: retry after a pause.
-      setTimeout(() => this.found(), PAUSE_MS_MAX);
-      return;
-    }
     // Open a new stream, which reports when the server returns.
     this.stream?.close();
     this.stream = null;
@@ -251,28 +230,16 @@ class ServedSource implements GallerySource {
   private become(state: SourceState): void {
     if (state === this.state) return;
     this.state = state;
-    for (const listener of this.listeners) listener.source(state);
+    this.listener?.source(state);
   }
 
   private changed(event: Event): void {
     if (!(event instanceof MessageEvent) || typeof event.data !== "string") return;
     try {
-      this.tell(galleryOf(JSON.parse(event.data)));
+      this.listener?.gallery(galleryOf(JSON.parse(event.data)));
     } catch {
       // Ignore an invalid event: the next event contains the whole state again.
     }
-  }
-
-  private tell(state: GalleryState): void {
-    this.newest = state;
-    for (const listener of this.listeners) listener.gallery(state);
-  }
-
-  private hangUp(): void {
-    this.stream?.close();
-    this.stream = null;
-    if (this.timer !== null) clearTimeout(this.timer);
-    this.timer = null;
   }
 }
 

@@ -54,9 +54,6 @@ export interface AskOptions {
   readonly outlivesPage?: boolean;
 }
 
-/** Maximum names per request; animations() splits longer lists. */
-export const ANIMATIONS_PER_ASK = 32;
-
 export interface GallerySource {
   /** Whether there is a server, so that archives can change. */
   readonly isLive: boolean;
@@ -64,7 +61,8 @@ export interface GallerySource {
   scene(archive: ArchiveId, options?: AskOptions): Promise<Scene>;
   looks(archive: ArchiveId, options?: AskOptions): Promise<Looks>;
   table(archive: ArchiveId, options?: AskOptions): Promise<Table>;
-  /** Returns animations in the order of the names. `bodies`: number of bodies in the scene. */
+  /** Returns animations in the order of the names, which are at most 32. `bodies`: number of bodies in the
+   *  scene. */
   animations(
     archive: ArchiveId, names: readonly AnimationName[], bodies: number, options?: AskOptions,
   ): Promise<Animation[]>;
@@ -84,6 +82,6 @@ export interface GallerySource {
   changeNotes(
     run: string, patches: Readonly<Record<AnimationName, NotePatch>>, options?: AskOptions,
   ): Promise<ChangedNotes>;
-  /** Returns a function that removes the listener. */
-  onChange(listener: SourceListener): () => void;
+  /** REQUIRES: called only once. */
+  onChange(listener: SourceListener): void;
 }

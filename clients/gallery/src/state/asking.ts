@@ -39,8 +39,8 @@ export class Asking {
     private readonly lookAgain: () => void,
   ) {}
 
-  start(): () => void {
-    return this.store.subscribe((state) => this.look(state));
+  start(): void {
+    this.store.subscribe((state) => this.look(state));
   }
 
   private look(state: AppState): void {

@@ -26,9 +26,9 @@ export class Loading {
     private readonly source: GallerySource,
   ) {}
 
-  /** Starts to listen; returns a function that stops it. */
-  start(): () => void {
-    const end = this.source.onChange({
+  /** Starts to listen. */
+  start(): void {
+    this.source.onChange({
       gallery: (gallery) => this.see(gallery),
       source: (source) => {
         const before = this.store.state.source;
@@ -37,10 +37,6 @@ export class Loading {
       },
     });
     void this.lookAgain();
-    return () => {
-      end();
-      clearTimeout(this.retry);
-    };
   }
 
   async lookAgain(): Promise<void> {

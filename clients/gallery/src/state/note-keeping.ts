@@ -37,31 +37,24 @@ export class NoteKeeping {
   /** Reads the notes of each run that is shown, and again when a person returns to the page. `window`
    *  reports this return and the page's closing; waiting changes are sent when it closes. If they cannot be
    *  sent then, the browser asks the person before it leaves the page. */
-  start(window: EventTarget): () => void {
+  start(window: EventTarget): void {
     const again = (): void => {
       const { loaded } = this.store.state;
       if (loaded !== null) void this.read(loaded.run);
     };
-    const leave = (): void => this.sendAtOnce();
     const ask = (event: Event): void => {
       const bytes = JSON.stringify([...this.waiting].map(([, ofRun]) => [...ofRun])).length;
       const isTooMuch = bytes > leavingBytesMax;
       if (this.isWaiting() && (isTooMuch || this.store.state.notesWords !== "")) event.preventDefault();
     };
     window.addEventListener("focus", again);
-    window.addEventListener("pagehide", leave);
+    window.addEventListener("pagehide", () => this.sendAtOnce());
     window.addEventListener("beforeunload", ask);
-    const end = this.store.subscribe((state, before) => {
+    this.store.subscribe((state, before) => {
       const isOther = state.loaded?.run !== before.loaded?.run;
       const isBack = state.source === "here" && before.source !== "here";
       if (isOther || isBack) again();
     });
-    return () => {
-      window.removeEventListener("focus", again);
-      window.removeEventListener("pagehide", leave);
-      window.removeEventListener("beforeunload", ask);
-      end();
-    };
   }
 
   private async read(run: string): Promise<void> {

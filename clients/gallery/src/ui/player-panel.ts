@@ -9,6 +9,7 @@ import { say, sentenceOf } from "../state/messages";
 import type { Camera } from "../state/page";
 import { Latest } from "../state/store";
 import { Pose } from "../motion/pose";
+import { CELLS_MAX } from "../view/cells";
 import { Player, type PlayerEvent } from "../view/player";
 import type { SharedRenderer } from "../view/renderer";
 import type { ArchiveStage } from "../view/stage";
@@ -155,7 +156,7 @@ export function makePlayerPanel(
     clearTimeout(timer);
     if (loaded === null || stage === null) return;
     const known = page.playing.filter((name) => loaded.entryOf.has(name));
-    const missing = known.filter((name) => !animations.has(name));
+    const missing = known.slice(0, CELLS_MAX).filter((name) => !animations.has(name));
     try {
       if (missing.length > 0) {
         const got = await ui.source.animations(loaded.id, missing, loaded.bodies, { signal: abort.signal });
