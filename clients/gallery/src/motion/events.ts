@@ -1,5 +1,6 @@
 // Events of an animation, for timelines, marks and lists.
 
+import { firstPast } from "./bisection";
 import type { Recording } from "./recording";
 import { type Cause, CAUSES, type Mode, MODES } from "./segments";
 
@@ -80,24 +81,10 @@ const SAME_S = 1e-9;
 
 /** The nearest of the ascending `times` after `t`; null: there is none. */
 export function nextTime(times: ArrayLike<number>, t: number): number | null {
-  let low = 0;
-  let high = times.length;
-  while (low < high) {
-    const middle = (low + high) >>> 1;
-    if (times[middle]! > t + SAME_S) high = middle;
-    else low = middle + 1;
-  }
-  return low < times.length ? times[low]! : null;
+  return times[firstPast(times.length, (i) => times[i]! > t + SAME_S)] ?? null;
 }
 
 /** The nearest of the ascending `times` before `t`; null: there is none. */
 export function previousTime(times: ArrayLike<number>, t: number): number | null {
-  let low = 0;
-  let high = times.length;
-  while (low < high) {
-    const middle = (low + high) >>> 1;
-    if (times[middle]! >= t - SAME_S) high = middle;
-    else low = middle + 1;
-  }
-  return low > 0 ? times[low - 1]! : null;
+  return times[firstPast(times.length, (i) => times[i]! >= t - SAME_S) - 1] ?? null;
 }

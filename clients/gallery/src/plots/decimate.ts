@@ -2,6 +2,8 @@
 // first, lowest, highest and last point, in their order. A million points on 800 columns become at most
 // 3,200.
 
+import { firstPast } from "../motion/bisection";
+
 export interface Series {
   /** In ascending order. */
   readonly x: ArrayLike<number>;
@@ -15,14 +17,7 @@ export interface Thinned {
 
 /** The first index with x >= `value`. */
 export function lowerBound(x: ArrayLike<number>, value: number): number {
-  let low = 0;
-  let high = x.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((x[middle] ?? Infinity) < value) low = middle + 1;
-    else high = middle;
-  }
-  return low;
+  return firstPast(x.length, (i) => !(x[i]! < value));
 }
 
 /** Thins the part of the series between `from` and `to` to this many columns. One neighbour on each side is

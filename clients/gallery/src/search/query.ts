@@ -1,5 +1,6 @@
 // Finds the animations of an index that match a query, as clients/browse/query.cpp does.
 
+import { firstPast } from "../motion/bisection";
 import { type Bodies, type Condition, type Inside, type Moment, type Touches } from "./condition";
 import { firstInside, misses, NEVER } from "./inside";
 import type { SearchIndex } from "./search-index";
@@ -115,7 +116,10 @@ function hitOf(
   const end = index.contactFirst[entry + 1]!;
   const fromS = Math.max(when.fromS, after.timeS);
   let at = index.contactFirst[entry]!;
-  if (fromS > -Infinity) at = lowerBound(contactTimeS, at, end, fromS);
+  if (fromS > -Infinity) {
+    const first = at;
+    at += firstPast(end - first, (i) => contactTimeS[first + i]! >= fromS);
+  }
   for (; at < end; ++at) {
     const body = contactBody[at]!;
     const partner = contactPartner[at]!;
@@ -141,15 +145,4 @@ function restIn(index: SearchIndex, track: number, box: Float64Array): number {
     if (!(place >= box[axis]! && place <= box[axis + 3]!)) return NEVER;
   }
   return index.startS[last]!;
-}
-
-function lowerBound(times: Float64Array, first: number, end: number, timeS: number): number {
-  let low = first;
-  let high = end;
-  while (low < high) {
-    const middle = (low + high) >>> 1;
-    if (times[middle]! < timeS) low = middle + 1;
-    else high = middle;
-  }
-  return low;
 }

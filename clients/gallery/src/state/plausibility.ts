@@ -1,19 +1,13 @@
 // Plausibility in words: how an animation's log_prior compares with blind throws.
+import { firstPast } from "../motion/bisection";
 
 /** Percentage of blind throws that are less likely; null if unknown. */
 export function throwsBelow(logPrior: number, blindThrows: readonly number[]): number | null {
   if (blindThrows.length === 0 || !Number.isFinite(logPrior)) return null;
-  let low = 0;
-  let high = blindThrows.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((blindThrows[middle] ?? Infinity) < logPrior) low = middle + 1;
-    else high = middle;
-  }
-  const share = (100 * low) / blindThrows.length;
+  const below = firstPast(blindThrows.length, (i) => blindThrows[i]! >= logPrior);
+  const share = (100 * below) / blindThrows.length;
   // 0 and 100 percent are reserved for exactly none and all.
-  if (low === 0) return 0;
-  if (low === blindThrows.length) return 100;
+  if (below === 0 || below === blindThrows.length) return share;
   return Math.min(99, Math.max(1, Math.round(share)));
 }
 

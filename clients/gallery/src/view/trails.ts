@@ -4,6 +4,7 @@
 
 import { BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments } from "three";
 import type { Mesh } from "../data/types";
+import { firstPast } from "../motion/bisection";
 import { Pose } from "../motion/pose";
 import type { Recording } from "../motion/recording";
 import { positionInto } from "../motion/segments";
@@ -51,15 +52,9 @@ export class Trails {
   }
 
   show(t: number, opacity: number): void {
-    let low = 0;
-    let high = this.times.length;
-    while (low < high) {
-      const middle = (low + high) >>> 1;
-      if (this.times[middle]! > t) high = middle;
-      else low = middle + 1;
-    }
-    this.lines.visible = low > 0;
-    this.lines.geometry.setDrawRange(0, 2 * low);
+    const count = firstPast(this.times.length, (i) => this.times[i]! > t);
+    this.lines.visible = count > 0;
+    this.lines.geometry.setDrawRange(0, 2 * count);
     this.lines.material.opacity = opacity;
   }
 
