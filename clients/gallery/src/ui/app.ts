@@ -1,4 +1,10 @@
 // Joins the page's parts, keys and state.
+import "../styles/base.css";
+import "../styles/layout.css";
+import "../styles/filters.css";
+import "../styles/wall.css";
+import "../styles/player.css";
+import "../styles/plots.css";
 import type { GallerySource } from "../data/source";
 import { Address } from "../state/address";
 import type { AppState } from "../state/app-state";
@@ -10,8 +16,8 @@ import { NoteKeeping } from "../state/note-keeping";
 import { ofShownRun } from "../state/own-run";
 import { initialState, PageActions } from "../state/page-actions";
 import { Store } from "../state/store";
-import type { Player } from "../view/player";
 import { SharedRenderer } from "../view/renderer";
+import { installTestHook } from "../view/test-hook";
 import { el, setAttribute } from "./dom";
 import { makeFiltersPanel } from "./filters-panel";
 import { makeHeader } from "./header";
@@ -28,12 +34,8 @@ import { makeWall, type Wall } from "./wall";
 /** Below this width the player covers the wall. */
 const wideQuery = "(min-width: 1100px)";
 
-export interface App {
-  readonly renderer: SharedRenderer;
-  readonly player: () => Player | null;
-}
-
-export function startApp(root: HTMLElement, galleries: GallerySource): App {
+export function startApp(galleries: GallerySource): void {
+  const root = document.getElementById("app")!;
   const store = new Store<AppState>(initialState(pageOf(location.hash)));
   const source = ofShownRun(galleries, store);
   const loading = new Loading(store, galleries);
@@ -95,7 +97,7 @@ export function startApp(root: HTMLElement, galleries: GallerySource): App {
   notes.start(window);
   new Address(store, (link) => page.applyLink(link)).start();
   listenToKeys(keyActions(ui, { wall, player, filters, root, showKeys: () => keysDialog.showModal() }));
-  return { renderer, player: () => (store.state.page.playing.length > 0 ? player.player : null) };
+  installTestHook(renderer, () => (store.state.page.playing.length > 0 ? player.player : null));
 }
 
 interface Places {
