@@ -8,7 +8,7 @@ import { say, sentenceOf } from "./messages";
 import { allToggled, notKept } from "./notes";
 import type { Chip } from "./page";
 import { Latest, type Store } from "./store";
-import { redo, undo, withStep } from "./undo";
+import { type Found, redo, undo, withStep } from "./undo";
 
 type Patches = Readonly<Record<string, NotePatch>>;
 
@@ -110,25 +110,19 @@ export class NoteKeeping {
   }
 
   undo(): void {
-    const last = undo(this.store.state.history);
-    if (last === null) {
-      say(this.store, "Nothing to undo.");
-      return;
-    }
-    this.store.set({ history: last.history });
-    this.put(last.step.before);
-    say(this.store, `Undone: ${last.step.words}.`);
+    this.restore(undo(this.store.state.history), "before", "Undone", "Nothing to undo.");
   }
 
   redo(): void {
-    const next = redo(this.store.state.history);
-    if (next === null) {
-      say(this.store, "Nothing to redo.");
-      return;
+    this.restore(redo(this.store.state.history), "after", "Redone", "Nothing to redo.");
+  }
+
+  private restore(found: Found<Undoable>, state: "before" | "after", done: string, nothing: string): void {
+    if (found !== null) {
+      this.store.set({ history: found.history });
+      this.put(found.step[state]);
     }
-    this.store.set({ history: next.history });
-    this.put(next.step.after);
-    say(this.store, `Redone: ${next.step.words}.`);
+    say(this.store, found === null ? nothing : `${done}: ${found.step.words}.`);
   }
 
   private change(changed: NotesByName, words: string): void {
