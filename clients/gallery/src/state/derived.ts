@@ -3,7 +3,7 @@
 import { noteOf } from "../data/note-patch";
 import type { ArchiveSummary } from "../data/types";
 import { noEntries, type AppState, type QueryAnswer } from "./app-state";
-import { difference, filtered, intersection, type Entries } from "./entry-sets";
+import { difference, intersection, type Entries } from "./entry-sets";
 import { isLetThrough } from "./notes";
 import type { Chip } from "./page";
 import { joined, type SignedQuery } from "./query-text";
@@ -56,7 +56,7 @@ export const passed = remembered(
 
 function notesPassed(state: AppState, entries: Entries): Entries {
   const names = state.loaded?.names ?? [];
-  return filtered(entries, (entry) =>
+  return entries.filter((entry) =>
     isLetThrough(noteOf(state.notes, names[entry] ?? ""), state.page.notesFilter),
   );
 }
@@ -66,7 +66,7 @@ export const hiddenCount = remembered(
   (state) => [state.visible, state.notes, state.loaded] as const,
   (state) => {
     const names = state.loaded?.names ?? [];
-    return filtered(state.visible, (entry) => noteOf(state.notes, names[entry] ?? "").hidden).length;
+    return state.visible.filter((entry) => noteOf(state.notes, names[entry] ?? "").hidden).length;
   },
 );
 
