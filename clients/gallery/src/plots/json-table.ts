@@ -1,4 +1,5 @@
 // Shows JSON as tables: lists of objects become rows, other values become named rows.
+import { isObject } from "../data/packed";
 import { el } from "../ui/dom";
 import { number } from "../ui/words";
 
@@ -52,10 +53,6 @@ function listTable(list: readonly unknown[], depth: number): HTMLElement {
       ),
     ),
   );
-}
-
-function isObject(value: unknown): value is Readonly<Record<string, unknown>> {
-  return typeof value === "object" && value !== null && !Array.isArray(value);
 }
 
 function wordsOf(value: unknown): string {

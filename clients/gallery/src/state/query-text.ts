@@ -1,26 +1,11 @@
 // Formats names and numbers for the query language, and joins queries.
-
-const keywords = new Set([
-  "and",
-  "or",
-  "not",
-  "in",
-  "touches",
-  "ends",
-  "then",
-  "during",
-  "any",
-  "every",
-  "x",
-  "y",
-  "z",
-]);
+import { isKeyword } from "../search/cursor";
 
 /** Names without quotes: words, optionally followed by an integer. */
 const bare = /^[A-Za-z_][A-Za-z0-9_]*(?: [A-Za-z_][A-Za-z0-9_]*)*(?: [0-9]+)?$/;
 
 export function isBareName(name: string): boolean {
-  return bare.test(name) && name.split(" ").every((word) => !keywords.has(word));
+  return bare.test(name) && name.split(" ").every((word) => !isKeyword(word));
 }
 
 /** The name for a query: in double quotes if necessary, or if `always`. */
