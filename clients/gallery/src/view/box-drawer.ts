@@ -9,7 +9,7 @@ import { setYUp } from "./axes";
 import {
   alongAxis, type Box, dragged, type Face, faceMiddle, FACES, onPlane, type Ray, soundBox, withFace,
 } from "./box";
-import type { ViewBox } from "./camera";
+import { middleOf, type ViewBox } from "./camera";
 import type { PointInCell } from "./views";
 import { THEMES, type ThemeName } from "./theme";
 
@@ -129,11 +129,8 @@ export class BoxDrawer {
     const { box } = this;
     this.group.visible = box !== null;
     if (box === null) return;
-    const middle: Place = [
-      0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]), 0.5 * (box.low[2] + box.high[2]),
-    ];
     for (const object of [this.solid, this.edges]) {
-      setYUp(object.position, middle);
+      setYUp(object.position, middleOf(box));
       object.scale.set(box.high[0] - box.low[0], box.high[2] - box.low[2], box.high[1] - box.low[1]);
     }
     FACES.forEach((face, i) => {

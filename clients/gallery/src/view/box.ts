@@ -2,7 +2,7 @@
 // box-drawer.ts shows the box.
 
 import type { Place } from "../data/types";
-import type { ViewBox } from "./camera";
+import { middleOf, type ViewBox } from "./camera";
 
 /** In metres, in the scene's frame (z up); low < high on each axis. */
 export interface Box {
@@ -31,9 +31,7 @@ const GRID_M = 1e-4;
 const THIN_M = 1e-3;
 
 export function faceMiddle(box: Box, face: Face): Place {
-  const place: [number, number, number] = [
-    0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]), 0.5 * (box.low[2] + box.high[2]),
-  ];
+  const place: [number, number, number] = [...middleOf(box)];
   place[face.axis] = (face.isHigh ? box.high : box.low)[face.axis];
   return place;
 }
