@@ -5,7 +5,6 @@ import { test } from "node:test";
 import {
   kindsOfBodies,
   missingIn,
-  openBox,
   openRange,
   queryOf,
   type Condition,
@@ -13,6 +12,7 @@ import {
 } from "../src/state/conditions";
 import { joined, placeOfColumn, quotedName, shortNumber } from "../src/state/query-text";
 
+const openBox = { x: openRange, y: openRange, z: openRange };
 const die: Who = { kind: "body", name: "die 1" };
 const box = { ...openBox, x: { low: 0, high: 0.02 }, y: { low: -0.005, high: null } };
 

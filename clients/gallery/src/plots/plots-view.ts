@@ -13,13 +13,11 @@ import { jsonTable } from "./json-table";
 import { makeLineChart, type Chart } from "./line-chart";
 import { chainsOf, plotDataOf, type PlotData, type PlotLine } from "./series-data";
 
-export type PlotsView = Part;
-
 const chainsShownMax = 6;
 /** The diagnosis is requested separately from other plots. */
 const diagnosis = "diagnosis";
 
-export function makePlotsView(ui: Ui): PlotsView {
+export function makePlotsView(ui: Ui): Part {
   const list = el("ul", { class: "plot-list" });
   const notices = el("div", { class: "notices" });
   const title = el("h2", { id: "plot-title" });

@@ -43,7 +43,6 @@ export type Condition =
   | { readonly kind: "number"; readonly name: string; readonly range: Range };
 
 export const openRange: Range = { low: null, high: null };
-export const openBox: Box = { x: openRange, y: openRange, z: openRange };
 
 export function isOpen(range: Range): boolean {
   return range.low === null && range.high === null;

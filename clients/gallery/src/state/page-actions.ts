@@ -4,7 +4,7 @@ import { orderedNames, wholeQuery } from "./derived";
 import { pageOf } from "./link";
 import type { NoteKeeping } from "./note-keeping";
 import type { Chip, Page, View } from "./page";
-import { comparedMax, extended, nothingSelected, only, toggled } from "./selection";
+import { comparedMax, extended, nothingSelected, toggled } from "./selection";
 import { say } from "./messages";
 import { asKept } from "./sorting";
 import type { Store } from "./store";
@@ -96,16 +96,12 @@ export class PageActions {
 
   // Selection
 
-  select(name: string, how: "toggle" | "only" | "extend"): void {
+  select(name: string, how: "toggle" | "extend"): void {
     const { state } = this.store;
     const { selection } = state;
-    const next =
-      how === "only"
-        ? only(name)
-        : how === "extend"
-          ? extended(selection, name, orderedNames(state))
-          : toggled(selection, name);
-    this.store.set({ selection: next });
+    this.store.set({
+      selection: how === "toggle" ? toggled(selection, name) : extended(selection, name, orderedNames(state)),
+    });
   }
 
   selectAll(): void {

@@ -23,10 +23,6 @@ export function toggled(selection: Selection, name: string): Selection {
   return { names, anchor: name };
 }
 
-export function only(name: string): Selection {
-  return { names: [name], anchor: name };
-}
-
 /** Shift: adds all animations from the anchor to `name`, in the displayed order. */
 export function extended(selection: Selection, name: string, shown: readonly string[]): Selection {
   const to = shown.indexOf(name);

@@ -55,7 +55,7 @@ export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => vo
       archives.replaceChildren(...archiveTabs(ui, state));
     const archive = archiveShown(state);
     setText(counts, countWords(state));
-    setText(live, archive?.is_live ? liveWords(archive) : "");
+    setText(live, archive?.is_live ? archive.live_words || "The run is in progress." : "");
     const offered = offeredCount(state);
     setHidden(fresh, offered === 0);
     const offer = `${count(offered)} ${state.isBeginning ? "more" : "new"}`;
@@ -108,12 +108,6 @@ function archiveWords(archive: ArchiveSummary): string {
     ready: archive.is_beginning ? beingRead : "", reading: beingRead, gone: " (missing)", damaged: " (damaged)",
   };
   return `${archive.name}${states[archive.state]}`;
-}
-
-/** Status of the run, if the server reports it. */
-function liveWords(archive: ArchiveSummary & { readonly live_words?: unknown }): string {
-  const words = archive.live_words;
-  return typeof words === "string" && words !== "" ? words : "The run is in progress.";
 }
 
 function countWords(state: AppState): string {

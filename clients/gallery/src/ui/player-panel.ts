@@ -44,7 +44,7 @@ export function makePlayerPanel(
     "aria-label": "Animations in 3D. Drag to turn the camera; scroll to zoom. The buttons below do the same.",
   });
   const labels = el("div", { class: "player-labels", "aria-hidden": "true" });
-  const player = new Player(canvas, renderer, { theme: ui.theme.shade });
+  const player = new Player(canvas, renderer, ui.theme.shade);
   const animations = new Map<string, Animation>();
   const latest = new Latest();
   let abort = new AbortController();

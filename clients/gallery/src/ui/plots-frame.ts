@@ -2,7 +2,6 @@
 import type { AppState } from "../state/app-state";
 import { sentenceOf } from "../state/messages";
 import { Latest } from "../state/store";
-import type { PlotsView } from "../plots/plots-view";
 import { el, setHidden, setText } from "./dom";
 import type { Part, Ui } from "./part";
 
@@ -16,7 +15,7 @@ export function makePlotsFrame(ui: Ui): Part {
     place,
   );
   const latest = new Latest();
-  let view: PlotsView | null = null;
+  let view: Part | null = null;
   const begin = async (): Promise<void> => {
     const isWanted = latest.begin();
     setText(words, "Loading plots …");

@@ -10,9 +10,8 @@ export interface GridOptions {
   readonly rowHeight: number;
   readonly columnWidthMin: number;
   /** Creates a cell's content; the grid sets its role and position. */
-  readonly render: (key: string, index: number) => HTMLElement;
+  readonly render: (key: string) => HTMLElement;
   readonly drop: (cell: HTMLElement) => void;
-  readonly onActive: (key: string) => void;
 }
 
 /** Extra rows above and below the visible ones. */
@@ -134,7 +133,7 @@ export class VirtualGrid {
     const key = this.keys[index] ?? "";
     let cell = this.cells.get(key);
     if (cell === undefined) {
-      cell = this.options.render(key, index);
+      cell = this.options.render(key);
       cell.setAttribute("role", "gridcell");
       cell.dataset["key"] = key;
       this.cells.set(key, cell);
@@ -171,7 +170,6 @@ export class VirtualGrid {
     if (cell === null) return;
     const index = Number(cell.dataset["index"]);
     if (index !== this.active) this.activate(index);
-    this.options.onActive(cell.dataset["key"] ?? "");
   }
 
   private activate(index: number): void {

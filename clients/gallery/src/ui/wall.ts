@@ -40,7 +40,7 @@ export function makeWall(ui: Ui, renderer: SharedRenderer): Wall {
     const canvas = cell.querySelector("canvas");
     if (canvas !== null) thumbnails?.hide(canvas);
   };
-  const common = { rowHeight: cardRowHeight, columnWidthMin, drop, onActive: () => undefined };
+  const common = { rowHeight: cardRowHeight, columnWidthMin, drop };
   const list = new VirtualGrid({
     ...common,
     id: "list",

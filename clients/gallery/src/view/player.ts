@@ -41,14 +41,10 @@ export type PlayerEvent =
   | { readonly kind: "playing"; readonly isPlaying: boolean }
   | { readonly kind: "camera"; readonly camera: CameraState }
   /** null: the click hit nothing. */
-  | { readonly kind: "pick"; readonly picked: Picked | null; readonly x: number; readonly y: number }
-  | { readonly kind: "box"; readonly box: Box | null; readonly isDone: boolean }
+  | { readonly kind: "pick"; readonly picked: Picked | null }
+  | { readonly kind: "box"; readonly box: Box | null }
   /** Cells have moved, so labels over them must move too. */
   | { readonly kind: "layout" };
-
-export interface PlayerOptions {
-  readonly theme: ThemeName;
-}
 
 const FRAME_S = 1 / 60;
 const TURN_RAD_PER_PX = 0.008;
@@ -66,7 +62,6 @@ export class Player {
   private ghostOf: number | null = null;
   private hasTrails = false;
   private hasMarks = true;
-  private theme: ThemeName;
   private only: number | null = null;
   private width = 0;
   private height = 0;
@@ -81,10 +76,9 @@ export class Player {
 
   constructor(
     private readonly canvas: HTMLCanvasElement, private readonly renderer: SharedRenderer,
-    options: PlayerOptions,
+    private theme: ThemeName,
   ) {
-    this.theme = options.theme;
-    this.drawer.setTheme(options.theme);
+    this.drawer.setTheme(theme);
     this.screen = new Screen(canvas);
     new ResizeObserver(() => this.measure()).observe(canvas);
     new Pointer(canvas, {
@@ -94,7 +88,7 @@ export class Player {
       turn: (dx, dy) => this.orbit(-TURN_RAD_PER_PX * dx, TURN_RAD_PER_PX * dy),
       move: (dx, dy) => this.pan(dx, dy),
       zoom: (factor) => this.zoom(factor),
-      click: (x, y) => this.onEvent({ kind: "pick", picked: this.pick(x, y), x, y }),
+      click: (x, y) => this.onEvent({ kind: "pick", picked: this.pick(x, y) }),
       hover: (x, y) => this.hover(x, y),
     });
     renderer.onRestored(() => this.redraw());
@@ -342,14 +336,14 @@ export class Player {
     const point = this.views.pointAt(x, y, this.dragCell);
     const model = this.models[this.dragCell];
     if (point === null || model === undefined || !this.drawer.grabbed(point.ray, model.stage.box)) return;
-    this.onEvent({ kind: "box", box: this.drawer.box, isDone: false });
+    this.onEvent({ kind: "box", box: this.drawer.box });
     this.redraw();
   }
 
   private releaseBox(): void {
     this.drawer.released();
     this.canvas.style.cursor = this.drawer.isArmed ? "crosshair" : "";
-    this.onEvent({ kind: "box", box: this.drawer.box, isDone: true });
+    this.onEvent({ kind: "box", box: this.drawer.box });
     this.redraw();
   }
 
