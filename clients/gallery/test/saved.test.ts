@@ -85,7 +85,7 @@ function files(): Map<string, Script> {
     ["0/looks", packed({ generation: 1, meshes: [], own: [] }, [])],
     ["0/table", packed({ generation: 1, entries: ENTRIES, numbers: ["log_prior"] }, rows())],
     ["0/index", packed(
-      { generation: 1, run: RUN, entries: ENTRIES, bodies: BODIES, names: names(), numbers, features },
+      { generation: 1, run: RUN, entries: ENTRIES, bodies: BODIES, names: names(), numbers, features, ...view },
       [
         ...rows(),
         ["track_first", Uint32Array.from({ length: ENTRIES }, (_, entry) => entry)],

@@ -9,7 +9,8 @@
 
 import { readFileSync, writeSync } from "node:fs";
 import { unpack } from "../src/data/packed";
-import { ArchiveSearch, type Grouping } from "../src/search/search";
+import type { Grouping } from "../src/search/groups";
+import { ArchiveSearch } from "../src/search/search";
 
 interface Question {
   readonly find?: string;

@@ -258,9 +258,8 @@ class SavedSource implements GallerySource {
   }
 
   private async readIndex(id: ArchiveId): Promise<Searched> {
-    const [{ packed, bytes }, scene] = await Promise.all([this.file(`${id}/index`), this.scene(id)]);
-    const search = await ArchiveSearch.of(packed, scene);
-    return { search, satisfied: SatisfiedDraws.of(packed), bytes };
+    const { packed, bytes } = await this.file(`${id}/index`);
+    return { search: await ArchiveSearch.of(packed), satisfied: SatisfiedDraws.of(packed), bytes };
   }
 }
 

@@ -63,8 +63,8 @@ export interface SearchIndex extends Columns {
   readonly reach: Reach;
 }
 
-/** `view`: used if the file's header has none. Throws SourceError. */
-export async function readIndex(packed: Packed, turns: Turns, view?: View): Promise<SearchIndex> {
+/** Throws SourceError. */
+export async function readIndex(packed: Packed, turns: Turns): Promise<SearchIndex> {
   const head = packed.head;
   if (!isObject(head)) throw torn("the index's header is not an object");
   const { generation, run, names, entries, bodies, features, numbers } = head;
@@ -72,6 +72,7 @@ export async function readIndex(packed: Packed, turns: Turns, view?: View): Prom
     throw torn("the index's header is invalid");
   if (!isListOf(names, isText) || names.length !== entries) throw torn("the index's names are missing");
   if (!isListOf(features, isFeature)) throw torn("the index's features are missing");
+  if (!isView(head)) throw torn("the index's view is missing");
   if (!isListOf(numbers, isNumberName)) throw torn("the index's numbers are missing");
   const firstThing = features.findIndex((feature) => feature.kind !== "body");
   if ((firstThing < 0 ? features.length : firstThing) !== bodies) throw torn("the index has a wrong number of bodies");
@@ -80,7 +81,7 @@ export async function readIndex(packed: Packed, turns: Turns, view?: View): Prom
   return {
     ...columns, generation, run, names, entries, bodies, features,
     numberNames: numbers,
-    view: isView(head) ? head : view ?? missingView(),
+    view: head,
     reach: await measureReach(columns, turns),
   };
 }
@@ -144,10 +145,6 @@ function column<T extends { readonly length: number }>(
   if (!(found instanceof type)) throw torn(`column '${name}' of ${type.name} is missing`);
   if (count !== undefined && found.length !== count) throw torn(`column '${name}' has a wrong length`);
   return found;
-}
-
-function missingView(): never {
-  throw torn("the index's view is missing");
 }
 
 function isListOf<T>(value: unknown, isOne: (one: unknown) => one is T): value is T[] {

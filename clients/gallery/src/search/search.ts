@@ -7,27 +7,18 @@
 
 import type { Packed } from "../data/packed";
 import { type AskOptions, SourceError } from "../data/source";
+import type { AlikeAnswer } from "../data/types";
 import { Comparison } from "./comparing";
 import { type AlikeGroups, GroupedSet, type Grouping } from "./groups";
 import { parseQuery, type QueryError } from "./parse";
 import { find } from "./query";
-import { readIndex, type SearchIndex, type View } from "./search-index";
+import { readIndex, type SearchIndex } from "./search-index";
 import { coveredDurationS, type Sketch } from "./sketch";
 import { Turns } from "./turns";
-
-export type { AlikeGroup, AlikeGroups, Grouping } from "./groups";
-export type { QueryError } from "./parse";
-export type { View } from "./search-index";
 
 /** The server's limits. */
 const GROUPS_MAX = 500;
 const ALIKE_TO_MAX = 100;
-
-export interface Alike {
-  /** Nearest first; for several targets, by the distance to the nearest. */
-  readonly entries: readonly number[];
-  readonly distance_m: readonly number[];
-}
 
 export class ArchiveSearch {
   /** The set of the last request for groups. */
@@ -35,9 +26,8 @@ export class ArchiveSearch {
 
   private constructor(private readonly index: SearchIndex) {}
 
-  /** `view`: the scene's box, used if the file's header has none. */
-  static async of(packed: Packed, view?: View, options: AskOptions = {}): Promise<ArchiveSearch> {
-    return new ArchiveSearch(await readIndex(packed, new Turns(options.signal), view));
+  static async of(packed: Packed): Promise<ArchiveSearch> {
+    return new ArchiveSearch(await readIndex(packed, new Turns()));
   }
 
   get generation(): number {
@@ -69,7 +59,7 @@ export class ArchiveSearch {
   /** The entries, or all, by distance to the nearest of `to`. */
   async alike(
     to: readonly number[], entries: readonly number[] | null, options: AskOptions = {},
-  ): Promise<Alike> {
+  ): Promise<AlikeAnswer> {
     const chosen = this.meant(to);
     if (chosen.length === 0 || chosen.length > ALIKE_TO_MAX)
       throw new SourceError("other", `Sorting by likeness needs 1 to ${ALIKE_TO_MAX} animations.`);
