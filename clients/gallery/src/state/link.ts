@@ -5,7 +5,6 @@ import {
   groupsMax,
   groupsMin,
   noNotesFilter,
-  type Camera,
   type Chip,
   type Grouping,
   type NotesFilter,
@@ -14,6 +13,7 @@ import {
   type View,
 } from "./page";
 import { nameToday } from "../data/types";
+import type { CameraState } from "../view/camera";
 import { shortNumber } from "./query-text";
 import { sortFromText, sortToText } from "./sorting";
 
@@ -130,7 +130,7 @@ function stepOf(text: string): PathStep[] {
   return [{ ...grouping, representative: nameToday(found[2] ?? ""), query: found[3] ?? "" }];
 }
 
-function cameraOf(text: string): Camera | null {
+function cameraOf(text: string): CameraState | null {
   const values = text.split(",").map(numberOf);
   const [azimuth, elevation, zoom, x, y, z] = values;
   if ((values.length !== 3 && values.length !== 6) || values.includes(null) || !zoom || zoom <= 0)

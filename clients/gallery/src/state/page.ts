@@ -1,11 +1,12 @@
 // The part of the state that links contain. Links contain names that outlive a server: the run's and the
 // animations' names.
+import type { SyncMode } from "../motion/sync";
+import type { CameraState } from "../view/camera";
 import type { Box } from "./conditions";
 import { asKept, type SortKey } from "./sorting";
 
 export type View = "groups" | "list" | "plots";
 export type GroupsBy = "medoids" | "hierarchy";
-export type SyncMode = "start" | "contact" | "end";
 
 export interface Chip {
   /** Distinguishes chips while the page is open; links don't contain it. */
@@ -33,14 +34,6 @@ export interface PathStep extends Grouping {
   readonly query: string;
 }
 
-export interface Camera {
-  readonly azimuth: number;
-  readonly elevation: number;
-  readonly zoom: number;
-  /** null: the middle of the scene's view. */
-  readonly target: readonly [number, number, number] | null;
-}
-
 export interface Page {
   readonly run: string;
   /** The archive's name, if several archives contain the run; "": any archive. */
@@ -54,7 +47,7 @@ export interface Page {
   readonly selected: readonly string[];
   readonly playing: readonly string[];
   readonly sync: SyncMode;
-  readonly camera: Camera | null;
+  readonly camera: CameraState | null;
   readonly timeS: number | null;
   readonly plot: string;
 }

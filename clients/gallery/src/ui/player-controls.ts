@@ -1,5 +1,5 @@
 // The player's buttons: time, speed, synchronization, what is drawn, and the camera.
-import type { SyncMode } from "../state/page";
+import type { SyncMode } from "../motion/sync";
 import type { Player } from "../view/player";
 import { button, el, field, iconButton, iconOf, select, setChoices, setHidden, setText } from "./dom";
 import { seconds } from "./words";

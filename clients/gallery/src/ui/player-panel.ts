@@ -6,9 +6,9 @@ import type { AppState } from "../state/app-state";
 import { linkOf } from "../state/link";
 import { linkPage } from "../state/address";
 import { say, sentenceOf } from "../state/messages";
-import type { Camera } from "../state/page";
 import { Latest } from "../state/store";
 import { Pose } from "../motion/pose";
+import type { CameraState } from "../view/camera";
 import { CELLS_MAX } from "../view/cells";
 import { Player, type PlayerEvent } from "../view/player";
 import type { SharedRenderer } from "../view/renderer";
@@ -49,7 +49,7 @@ export function makePlayerPanel(
   const latest = new Latest();
   let abort = new AbortController();
   let shown: readonly string[] = [];
-  let putCamera: Camera | null = null;
+  let putCamera: CameraState | null = null;
   let putTimeS: number | null = null;
   /** The player doesn't show the state's animations yet. */
   let isLoading = false;

@@ -1,7 +1,8 @@
 // Colour theme (system, light or dark), and whether cards are animated.
 
-export type Shade = "light" | "dark";
-export type ThemeChoice = "system" | Shade;
+import type { ThemeName } from "../view/theme";
+
+export type ThemeChoice = "system" | ThemeName;
 
 const key = "sleight-theme";
 const cardsKey = "sleight-cards";
@@ -24,7 +25,7 @@ export class Theme {
     return this.chosen;
   }
 
-  get shade(): Shade {
+  get shade(): ThemeName {
     if (this.chosen !== "system") return this.chosen;
     return this.dark.matches ? "dark" : "light";
   }
