@@ -56,7 +56,7 @@ test("random segments yield the same positions and orientations", () => {
   const { seed } = new Random();
   run(testProgram("sleight-evaluate-poses"), ["--segments", String(count), String(seed), folder]);
   const bundle = join(folder, "evaluate.mjs");
-  run(process.execPath, [join(page, "test/build-evaluate.mjs"), bundle]);
+  run(process.execPath, [join(page, "test/bundle.mjs"), "evaluate.ts", bundle]);
   run(process.execPath, [bundle, join(folder, "segments.bin"), join(folder, "said.bin")]);
   const expected = doublesOf(join(folder, "expected.bin")).columns;
   const said = doublesOf(join(folder, "said.bin"));

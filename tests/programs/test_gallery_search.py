@@ -43,10 +43,12 @@ class GallerySearch(ProgramTest):
 
     def said_by_the_page(self):
         """The page's answers to questions.jsonl for index.bin."""
+        program = self.path("search-program.mjs")
+        self.succeed(harness.run(["node", self.page / "test/bundle.mjs", "search-program.ts", program]))
         with open(self.path("said.jsonl"), "w") as said:
             result = subprocess.run(
-                ["node", self.page / "test/search-run.mjs", self.path("index.bin"),
-                 self.path("questions.jsonl")], stdout=said, stderr=subprocess.PIPE, text=True, timeout=600)
+                ["node", program, self.path("index.bin"), self.path("questions.jsonl")],
+                stdout=said, stderr=subprocess.PIPE, text=True, timeout=600)
         self.assertEqual(result.returncode, 0, result.stderr)
         return self.lines("said.jsonl")
 

@@ -1,6 +1,6 @@
 // Evaluates segments as the page does, for tests that compare the results with the C++ code:
 //
-//   `node build-evaluate.mjs evaluate.mjs && node evaluate.mjs IN OUT`.
+//   `node bundle.mjs evaluate.ts evaluate.mjs && node evaluate.mjs IN OUT`.
 //
 // IN is a packed file (src/data/packed.ts) with one row per segment. IN has the columns of an animation's
 // answer ("body", "start_s", "mode", ... without prefix, in any row order) and "t_s" f64, a time no earlier

@@ -4,11 +4,11 @@
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { basename, dirname, join } from "node:path";
+import { basename, join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { build } from "esbuild";
+import { bundled } from "./bundle.mjs";
 
-const here = dirname(fileURLToPath(import.meta.url));
+const here = fileURLToPath(new URL(".", import.meta.url));
 const chosen = process.argv.slice(2);
 const tests = readdirSync(here)
   .filter((name) => name.endsWith(".test.ts"))
@@ -21,17 +21,7 @@ if (tests.length === 0) {
 const folder = mkdtempSync(join(tmpdir(), "sleight-gallery-test-"));
 try {
   const bundle = join(folder, "all.mjs");
-  const contents = tests.map((name) => `import "./${name}";`).join("\n");
-  await build({
-    stdin: { contents, resolveDir: here },
-    outfile: bundle,
-    bundle: true,
-    format: "esm",
-    platform: "node",
-    target: "node18",
-    sourcemap: "inline",
-    logLevel: "warning",
-  });
+  await bundled(tests, bundle);
   const options = ["--enable-source-maps", "--test", bundle];
   const { status } = spawnSync(process.execPath, options, { stdio: "inherit" });
   process.exitCode = status ?? 1;

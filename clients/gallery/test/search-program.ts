@@ -1,7 +1,7 @@
 // Answers requests as a saved page does. tests/programs/test_gallery_search.py compares the answers with
 // those of the C++ programs.
 //
-//   `search-program INDEX QUESTIONS`.
+//   `node bundle.mjs search-program.ts search-program.mjs && node search-program.mjs INDEX QUESTIONS`.
 //
 // The file QUESTIONS has one JSON object per line, with the key "find" (a text), "groups" (an object with
 // "entries", "groups", "by") or "alike" (an object with "to", "entries"). The program prints one answer per
