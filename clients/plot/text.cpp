@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "common/request/text.h"
+
 namespace sleight::plot {
 
 namespace {
@@ -26,47 +28,25 @@ bool is_continuation(char c) {
   return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
 }
 
-// Returns the length of the valid, shortest-form UTF-8 sequence at the front; 0 if there is none.
-std::size_t sequence_length(std::string_view text) {
-  const auto lead = static_cast<unsigned char>(text[0]);
-  const std::size_t length = lead < 0x80   ? 1
-                             : lead < 0xC2 ? 0
-                             : lead < 0xE0 ? 2
-                             : lead < 0xF0 ? 3
-                             : lead < 0xF5 ? 4
-                                           : 0;
-  if (length == 0 || length > text.size()) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if (!is_continuation(text[i])) return 0;
-  }
-  if (length < 3) return length;
-  // Exclude overlong forms, surrogates, values beyond U+10FFFF, and two values that XML forbids.
-  const auto second = static_cast<unsigned char>(text[1]);
-  if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
-      (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F)) {
-    return 0;
-  }
-  if (text.starts_with("\xEF\xBF\xBE") || text.starts_with("\xEF\xBF\xBF")) return 0;
-  return length;
-}
-
 }  // namespace
 
 std::string printable(std::string_view text) {
   std::string out;
   while (!text.empty()) {
-    const std::size_t length = sequence_length(text);
-    const char c = text[0];
-    const bool c1_control =
-        length == 2 && c == '\xC2' && static_cast<unsigned char>(text[1]) < 0xA0;
-    if (c == '\t' || c == '\n' || c == '\r') {
+    const auto c = request::front_code_point(text);
+    const char32_t value = c ? c->value : 0;
+    const bool is_control = value < 0x20 || (value >= 0x7F && value < 0xA0);
+    // XML forbids these two values.
+    const bool is_forbidden = value == 0xFFFE || value == 0xFFFF;
+    const std::size_t bytes = c && !is_forbidden ? c->bytes : 1;
+    if (value == '\t' || value == '\n' || value == '\r') {
       out += ' ';
-    } else if (length == 0 || c1_control || (length == 1 && (c < ' ' || c == '\x7F'))) {
+    } else if (is_control || is_forbidden) {
       out += k_replacement;
     } else {
-      out += text.substr(0, length);
+      out += text.substr(0, bytes);
     }
-    text.remove_prefix(std::max<std::size_t>(length, 1));
+    text.remove_prefix(bytes);
   }
   return out;
 }
@@ -104,26 +84,15 @@ std::string fitted(std::string_view text, double size_px, double width_px, Weigh
 }
 
 std::string xml_escaped(std::string_view text) {
+  static constexpr std::pair<char, std::string_view> k_escapes[] = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
   std::string out;
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
+    const auto* escape = std::ranges::find(k_escapes, c, &std::pair<char, std::string_view>::first);
+    if (escape == std::end(k_escapes)) {
+      out += c;
+    } else {
+      out += escape->second;
     }
   }
   return out;
