@@ -8,11 +8,15 @@
 
 namespace sleight::gallery {
 
+const archive::DatasetSpec* dataset_of(const archive::Source& source, std::string_view group,
+                                       std::string_view dataset) {
+  const archive::Group* found = archive::find_group(source, group);
+  return found == nullptr ? nullptr : archive::find_dataset(*found, dataset);
+}
+
 bool has_numbers(const archive::Source& source, std::string_view group, std::string_view dataset,
                  std::uint64_t elements) {
-  const archive::Group* found = archive::find_group(source, group);
-  const archive::DatasetSpec* spec =
-      found == nullptr ? nullptr : archive::find_dataset(*found, dataset);
+  const archive::DatasetSpec* spec = dataset_of(source, group, dataset);
   return spec != nullptr && spec->type != archive::ElementType::text &&
          archive::element_count(*spec) == elements;
 }
@@ -29,9 +33,7 @@ std::vector<double> checked_numbers(const archive::Source& source, std::string_v
 }
 
 std::uint64_t prior_draws_of(const archive::Source& source) {
-  const archive::Group* group = archive::find_group(source, archive::k_sample_stats_prior);
-  const archive::DatasetSpec* draw =
-      group == nullptr ? nullptr : archive::find_dataset(*group, "draw");
+  const archive::DatasetSpec* draw = dataset_of(source, archive::k_sample_stats_prior, "draw");
   if (draw == nullptr || draw->dims.size() != 1) return 0;
   return draw->dims[0].size <= archive::k_prior_draws_max ? draw->dims[0].size : 0;
 }

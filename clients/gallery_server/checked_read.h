@@ -15,6 +15,10 @@ namespace sleight::gallery {
 /// Draws read at a time.
 inline constexpr std::uint64_t k_rows_at_once = 65'536;
 
+/// Null if the dataset doesn't exist.
+const archive::DatasetSpec* dataset_of(const archive::Source& source, std::string_view group,
+                                       std::string_view dataset);
+
 /// Whether the dataset exists, contains numbers or flags, and has this number of elements.
 bool has_numbers(const archive::Source& source, std::string_view group, std::string_view dataset,
                  std::uint64_t elements);

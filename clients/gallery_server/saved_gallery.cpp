@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "clients/gallery_server/archive_answers.h"
-#include "clients/gallery_server/base64.h"
 #include "clients/gallery_server/index_columns.h"
 #include "clients/gallery_server/saved_folder.h"
 #include "clients/gallery_server/series.h"
@@ -25,10 +24,6 @@ using Json = json::Value;
 /// Maximum number of chains whose plots are saved; people cannot distinguish more lines.
 constexpr std::uint64_t k_chains_saved_max = 8;
 
-std::string text_of(const Json& json) {
-  return json.dump();
-}
-
 /// A file to write; its content is created when its turn comes.
 struct Planned {
   std::string path{};  ///< "0/looks"
@@ -40,7 +35,7 @@ class Plan {
  public:
   void json(const std::string& path, std::function<Json()> make) {
     files.push_back({path, archive, [path, make = std::move(make)] {
-                       return script_of(path, "json", text_of(make()));
+                       return script_of(path, "json", make().dump());
                      }});
   }
   void packed(const std::string& path, std::function<std::string()> make) {
@@ -130,9 +125,29 @@ std::string script_of(const Planned& file) {
 
 }  // namespace
 
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view k_digits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr std::size_t k_group = 3;
+  constexpr std::uint32_t k_six_bits = 63;
+  std::string text;
+  text.reserve((bytes.size() + 2) / k_group * 4);
+  for (std::size_t first = 0; first < bytes.size(); first += k_group) {
+    const std::string_view group = bytes.substr(first, k_group);
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < k_group; ++i)
+      bits = bits << 8U | (i < group.size() ? static_cast<std::uint8_t>(group[i]) : 0U);
+    for (std::size_t digit = 0; digit < 4; ++digit) {
+      text += digit <= group.size() ? k_digits[bits >> (18U - 6U * digit) & k_six_bits] : '=';
+    }
+  }
+  return text;
+}
+
 std::string script_of(const std::string& path, const std::string& kind, const std::string& text) {
   // JSON strings are valid in scripts since ECMAScript 2019. Invalid UTF-8 is replaced.
-  return fmt::format("sleightSaved({},{},{});\n", text_of(path), text_of(kind), text_of(text));
+  return fmt::format("sleightSaved({},{},{});\n", Json(path).dump(), Json(kind).dump(),
+                     Json(text).dump());
 }
 
 std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const SaveOptions& options,
@@ -152,9 +167,9 @@ std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const Save
                             script_of(plan.files[done]));
       if (options.progress) options.progress(done + 1, plan.files.size());
     }
-    bytes += folder.write(
-        "data/gallery.js",
-        script_of("gallery", "json", text_of(gallery_json(archives, options.version))));
+    bytes +=
+        folder.write("data/gallery.js",
+                     script_of("gallery", "json", gallery_json(archives, options.version).dump()));
     bytes += folder.put_in_place();
     return bytes;
   } catch (const fs::filesystem_error& error) {

@@ -21,6 +21,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "clients/analysis/diagnosis.h"
@@ -58,6 +59,9 @@ class UnreadableArchive : public base::Error {
 /// folder, environment if it cannot be written) and UnreadableArchive.
 std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const SaveOptions& options,
                            const analysis::Rules& rules);
+
+/// Encodes bytes as text for scripts (RFC 4648, section 4).
+std::string base64(std::string_view bytes);
 
 /// A script's line: sleightSaved("path", "json", "...").
 std::string script_of(const std::string& path, const std::string& kind, const std::string& text);

@@ -37,14 +37,8 @@ constexpr const char* k_index_title = "level of each replica (the index process)
   throw Refused(k_not_found, "This plot doesn't exist.", "Reload the page.");
 }
 
-const archive::DatasetSpec* spec_of(const archive::Source& source, std::string_view group,
-                                    std::string_view name) {
-  const archive::Group* found = archive::find_group(source, group);
-  return found == nullptr ? nullptr : archive::find_dataset(*found, name);
-}
-
 std::string unit_of(const archive::Source& source, std::string_view group, std::string_view name) {
-  const archive::DatasetSpec* spec = spec_of(source, group, name);
+  const archive::DatasetSpec* spec = dataset_of(source, group, name);
   const archive::Attribute* unit =
       spec == nullptr ? nullptr : archive::find_attribute(spec->attributes, "units");
   const auto* text = unit == nullptr ? nullptr : std::get_if<std::string>(&unit->value);
@@ -78,13 +72,6 @@ std::vector<std::string> paired(const archive::Source& source) {
   return names;
 }
 
-/// The marks of a chain.
-struct Marks {
-  std::vector<std::uint32_t> change_all{};
-  std::vector<std::uint32_t> fall{};
-  std::vector<std::uint32_t> lineage{};
-};
-
 /// The kind of proposal that changes all variables; none if the method has no such kind.
 std::optional<std::size_t> change_all_kind(const std::vector<std::string>& kinds) {
   const auto found = std::ranges::find_if(
@@ -93,12 +80,15 @@ std::optional<std::size_t> change_all_kind(const std::vector<std::string>& kinds
   return static_cast<std::size_t>(found - kinds.begin());
 }
 
-Marks marks_of(const archive::Source& source, const archive::Summary& summary,
+/// Adds the columns of a chain's marked draws.
+void add_marks(Packed& to, const archive::Source& source, const archive::Summary& summary,
                std::uint64_t chain) {
   const std::vector<std::string> kinds = analysis::proposal_kinds(source);
   const auto all = change_all_kind(kinds);
   const std::uint64_t draws = summary.scans;
-  Marks marks;
+  std::vector<std::uint32_t> change_all;
+  std::vector<std::uint32_t> fall;
+  std::vector<std::uint32_t> other_lineage;
   double before = 0;
   double lineage_before = std::numeric_limits<double>::quiet_NaN();
   for (std::uint64_t first = 0; first < draws; first += k_rows_at_once) {
@@ -113,15 +103,16 @@ Marks marks_of(const archive::Source& source, const archive::Summary& summary,
         all ? column("accepted", kinds.size()) : std::vector<double>();
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto draw = static_cast<std::uint32_t>(first + i);
-      if (all && draw > 0 && accepted[i * kinds.size() + *all] > 0)
-        marks.change_all.push_back(draw);
-      if (before != 0 && satisfied[i] == 0) marks.fall.push_back(draw);
-      if (draw > 0 && lineage[i] != lineage_before) marks.lineage.push_back(draw);
+      if (all && draw > 0 && accepted[i * kinds.size() + *all] > 0) change_all.push_back(draw);
+      if (before != 0 && satisfied[i] == 0) fall.push_back(draw);
+      if (draw > 0 && lineage[i] != lineage_before) other_lineage.push_back(draw);
       before = satisfied[i];
       lineage_before = lineage[i];
     }
   }
-  return marks;
+  to.add("change_all", change_all);
+  to.add("fall", fall);
+  to.add("lineage", other_lineage);
 }
 
 std::string trace_of(const archive::Source& source, const archive::Summary& summary,
@@ -136,13 +127,10 @@ std::string trace_of(const archive::Source& source, const archive::Summary& summ
     draw.push_back(point.x);
     value.push_back(point.y);
   }
-  const Marks marks = marks_of(source, summary, chain);
   Packed packed;
   packed.add("draw", draw);
   packed.add("value", value);
-  packed.add("change_all", marks.change_all);
-  packed.add("fall", marks.fall);
-  packed.add("lineage", marks.lineage);
+  add_marks(packed, source, summary, chain);
   return packed.finish({{"kind", "trace"},
                         {"title", title_of(name)},
                         {"unit", unit_of(source, archive::k_sample_stats, name)},
@@ -351,7 +339,7 @@ Json titles_in(const archive::Source& source, const archive::Summary& summary) {
   if (!rounds(source, summary).empty()) {
     add("ladder", "the ladder and its swap rates", "levels", "ladder");
     add("rounds", "round trips from prior to target and back, in each round", "rounds", "ladder");
-    if (spec_of(source, archive::k_tempering, "index_level") != nullptr)
+    if (dataset_of(source, archive::k_tempering, "index_level") != nullptr)
       add("index", k_index_title, "index", "ladder");
   }
   for (const std::string& name : paired(source))

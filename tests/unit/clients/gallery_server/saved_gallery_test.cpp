@@ -22,7 +22,6 @@
 #include <vector>
 
 #include "clients/gallery_server/archive_answers.h"
-#include "clients/gallery_server/base64.h"
 #include "clients/gallery_server/index_columns.h"
 #include "clients/gallery_server/named_archives.h"
 #include "common/base/descriptor.h"
