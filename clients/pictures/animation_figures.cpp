@@ -121,31 +121,20 @@ WaysSizes ways_sizes(const SceneExtent& extent, std::size_t panels, bool flat) {
 
 plot::Panel ways_panel(const scene::Scene& scene, const SceneExtent& extent, const WaysSizes& sizes,
                        bool flat, const ShownAnimation& animation) {
-  plot::Panel panel{.title = animation.title,
-                    .x_range = plot::Range{0, sizes.width_px},
-                    .y_range = plot::Range{0, sizes.height_px},
-                    .equal_aspect = true,
-                    .axes = false,
-                    .legend = false};
+  plot::Panel panel = empty_panel(animation, sizes.width_px, sizes.height_px);
   ScenePainter painter(scene, extent, animation, panel);
   const double scale = sizes.px_per_mm;
   if (!flat) {
     const double low_px = sizes.height_px - k_caption_px - sizes.above_height_px;
     painter.caption({0, sizes.height_px - k_caption_size_px},
                     caption_from_above(scene, animation, "from above"));
-    const SceneView above{
-        .seen = Seen::from_above,
-        .origin = {-scale * extent.low_mm.x(), low_px - scale * extent.low_mm.y()},
-        .px_per_mm = scale};
+    const SceneView above = view_of(extent, Seen::from_above, {0, low_px}, scale);
     painter.scenery(above);
     painter.ways(above);
   }
   painter.caption({0, 2 * k_caption_px + sizes.front_height_px - k_caption_size_px},
                   "from the front");
-  const SceneView front{
-      .seen = Seen::from_front,
-      .origin = {-scale * extent.low_mm.x(), k_caption_px - scale * extent.low_mm.z()},
-      .px_per_mm = scale};
+  const SceneView front = view_of(extent, Seen::from_front, {0, k_caption_px}, scale);
   painter.scenery(front);
   painter.ways(front);
   painter.caption({0, k_caption_px - k_caption_size_px - 2}, outcome_of(scene, animation));
@@ -227,12 +216,7 @@ std::string frame_caption(std::size_t instant, double time_s, double width_px) {
 
 plot::Panel instants_panel(const scene::Scene& scene, const SceneExtent& extent,
                            const InstantSizes& sizes, const ShownAnimation& animation) {
-  plot::Panel panel{.title = animation.title,
-                    .x_range = plot::Range{0, sizes.width_px},
-                    .y_range = plot::Range{0, sizes.height_px},
-                    .equal_aspect = true,
-                    .axes = false,
-                    .legend = false};
+  plot::Panel panel = empty_panel(animation, sizes.width_px, sizes.height_px);
   ScenePainter painter(scene, extent, animation, panel);
   const auto instants = instants_of(animation);
   const double above_px = extent.depth_mm() * sizes.above_px_per_mm;
@@ -242,10 +226,8 @@ plot::Panel instants_panel(const scene::Scene& scene, const SceneExtent& extent,
                   caption_from_above(scene, animation, "from above, at rest"));
   painter.caption({0.5 * above_width_px, above_low_px - k_caption_size_px}, "front",
                   plot::Anchor::middle);
-  const SceneView above{.seen = Seen::from_above,
-                        .origin = {-sizes.above_px_per_mm * extent.low_mm.x(),
-                                   above_low_px - sizes.above_px_per_mm * extent.low_mm.y()},
-                        .px_per_mm = sizes.above_px_per_mm};
+  const SceneView above =
+      view_of(extent, Seen::from_above, {0, above_low_px}, sizes.above_px_per_mm);
   painter.scenery(above);
   painter.instant(above, instants.back(), instants.back());
 
@@ -258,11 +240,9 @@ plot::Panel instants_panel(const scene::Scene& scene, const SceneExtent& extent,
     const double top_px = sizes.height_px - row * (k_caption_px + frame_height_px + k_between_px);
     painter.caption({left_px, top_px - k_caption_size_px},
                     frame_caption(i, instants[i], frame_width_px));
-    const SceneView front{.seen = Seen::from_front,
-                          .origin = {left_px - sizes.frame_px_per_mm * extent.low_mm.x(),
-                                     top_px - k_caption_px - frame_height_px -
-                                         sizes.frame_px_per_mm * extent.low_mm.z()},
-                          .px_per_mm = sizes.frame_px_per_mm};
+    const SceneView front =
+        view_of(extent, Seen::from_front, {left_px, top_px - k_caption_px - frame_height_px},
+                sizes.frame_px_per_mm);
     painter.scenery(front);
     painter.instant(front, instants[i == 0 ? 0 : i - 1], instants[i]);
   }

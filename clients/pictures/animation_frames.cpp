@@ -94,20 +94,13 @@ class FrameArtist {
         std::max(sizes.width_px, std::min(k_width_px_min, look.width_max_px - around_px));
     figure_.width_px = up_to_even(around_px + width_px);
     figure_.height_px = up_to_even(around_px + k_title_px + sizes.height_px);
-    panel_ = {.title = animation.title,
-              .x_range = plot::Range{0, figure_.width_px - around_px},
-              .y_range = plot::Range{0, figure_.height_px - around_px - k_title_px},
-              .equal_aspect = true,
-              .axes = false,
-              .legend = false};
+    panel_ = empty_panel(animation, figure_.width_px - around_px,
+                         figure_.height_px - around_px - k_title_px);
     plot::Point corner{0, panel_.y_range->high};
     for (const Seen seen : sizes.views) {
       const double height_px = sizes.px_per_mm * view_height_mm(extent_, seen);
-      const plot::Point low = projected(extent_.low_mm, seen);
-      views_.push_back({.seen = seen,
-                        .origin = {corner.x - sizes.px_per_mm * low.x,
-                                   corner.y - k_caption_px - height_px - sizes.px_per_mm * low.y},
-                        .px_per_mm = sizes.px_per_mm});
+      views_.push_back(
+          view_of(extent_, seen, {corner.x, corner.y - k_caption_px - height_px}, sizes.px_per_mm));
       if (sizes.beside) {
         corner.x += sizes.px_per_mm * extent_.width_mm() + k_between_px;
       } else {

@@ -129,6 +129,22 @@ bool is_flat(const std::vector<ShownAnimation>& animations) {
   return high_m - low_m <= k_flat_m;
 }
 
+SceneView view_of(const SceneExtent& extent, Seen seen, const Point& low_px, double px_per_mm) {
+  const Point low = projected(extent.low_mm, seen);
+  return {.seen = seen,
+          .origin = {low_px.x - px_per_mm * low.x, low_px.y - px_per_mm * low.y},
+          .px_per_mm = px_per_mm};
+}
+
+plot::Panel empty_panel(const ShownAnimation& animation, double width_px, double height_px) {
+  return {.title = animation.title,
+          .x_range = plot::Range{0, width_px},
+          .y_range = plot::Range{0, height_px},
+          .equal_aspect = true,
+          .axes = false,
+          .legend = false};
+}
+
 ScenePainter::ScenePainter(const scene::Scene& scene, const SceneExtent& extent,
                            const ShownAnimation& animation, plot::Panel& panel)
     : scene_(scene), extent_(extent), animation_(animation), panel_(panel) {}
@@ -224,11 +240,7 @@ void ScenePainter::scenery(const SceneView& view) {
 /// Draws the patches (darker if lower), or only a grid if the control points are unknown.
 void ScenePainter::surface(const SceneView& view, const scene::Part& part) {
   if (view.seen == Seen::from_front) {
-    const double z_mm = k_mm_per_m * part.position_m.z();
-    const Point right = view.at({extent_.high_mm.x(), z_mm});
-    panel_.series.push_back(plot::Rectangle{
-        .low = view.at({extent_.low_mm.x(), extent_.low_mm.z()}), .high = right, .color = k_table});
-    line({view.at({extent_.low_mm.x(), z_mm}), right}, plot::palette::k_grey, 1);
+    table_below(view, k_mm_per_m * part.position_m.z());
     return;
   }
   const double step_mm = k_mm_per_m * part.size_m.z();
@@ -267,7 +279,11 @@ void ScenePainter::surface(const SceneView& view, const scene::Part& part) {
 
 void ScenePainter::ground(const SceneView& view, const scene::Part& part) {
   const double z_mm = k_mm_per_m * part.position_m.z();
-  if (view.seen == Seen::from_above || z_mm < extent_.low_mm.z()) return;
+  if (view.seen == Seen::from_front && z_mm >= extent_.low_mm.z()) table_below(view, z_mm);
+}
+
+/// Draws a table whose top has this height, from the front.
+void ScenePainter::table_below(const SceneView& view, double z_mm) {
   const Point right = view.at({extent_.high_mm.x(), z_mm});
   panel_.series.push_back(plot::Rectangle{
       .low = view.at({extent_.low_mm.x(), extent_.low_mm.z()}), .high = right, .color = k_table});
@@ -328,15 +344,19 @@ void ScenePainter::wanted(const SceneView& view, const scene::Part& part) {
 }
 
 void ScenePainter::ways(const SceneView& view) {
-  std::vector<std::pair<motion::Pose, std::uint32_t>> at_rest;
+  Bodies at_rest;
   for (const motion::Path& path : animation_.motion.paths()) {
     if (!path.enters()) continue;
     way(view, path);
     if (const auto pose = path.pose_at(path.rest_s())) at_rest.emplace_back(*pose, path.body());
   }
+  bodies(view, std::move(at_rest));
+}
+
+void ScenePainter::bodies(const SceneView& view, Bodies seen) {
   std::ranges::stable_sort(
-      at_rest, {}, [&](const auto& one) { return depth_mm(one.first.centre_m, view.seen); });
-  for (const auto& [pose, number] : at_rest)
+      seen, {}, [&](const auto& one) { return depth_mm(one.first.centre_m, view.seen); });
+  for (const auto& [pose, number] : seen)
     body(view, number, pose);
 }
 
@@ -430,7 +450,7 @@ void ScenePainter::number_on(const SceneView& view, const FlatPiece& piece, std:
 }
 
 void ScenePainter::instant(const SceneView& view, double since_s, double time_s) {
-  std::vector<std::pair<motion::Pose, std::uint32_t>> seen;
+  Bodies seen;
   for (const motion::Path& path : animation_.motion.paths()) {
     if (!path.enters()) continue;
     const double from_s = std::max(since_s, path.start_s());
@@ -447,10 +467,7 @@ void ScenePainter::instant(const SceneView& view, double since_s, double time_s)
     if (pose && is_in(view, projected_mm(pose->centre_m, view.seen)))
       seen.emplace_back(*pose, path.body());
   }
-  std::ranges::stable_sort(
-      seen, {}, [&](const auto& one) { return depth_mm(one.first.centre_m, view.seen); });
-  for (const auto& [pose, number] : seen)
-    body(view, number, pose);
+  bodies(view, std::move(seen));
 }
 
 }  // namespace sleight::pictures

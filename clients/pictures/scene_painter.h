@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "clients/pictures/animation_figures.h"
@@ -45,6 +46,13 @@ struct SceneView {
   }
 };
 
+/// Returns the view that has the extent's lowest left corner at this point of the panel.
+SceneView view_of(const SceneExtent& extent, Seen seen, const plot::Point& low_px,
+                  double px_per_mm);
+
+/// Returns an empty panel of this size for views of the scene.
+plot::Panel empty_panel(const ShownAnimation& animation, double width_px, double height_px);
+
 /// Returns equally spaced times from a body's entry until it rests (at most a few hundred), then
 /// the time at rest. REQUIRES: the body enters.
 std::vector<double> instants_of(const motion::Path& path);
@@ -71,12 +79,16 @@ class ScenePainter {
                const plot::Color& color);
   void surface(const SceneView& view, const scene::Part& part);
   void ground(const SceneView& view, const scene::Part& part);
+  void table_below(const SceneView& view, double z_mm);
   void fixed(const SceneView& view, const scene::Part& part);
   void wanted(const SceneView& view, const scene::Part& part);
   void way(const SceneView& view, const motion::Path& path);
   void outlines(const SceneView& view, std::uint32_t body, const motion::Pose& pose,
                 const plot::Color& color);
   void body(const SceneView& view, std::uint32_t body, const motion::Pose& pose);
+  using Bodies = std::vector<std::pair<motion::Pose, std::uint32_t>>;
+  /// Draws the nearest bodies last.
+  void bodies(const SceneView& view, Bodies seen);
   void fill(const SceneView& view, const FlatPiece& piece, const plot::Color& color);
   void edge(const SceneView& view, const FlatPiece& piece, const plot::Color& color,
             double width_px);

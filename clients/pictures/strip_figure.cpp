@@ -82,12 +82,7 @@ plot::Figure strip_figure(const std::string& title, const scene::Scene& scene,
   figure.height_px = 2 * plot::style::k_outer + plot::style::k_figure_title + 16 + sizes.height_px +
                      plot::style::k_panel_title + k_title_room_px;
   plot::Panel& panel =
-      figure.panels.emplace_back(plot::Panel{.title = animation.title,
-                                             .x_range = plot::Range{0, sizes.width_px},
-                                             .y_range = plot::Range{0, sizes.height_px},
-                                             .equal_aspect = true,
-                                             .axes = false,
-                                             .legend = false});
+      figure.panels.emplace_back(empty_panel(animation, sizes.width_px, sizes.height_px));
   ScenePainter painter(scene, extent, animation, panel);
   for (std::size_t i = 0; i < k_strip_pictures; ++i) {
     const double now_s = time_s(i, end_s);
@@ -97,18 +92,15 @@ plot::Figure strip_figure(const std::string& title, const scene::Scene& scene,
                     static_cast<double>(i / sizes.columns) * (sizes.cell_height_px + k_between_px);
     painter.caption({left_px, top_px - k_caption_size_px}, fmt::format("{:.2f} s", now_s));
     top_px -= k_caption_px;
-    const auto draw = [&](Seen seen, double low_mm, double view_mm) {
+    const auto draw = [&](Seen seen, double view_mm) {
       top_px -= view_mm * sizes.px_per_mm;
-      const SceneView view{.seen = seen,
-                           .origin = {left_px - sizes.px_per_mm * extent.low_mm.x(),
-                                      top_px - sizes.px_per_mm * low_mm},
-                           .px_per_mm = sizes.px_per_mm};
+      const SceneView view = view_of(extent, seen, {left_px, top_px}, sizes.px_per_mm);
       painter.scenery(view);
       painter.instant(view, now_s, now_s);
       top_px -= k_between_px;
     };
-    if (!flat) draw(Seen::from_above, extent.low_mm.y(), extent.depth_mm());
-    draw(Seen::from_front, extent.low_mm.z(), extent.height_mm());
+    if (!flat) draw(Seen::from_above, extent.depth_mm());
+    draw(Seen::from_front, extent.height_mm());
   }
   return figure;
 }
