@@ -217,16 +217,6 @@ class FolderBeside {
   std::string beside_;  ///< empty: not created, or already renamed
 };
 
-void write_file(base::FileSystem& files, const std::string& path, base::BytesView bytes) {
-  const auto fail = [&](const std::error_code& failure) {
-    throw base::Error(fmt::format("{}: can't write the file: {}", path, failure.message()));
-  };
-  auto file = files.create(path);
-  if (!file) fail(file.error());
-  if (const auto failure = file.value()->write_at(0, bytes)) fail(failure);
-  if (const auto failure = file.value()->close()) fail(failure);
-}
-
 }  // namespace
 
 plot::Figure frame_figure(const scene::Scene& scene, const ShownAnimation& animation, double t_s,
@@ -259,8 +249,10 @@ std::size_t write_png_frames(const scene::Scene& scene, const ShownAnimation& an
   plot::Film film(artist.still(), options.scale);
   base::PosixFileSystem files;
   draw_frames(artist, film, count, options, [&](std::size_t frame) {
-    write_file(files, fmt::format("{}/{}-{:04}.png", beside.path(), options.name, frame + 1),
-               film.png());
+    const base::Bytes png = film.png();
+    base::write_text_file(files,
+                          fmt::format("{}/{}-{:04}.png", beside.path(), options.name, frame + 1),
+                          {reinterpret_cast<const char*>(png.data()), png.size()});
   });
   beside.put_in_place();
   return count;
