@@ -108,8 +108,6 @@ void Triangles::fan(std::span<const std::uint32_t> numbers) {
     triangle(numbers[0], numbers[i], numbers[i + 1]);
 }
 
-namespace {
-
 /// Returns a vector along the normal, or nothing if the polygon has no area.
 std::optional<Vec3> area_of(std::span<const Vec3> corners_m) {
   Vec3 area{0, 0, 0};
@@ -118,8 +116,6 @@ std::optional<Vec3> area_of(std::span<const Vec3> corners_m) {
   const double size = math::norm(area);
   return size > 0 && std::isfinite(size) ? std::optional(area) : std::nullopt;
 }
-
-}  // namespace
 
 void Triangles::polygon(std::span<const Vec3> corners_m) {
   const std::optional<Vec3> area = area_of(corners_m);
