@@ -70,12 +70,8 @@ class SavedSource implements GallerySource {
   readonly isLive = false;
   private readonly scripts: SavedScripts;
   private readonly kept: SavedNotes;
-  private readonly galleries: Once<GalleryState>;
-  private readonly scenes: Once<Scene>;
-  private readonly allLooks: Once<Looks>;
-  private readonly rows: Once<Rows>;
-  private readonly titles: Once<SeriesTitle[]>;
-  private readonly diagnoses: Once<unknown>;
+  /** Small answers by path. */
+  private readonly answers: Once<unknown>;
   private readonly plotted: Once<File>;
   private readonly animated: Once<File>;
   private readonly searched: Once<Searched>;
@@ -85,44 +81,35 @@ class SavedSource implements GallerySource {
     this.kept = new SavedNotes(place.storage);
     const pauseMs = place.pauseMs ?? PAUSE_MS;
     const bytesOf = ({ bytes }: { readonly bytes: number }): number => bytes;
-    this.galleries = new Once({ pauseMs });
-    this.scenes = new Once({ pauseMs });
-    this.allLooks = new Once({ pauseMs });
-    this.rows = new Once({ pauseMs });
-    this.titles = new Once({ pauseMs });
-    this.diagnoses = new Once({ pauseMs });
+    this.answers = new Once({ pauseMs });
     this.plotted = new Once<File>({ pauseMs, bytesOf, bytesMax: SERIES_BYTES_MAX });
     this.animated = new Once<File>({ pauseMs, bytesOf, bytesMax: ANIMATIONS_BYTES_MAX });
     this.searched = new Once<Searched>({ pauseMs, bytesOf, bytesMax: INDEX_BYTES_MAX });
   }
 
   async gallery(options?: AskOptions): Promise<GalleryState> {
-    const asked = this.galleries.get("", async () => galleryOf(await this.json("gallery")));
-    const state = await wanted(asked, options);
+    const state = await this.answer("gallery", async (path) => galleryOf(await this.json(path)), options);
     // The browser decides whether notes are stored.
     const words = this.kept.areKept ? "" : NOT_KEPT;
     return { ...state, notes: { writable: this.kept.areKept, words } };
   }
 
   scene(archive: ArchiveId, options?: AskOptions): Promise<Scene> {
-    const asked = this.scenes.get(`${archive}`, async () => sceneOf(await this.json(`${archive}/scene`)));
-    return wanted(asked, options);
+    return this.answer(`${archive}/scene`, async (path) => sceneOf(await this.json(path)), options);
   }
 
   looks(archive: ArchiveId, options?: AskOptions): Promise<Looks> {
-    const asked = this.allLooks.get(`${archive}`, async () =>
-      looksOf((await this.file(`${archive}/looks`)).packed));
-    return wanted(asked, options);
+    return this.answer(`${archive}/looks`, async (path) => looksOf((await this.file(path)).packed), options);
   }
 
   async table(archive: ArchiveId, options?: AskOptions): Promise<Table> {
-    return (await wanted(this.rowsOf(archive), options)).table;
+    return (await this.rowsOf(archive, options)).table;
   }
 
   async animations(
     archive: ArchiveId, names: readonly AnimationName[], bodies: number, options?: AskOptions,
   ): Promise<Animation[]> {
-    const { entryOf } = await wanted(this.rowsOf(archive), options);
+    const { entryOf } = await this.rowsOf(archive, options);
     const namesOf = new Map<number, AnimationName[]>();
     for (const name of new Set(names)) {
       const entry = entryOf.get(name);
@@ -170,9 +157,7 @@ class SavedSource implements GallerySource {
   }
 
   seriesTitles(archive: ArchiveId, options?: AskOptions): Promise<SeriesTitle[]> {
-    const asked = this.titles.get(`${archive}`, async () =>
-      seriesTitlesOf(await this.json(`${archive}/series`)));
-    return wanted(asked, options);
+    return this.answer(`${archive}/series`, async (path) => seriesTitlesOf(await this.json(path)), options);
   }
 
   async series(
@@ -194,7 +179,7 @@ class SavedSource implements GallerySource {
     const titles = await this.seriesTitles(archive, options);
     if (!titles.some(({ name }) => name === "diagnosis"))
       throw new SourceError("missing", "There are no draws to diagnose.");
-    return wanted(this.diagnoses.get(`${archive}`, () => this.json(`${archive}/diagnosis`)), options);
+    return this.answer(`${archive}/diagnosis`, (path) => this.json(path), options);
   }
 
   async notes(options?: AskOptions): Promise<Notes> {
@@ -216,6 +201,11 @@ class SavedSource implements GallerySource {
 
   // ---- Files
 
+  /** REQUIRES: each path has its own type. */
+  private answer<T>(path: string, load: (path: string) => Promise<T>, options?: AskOptions): Promise<T> {
+    return wanted(this.answers.get(path, () => load(path)) as Promise<T>, options);
+  }
+
   private async json(path: string): Promise<unknown> {
     const { kind, text } = await this.scripts.load(path);
     if (kind !== "json") throw torn(`data/${path}.js is not JSON`);
@@ -233,13 +223,13 @@ class SavedSource implements GallerySource {
     return { packed: unpack(buffer), bytes: buffer.byteLength };
   }
 
-  private rowsOf(archive: ArchiveId): Promise<Rows> {
-    return this.rows.get(`${archive}`, async () => {
-      const table = tableOf((await this.file(`${archive}/table`)).packed);
+  private rowsOf(archive: ArchiveId, options?: AskOptions): Promise<Rows> {
+    return this.answer(`${archive}/table`, async (path) => {
+      const table = tableOf((await this.file(path)).packed);
       const entryOf = new Map<AnimationName, Entry>();
       for (let entry = 0; entry < table.entries; ++entry) entryOf.set(nameOf(table, entry), entry);
       return { table, entryOf };
-    });
+    }, options);
   }
 
   private async animationsIn(
