@@ -358,7 +358,8 @@ std::string why_not_diagnosed(const archive::Source& source, const archive::Summ
   }
   const archive::Group* learnt = archive::find_group(source, archive::k_tempering);
   const bool has_weights = learnt != nullptr && find_dataset(*learnt, "log_weight") != nullptr;
-  if (has_weights && method_of(summary.request_text) == request::Method::sequential)
+  const auto method = method_of(summary.request_text);
+  if (has_weights && method && request::makes_islands(*method))
     return "the draws come from islands and are therefore independent and weighted; for the odds, "
            "run "
            "`sleight archive info`";

@@ -30,6 +30,7 @@ std::optional<Method> method_of(std::string_view request_text) {
   if (*name == "tempered_transitions") return Method::tempered_transitions;
   if (*name == "annealed_importance") return Method::annealed_importance;
   if (*name == "sequential") return Method::sequential;
+  if (*name == "splitting") return Method::splitting;
   if (*name == "search") return Method::search;
   return std::nullopt;
 }
@@ -46,7 +47,7 @@ bool burns_in(std::optional<Method> method) {
 bool draws_are_burnt_in(const archive::Source& source, std::optional<Method> method) {
   const archive::Group* learnt = archive::find_group(source, archive::k_tempering);
   const bool has_tours = learnt != nullptr && archive::find_dataset(*learnt, "tour_begin");
-  return method == Method::sequential || has_tours;
+  return has_tours || (method && request::makes_islands(*method));
 }
 
 std::optional<std::int64_t> tour_scans_of(std::string_view request_text) {

@@ -19,7 +19,7 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
   if (!sampler.valid("method")) return;
   if (method == Method::search) return;  // search is checked in settle_search
   const bool has_islands = method == Method::sequential;
-  const bool is_plain = method == Method::metropolis_hastings || has_islands;
+  const bool is_plain = method == Method::metropolis_hastings || makes_islands(method);
   const bool burns_in = has_islands || (!is_plain && method != Method::parallel_tempering);
   const bool ascends = method == Method::annealed_importance;
   const bool has_steps = ascends || method == Method::tempered_transitions;
@@ -37,7 +37,7 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
          "\"sequential\"");
   if (has_islands && sampler.given("anneal_scans"))
     sampler.error("anneal_scans", "not used by method \"sequential\"");
-  refuse("particles", has_islands, "\"sequential\"");
+  refuse("particles", makes_islands(method), "\"sequential\" or \"splitting\"");
   refuse("tour_scans", has_islands, "\"sequential\"");
   refuse("start", method == Method::metropolis_hastings || method == Method::parallel_tempering,
          "\"metropolis_hastings\" or \"parallel_tempering\"");
@@ -91,7 +91,8 @@ void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
   sampler.optional_integer("particles", p.particles,
                            {.minimum = 2,
                             .maximum = k_particles_max,
-                            .help = "number of particles per island (sequential); default: 64"});
+                            .help = "number of particles per island (sequential, splitting); "
+                                    "default: 64"});
   sampler.optional_integer("tour_scans", p.tour_scans,
                            {.minimum = 2,
                             .maximum = 1000000,
@@ -115,6 +116,7 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
       Named<Method>{"tempered_transitions", Method::tempered_transitions},
       Named<Method>{"annealed_importance", Method::annealed_importance},
       Named<Method>{"sequential", Method::sequential},
+      Named<Method>{"splitting", Method::splitting},
       Named<Method>{"search", Method::search}};
   sampler.choice("method", p.method, std::span<const Named<Method>>(k_methods), "sampling method");
   static constexpr std::array k_starts{Named<Start>{"prior", Start::prior},
@@ -177,8 +179,8 @@ void bind_stop(Binder& stop, StopRule& p) {
       {.minimum = k_odds_min,
        .maximum = k_odds_max,
        .unit = "nats",
-       .help = "stop when the standard error of log P(satisfied) falls to this value (sequential); "
-               "0.1 means 10% of P. Such a run computes islands but no chains"});
+       .help = "stop when the standard error of log P(satisfied) falls to this value (sequential, "
+               "splitting); 0.1 means 10% of P. Such a run computes islands but no chains"});
   stop.optional_integer("found", p.found,
                         {.minimum = 1,
                          .maximum = k_found_max,
@@ -323,9 +325,9 @@ void settle_method(SectionBinders& sections, DirectionRequest& request, const Wo
 void settle_default(SectionBinders& sections, DirectionRequest& request,
                     const WorldBinding& world) {
   if (request.sampler.method == Method::search) return;
-  // If a request for odds names the method `sequential`, the sampler still counts as open: no other
-  // method estimates odds.
-  const bool names_islands = request.stop.odds && request.sampler.method == Method::sequential;
+  // If a request for odds names the method, the sampler still counts as open: a world has only one
+  // method that estimates odds.
+  const bool names_islands = request.stop.odds && makes_islands(request.sampler.method);
   if (!leaves_open_but(sections.sampler, names_islands ? "method" : "") || !world.serve_best)
     return;
   let_world_choose(sections, request, world);
@@ -371,10 +373,16 @@ void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   const Method method = request.sampler.method;
   if (!sections.sampler.valid("method")) return;
   if (method == Method::search) return;  // has no stop rules for odds
+  if (method == Method::splitting && !sections.stop.given("odds"))
+    sections.sampler.error("method",
+                           "\"splitting\" estimates only the odds; it requires 'odds' "
+                           "under [stop]");
   if (!sections.stop.given("odds") || !sections.stop.valid("odds")) return;
-  if (method != Method::sequential)
+  if (!makes_islands(method)) {
     return sections.stop.error("odds",
-                               "requires method \"sequential\", whose islands estimate the odds");
+                               "requires method \"sequential\" or \"splitting\", whose islands "
+                               "estimate the odds");
+  }
   for (const char* rule : {"rounds", "independent_solutions"}) {
     if (sections.stop.given(rule))
       sections.stop.error(
@@ -447,7 +455,9 @@ void check_stages(SectionBinders& sections, const DirectionRequest& request,
   };
   if (method == Method::sequential && !world.has_islands && sections.sampler.valid("method"))
     sections.sampler.error("method", why_not("islands", &WorldBinding::has_islands));
-  if (world.has_search || method == Method::sequential) return;
+  if (method == Method::splitting && !world.has_splitting && sections.sampler.valid("method"))
+    sections.sampler.error("method", why_not("splitting", &WorldBinding::has_splitting));
+  if (world.has_search || makes_islands(method)) return;
   const std::string why = why_not("a search", &WorldBinding::has_search);
   if (sections.sampler.valid("method") && method == Method::search) {
     sections.sampler.error("method", why);

@@ -48,8 +48,13 @@ enum class Method {
   tempered_transitions,
   annealed_importance,
   sequential,  ///< islands of particles, for worlds that act in stages
+  splitting,   ///< islands within nested levels, for worlds that judge in stages; only the odds
   search       ///< builds solutions, but not in proportion; for worlds that have a search
 };
+
+inline bool makes_islands(Method method) {
+  return method == Method::sequential || method == Method::splitting;
+}
 
 /// Initial states of metropolis_hastings chains.
 enum class Start {
@@ -80,7 +85,7 @@ struct SamplerParameters {
   /// For annealed_importance and tempered_transitions: steps between neighbouring temperatures.
   /// Empty: 1.
   std::optional<std::uint32_t> steps_per_level{};
-  /// For sequential: particles per island. Empty: k_particles.
+  /// For sequential and splitting: particles per island. Empty: k_particles.
   std::optional<std::uint32_t> particles{};
   /// For sequential: number of scans after which a chain restarts. Only the last scan before a
   /// restart is a draw. Empty: no restarts.
@@ -108,9 +113,9 @@ struct StopRule {
   /// A search ends when it has this number of finds. If the world has a search, such a search may
   /// also precede the chains.
   std::optional<std::uint32_t> found{};
-  /// For sequential: free islands estimate log P(satisfied), and this is the estimate's required
-  /// standard error, in nats. A run with `odds` makes only islands; `scans` limits their number
-  /// (worker/sampling/odds_rule.h).
+  /// For sequential and splitting: free islands estimate log P(satisfied), and this is the
+  /// estimate's required standard error, in nats. A run with `odds` makes only islands; `scans`
+  /// limits their number (worker/sampling/odds_rule.h).
   std::optional<double> odds{};
   /// Number of takes: finds of a search, each relaxed by a separate chain. Excludes other rules.
   std::optional<std::uint32_t> takes{};
@@ -130,8 +135,9 @@ struct WorldBinding {
   std::string summary;  ///< one line for help
   /// Binds the world's keys and returns the parameters with the request's values.
   std::function<std::any(WorldSections& sections)> bind;
-  bool has_search = false;   ///< worker/sampling/stage_search.h
-  bool has_islands = false;  ///< worker/sampling/stages.h
+  bool has_search = false;     ///< worker/sampling/stage_search.h
+  bool has_islands = false;    ///< worker/sampling/stages.h
+  bool has_splitting = false;  ///< worker/sampling/splitting.h
   /// Called if the request has no key of [sampler] except perhaps the seed. Chooses the sampler:
   /// sets the parameters and settles their keys. The choice may depend on which stop rules are
   /// given. The choice must not depend on the rules' numbers, so that a longer run can resume a

@@ -49,7 +49,7 @@ std::string normalised_text_of(const DirectionRequest& request, const Cut& cut) 
     stopped = search_of(std::move(stopped));
   }
   auto& rules = section_of(stopped, "stop").keys;
-  const bool has_islands = request.sampler.method == Method::sequential && cut.scans > 0;
+  const bool has_islands = makes_islands(request.sampler.method) && cut.scans > 0;
   std::erase_if(rules,
                 [&](const auto& rule) { return !has_islands || !hangs_on_islands(rule.first); });
   if (cut.scans > 0) rules.emplace(rules.begin(), "scans", fmt::format("{}", cut.scans));

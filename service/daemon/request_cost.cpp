@@ -58,7 +58,7 @@ RequestCost cost_of(const request::DirectionRequest& request) {
     cost.states = product(cost.states, replicas);
     factors +=
         fmt::format(" x {}{} temperatures", sampler.replicas ? "" : "up to ", grouped(replicas));
-  } else if (sampler.method == request::Method::sequential) {
+  } else if (request::makes_islands(sampler.method)) {
     const std::uint64_t particles = sampler.particles.value_or(request::k_particles);
     cost.states = product(cost.states, particles);
     factors += fmt::format(" x {} particles", grouped(particles));

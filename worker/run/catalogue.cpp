@@ -70,7 +70,7 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
                       : 1,
           .first_draw = request::scans_before_draws(sampler),
           .hot_thin = is_tempered ? k_hot_thin * request.output.thin : 0,
-          .particles = sampler.method == request::Method::sequential
+          .particles = request::makes_islands(sampler.method)
                            ? sampler.particles.value_or(request::k_particles)
                            : 0,
           .starts_by_search = starts_by_search,
@@ -157,6 +157,7 @@ GoOn go_on_with(const request::SamplerParameters& sampler) {
     case request::Method::metropolis_hastings:
     case request::Method::parallel_tempering:
     case request::Method::sequential:
+    case request::Method::splitting:
     case request::Method::search:
       break;
   }
@@ -172,7 +173,8 @@ std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& requ
     case request::Method::search:
       return nullptr;
     case request::Method::metropolis_hastings:
-    case request::Method::sequential: {
+    case request::Method::sequential:
+    case request::Method::splitting: {
       if (sampler.start == request::Start::search) {
         return std::make_unique<sampling::JudgedChains>(
             sampling::JudgedChainsOptions{.seed = sampler.seed,

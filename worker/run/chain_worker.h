@@ -61,6 +61,22 @@ struct ChainWorkerOptions {
   std::size_t cache_bytes_max = k_cache_bytes_max;
 };
 
+/// A value that its first use makes.
+template <class T>
+class MadeOnce {
+ public:
+  template <class Make>
+  const T& get(const Make& make) const {
+    const std::scoped_lock lock(mutex_);
+    if (!made_) made_ = make();
+    return *made_;
+  }
+
+ private:
+  mutable std::mutex mutex_{};
+  mutable std::optional<T> made_{};
+};
+
 template <World W>
 class ChainWorker final : public plan::UnitWorker {
  public:
@@ -114,10 +130,8 @@ class ChainWorker final : public plan::UnitWorker {
   }
 
   /// Returns the world's guide. The first call computes it.
-  decltype(auto) guide(std::uint64_t seed) const requires SearchedWorld<W> {
-    const std::scoped_lock lock(guide_.mutex);
-    if (!guide_.learnt) guide_.learnt = world_.learn(seed);
-    return (*guide_.learnt);
+  const auto& guide(std::uint64_t seed) const requires SearchedWorld<W> {
+    return guide_.get([&] { return world_.learn(seed); });
   }
 
   plan::UnitResult searched(const plan::Unit& unit) const {
@@ -152,9 +166,13 @@ class ChainWorker final : public plan::UnitWorker {
   /// Makes free islands and their draws. If an island has no draw, it gets one from the prior.
   plan::UnitResult free_islands(const plan::Unit& unit) const {
     if constexpr (StagedWorld<W>) {
-      return island_unit(world_, guide(unit.seed), options_.particles, unit);
+      return staged_islands(world_, guide(unit.seed), options_.particles, unit);
+    } else if constexpr (sampling::PassesStages<W>) {
+      const Pilot& pilot =
+          pilot_.get([&] { return make_pilot(world_, options_.particles, unit.seed); });
+      return split_islands(world_, pilot, options_.particles, unit);
     } else {
-      base::check_failed("the world has stages", "");
+      base::check_failed("the world has islands", "");
     }
   }
 
@@ -329,18 +347,19 @@ class ChainWorker final : public plan::UnitWorker {
             .state = keep_state ? world_.encode(sample.state) : base::Bytes{}};
   }
 
-  /// The guide of a world that has a search. Its first use computes it.
   template <class V>
-  struct Learnt {};
+  struct GuideOf {
+    using type = int;
+  };
   template <SearchedWorld V>
-  struct Learnt<V> {
-    std::mutex mutex{};
-    std::optional<typename V::Guide> learnt{};
+  struct GuideOf<V> {
+    using type = typename V::Guide;
   };
 
   W world_;
   ChainWorkerOptions options_;
-  mutable Learnt<W> guide_;
+  MadeOnce<typename GuideOf<W>::type> guide_;
+  MadeOnce<Pilot> pilot_;
   mutable SampleCache<Sample> cache_;
 };
 

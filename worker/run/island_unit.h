@@ -1,9 +1,11 @@
 // Runs free islands (worker/sampling/free_islands.h). If a run requests only the odds, it uses free
-// islands.
+// islands: of a world that acts in stages, or within the levels of a world that judges in stages.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "common/plan/unit.h"
 #include "worker/run/scan_counts.h"
@@ -11,6 +13,8 @@
 #include "worker/sampling/island.h"
 #include "worker/sampling/island_estimate.h"
 #include "worker/sampling/metropolis_hastings.h"
+#include "worker/sampling/particle_steps.h"
+#include "worker/sampling/splitting.h"
 
 namespace sleight::run {
 
@@ -25,31 +29,47 @@ decltype(auto) guide_for_odds(const W& world, const typename W::Guide& guide) {
   }
 }
 
-/// Makes a lane's islands, one per scan. An island's random numbers depend on its number, not on
-/// its lane. Island 0 reports the guide's failures. REQUIRES: unit.makes_islands(); at least 2
-/// particles.
-template <StagedWorld W>
-plan::UnitResult island_unit(const W& world, const typename W::Guide& guide,
-                             std::uint32_t particles, const plan::Unit& unit) {
+/// An island's random numbers depend on its number, not on its lane. Extinct islands add a prior
+/// draw from replica 0; islands with levels use replica 1, and the pilot uses replica 2.
+inline sampling::ChainStreams island_streams(std::uint64_t seed, std::uint32_t replica) {
+  return {.seed = seed,
+          .chain = base::ChainId{plan::k_first_island_lane},
+          .replica = base::ReplicaId{replica}};
+}
+
+/// Counts the steps and simulations that are told to it.
+class CountsTold {
+ public:
+  CountsTold(ScanCounts& counts, std::uint64_t& simulations)
+      : counts_(counts), simulations_(simulations) {}
+  void operator()(const sampling::SimulationReport& report) const {
+    ++simulations_;
+    counts_.add(report);
+  }
+  void operator()(const sampling::StepReport& step) const {
+    if (step.simulated) ++simulations_;
+    counts_.add(step);
+  }
+
+ private:
+  ScanCounts& counts_;
+  std::uint64_t& simulations_;
+};
+
+/// Makes a lane's islands, one per scan. `make(number, counts, told)` returns an island's estimate
+/// and, unless it is extinct, its draw. REQUIRES: unit.makes_islands().
+template <sampling::Target W, class Make>
+plan::UnitResult island_unit(const W& world, const plan::Unit& unit, const Make& make) {
   plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
-  const auto& for_odds = guide_for_odds(world, guide);
-  const sampling::ChainStreams streams{.seed = unit.seed,
-                                       .chain = base::ChainId{plan::k_first_island_lane},
-                                       .replica = base::ReplicaId{0}};
+  const sampling::ChainStreams streams = island_streams(unit.seed, 0);
   for (std::uint32_t nth = 0; nth < unit.scans; ++nth) {
     const std::uint64_t scan = unit.first_scan.value + nth;
     const std::uint64_t number = plan::island_number(unit.replica.chain, scan);
     ScanCounts counts(world.proposal_kinds());
-    if (number == 0) counts.add(world.failures_of(guide));
-    const auto told = [&](const sampling::SimulationReport& report) {
-      ++result.simulations;
-      counts.add(report);
-    };
-    const sampling::Islands<W> islands(world, for_odds, {.particles = particles}, streams, told);
-    sampling::Island<W> island = islands.joint(number);
-    const sampling::Sample<W> draw = island.drawn
-                                         ? *std::move(island.drawn)
-                                         : sampling::draw_afresh(world, streams, number, told);
+    const CountsTold told(counts, result.simulations);
+    auto [estimate, drawn] = make(number, counts, told);
+    const sampling::Sample<W> draw =
+        drawn ? *std::move(drawn) : sampling::draw_afresh(world, streams, number, told);
     counts.tell_failed(scan, result.failed);
     plan::ScanRecord record{.log_prior = draw.log_prior,
                             .log_constraint = draw.log_constraint,
@@ -61,13 +81,62 @@ plan::UnitResult island_unit(const W& world, const typename W::Guide& guide,
                             .failures = counts.failures,
                             .overlapping_starts = counts.overlapping_starts,
                             .state = world.encode(draw.state)};
-    sampling::IslandEstimate{.log_z = island.log_z,
-                             .log_satisfied = island.log_satisfied,
-                             .effective_size = island.effective_size,
-                             .accepted = island.log_z != sampling::k_log_zero}
-        .append_to(record.method_values);
+    estimate.append_to(record.method_values);
     result.scans.push_back(std::move(record));
   }
+  return result;
+}
+
+/// Islands of a world that acts in stages. Island 0 reports the guide's failures. REQUIRES: at
+/// least 2 particles.
+template <StagedWorld W>
+plan::UnitResult staged_islands(const W& world, const typename W::Guide& guide,
+                                std::uint32_t particles, const plan::Unit& unit) {
+  const auto& for_odds = guide_for_odds(world, guide);
+  const sampling::ChainStreams streams = island_streams(unit.seed, 0);
+  return island_unit(world, unit,
+                     [&](std::uint64_t number, ScanCounts& counts, const CountsTold& told) {
+                       if (number == 0) counts.add(world.failures_of(guide));
+                       const sampling::Islands<W> islands(world, for_odds, {.particles = particles},
+                                                          streams, told);
+                       sampling::Island<W> island = islands.joint(number);
+                       sampling::IslandEstimate estimate = sampling::estimate_of(island);
+                       estimate.accepted = island.log_z != sampling::k_log_zero;
+                       return std::pair(estimate, std::move(island.drawn));
+                     });
+}
+
+/// The levels of a run, with the work that found them.
+struct Pilot {
+  std::vector<sampling::Level> levels;
+  ScanCounts counts;
+  std::uint64_t simulations = 0;
+};
+
+template <sampling::PassesStages W>
+Pilot make_pilot(const W& world, std::uint32_t particles, std::uint64_t seed) {
+  Pilot pilot{.levels = {}, .counts = ScanCounts(world.proposal_kinds())};
+  const sampling::Splitting<W> splitting(world, particles, island_streams(seed, 2));
+  pilot.levels = splitting.pilot(CountsTold(pilot.counts, pilot.simulations));
+  return pilot;
+}
+
+/// Islands within levels. Island 0 reports the pilot's work.
+template <sampling::PassesStages W>
+plan::UnitResult split_islands(const W& world, const Pilot& pilot, std::uint32_t particles,
+                               const plan::Unit& unit) {
+  const sampling::Splitting<W> splitting(world, particles, island_streams(unit.seed, 1));
+  std::uint64_t of_pilot = 0;
+  plan::UnitResult result = island_unit(
+      world, unit, [&](std::uint64_t number, ScanCounts& counts, const CountsTold& told) {
+        if (number == 0) {
+          counts = pilot.counts;
+          of_pilot = pilot.simulations;
+        }
+        sampling::SplitIsland<W> island = splitting.island(pilot.levels, number, told);
+        return std::pair(island.estimate, std::move(island.drawn));
+      });
+  result.simulations += of_pilot;
   return result;
 }
 

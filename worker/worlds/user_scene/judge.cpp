@@ -47,7 +47,7 @@ Judge::Judge(const SceneDescription& description, const BuiltScene& built,
   if (!times_s_.empty()) last_s_ = std::max(last_s_, times_s_.back());
   last_s_ = std::min(last_s_, end_s_);
   if (constraints.empty()) waits_for_rest_ = true;
-  make_stages();
+  make_stages(description.has_noise());
 }
 
 double Judge::until_s(const Constraint& constraint) const {
@@ -65,10 +65,10 @@ double Judge::until_s(const Constraint& constraint) const {
   return until_s < end_s_ ? until_s : std::numeric_limits<double>::infinity();
 }
 
-void Judge::make_stages() {
+void Judge::make_stages(bool has_noise) {
   std::map<double, std::vector<std::uint32_t>> by_time;
   for (std::uint32_t i = 0; i < constraints_.size(); ++i)
-    by_time[until_s(constraints_[i])].push_back(i);
+    by_time[has_noise ? until_s(constraints_[i]) : last_s_].push_back(i);
   for (auto& [until_s, constraints] : by_time)
     stages_.push_back({until_s, std::move(constraints)});
   if (stages_.empty()) stages_.emplace_back();

@@ -64,7 +64,8 @@ class Judge {
   bool needs_recording() const { return needs_recording_; }
 
   /// All constraints, in ascending order of time. The last stage has those that look at rest, at
-  /// counts, or at no certain time; its until_s is last_s().
+  /// counts, or at no certain time; its until_s is last_s(). A scene without noise has one stage,
+  /// because nothing can be changed after the start.
   const std::vector<Stage>& stages() const { return stages_; }
 
   /// Judges the constraints of the first `stages` stages. REQUIRES: the simulation went on to their
@@ -79,7 +80,7 @@ class Judge {
   /// A hit's time, or nothing if there was none.
   using HitTime = std::optional<double>;
 
-  void make_stages();
+  void make_stages(bool has_noise);
   /// Returns the constraint's Stage::until_s; infinity if it belongs to the last stage.
   double until_s(const Constraint& constraint) const;
   Measured of_constraint(const Constraint& constraint, const Watched& watched,

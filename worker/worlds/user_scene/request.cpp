@@ -181,6 +181,7 @@ void serve_best(request::WorldSections& sections, request::SamplerParameters& sa
     return std::min(k_iterations_max, for_each * std::max(1U, draws));
   };
   if (stop.takes) return settled.relax(iterations(k_relax_iterations), k_relax_scans);
+  if (stop.odds) return settled.method(request::Method::splitting, "splitting");
   settled.method(request::Method::parallel_tempering, "parallel_tempering");
   settled.search();
   settled.chains(2, 20, iterations(1));
@@ -192,6 +193,7 @@ request::WorldBinding request_binding() {
   request::WorldBinding binding = request::bind_world<Parameters>(
       "scene", "bodies of your own move and end as requested", &bind, &serve_best);
   binding.has_islands = false;
+  binding.has_splitting = true;
   return binding;
 }
 

@@ -30,7 +30,7 @@ class Try {
   /// for the gain in log p_c. Returns whether it meets the stage's constraints.
   template <class Accepts>
   bool look(State state, const Outcome& earlier, Accepts accepts) {
-    Outcome outcome = world_.simulate_stages(state, stages_, earlier.history);
+    Outcome outcome = world_.simulate_stages(state, stages_, earlier);
     ++effort_.simulations;
     if (world_.starts_overlap(outcome)) ++effort_.overlapping_starts;
     if (outcome.failure) effort_.failures.push_back(outcome.failure);

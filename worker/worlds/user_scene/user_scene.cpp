@@ -46,8 +46,8 @@ State UserScene::draw_prior(random::Stream& stream) const {
   return state;
 }
 
-Outcome UserScene::simulate_from(const State& candidate, const State& state,
-                                 const Outcome& outcome) const {
+Outcome UserScene::simulate_from(const State& candidate, const State& state, const Outcome& outcome,
+                                 std::uint32_t stages) const {
   // A renewal changes only noise that no impact used.
   const bool is_renewed =
       candidate.numbers == state.numbers && outcome.is_animation() &&
@@ -56,13 +56,30 @@ Outcome UserScene::simulate_from(const State& candidate, const State& state,
       });
   if (is_renewed) return outcome;
   // As for dice: if nothing can be replayed, the candidate stores no history.
-  if (!quantities().resemble(candidate.numbers, state.numbers)) return simulate(candidate);
-  return simulated(candidate, {.history = true}, outcome.history);
+  const bool replays = quantities().resemble(candidate.numbers, state.numbers);
+  return simulated(candidate, {.history = replays, .stages = stages},
+                   replays ? outcome.history : nullptr);
 }
 
-std::uint32_t UserScene::stages() const {
-  // Without noise, nothing can be changed after the start.
-  return has_noise() ? static_cast<std::uint32_t>(judge().stages().size()) : 1;
+sampling::Progress UserScene::progress(const Outcome& outcome) const {
+  sampling::Progress progress;
+  if (!outcome.is_animation()) return progress;
+  for (const Stage& stage : judge().stages()) {
+    double score = 0;
+    bool is_passed = true;
+    for (const std::uint32_t i : stage.constraints) {
+      const double distance = outcome.judgement.distances[i];
+      if (std::isnan(distance)) return progress;  // not judged
+      score += log_constraint_of(parameters().constraints[i], distance);
+      is_passed = is_passed && outcome.judgement.met[i];
+    }
+    if (!is_passed) {
+      progress.score = score;
+      break;
+    }
+    ++progress.passed;
+  }
+  return progress;
 }
 
 std::string UserScene::stage_name(std::uint32_t stage) const {
@@ -94,13 +111,6 @@ std::optional<sampling::Miss> UserScene::first_miss(const Outcome& outcome) cons
   return std::nullopt;
 }
 
-Outcome UserScene::simulate_stages(const State& state, std::uint32_t stages,
-                                   const std::shared_ptr<const physics::History>& earlier) const {
-  Wanted wanted{.history = true};
-  if (stages < this->stages()) wanted.stages = stages;
-  return simulated(state, wanted, earlier);
-}
-
 Outcome UserScene::simulated(const State& state, const Wanted& wanted,
                              const std::shared_ptr<const physics::History>& history) const {
   const BuiltScene& built = *parameters().built;
@@ -122,8 +132,8 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
   if (!started) return stopped(started.error());
   physics::Simulation simulation = std::move(started).value();
 
-  const std::size_t stages = wanted.stages.value_or(judge().stages().size());
-  const bool waits = judge().waits_for_rest() && !wanted.stages;
+  const std::uint32_t stages = std::min(wanted.stages, this->stages());
+  const bool waits = judge().waits_for_rest() && stages == this->stages();
   const double last_s = judge().stages()[stages - 1].until_s;
   const physics::Tick limit = tick_of(waits ? parameters().scene.end_s : last_s);
   const physics::Tick last = tick_of(last_s);

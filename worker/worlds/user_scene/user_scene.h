@@ -30,6 +30,7 @@
 #include "worker/physics/reuse/history.h"
 #include "worker/physics/reuse/recording.h"
 #include "worker/sampling/burn_in_judge.h"
+#include "worker/sampling/splitting.h"
 #include "worker/sampling/stage_search.h"
 #include "worker/sampling/target.h"
 #include "worker/worlds/user_scene/judge.h"
@@ -88,8 +89,10 @@ class UserScene {
 
   State draw_prior(random::Stream& stream) const;
   double log_prior(const State& state) const { return log_density(quantities(), state); }
-  Outcome simulate(const State& state) const { return simulated(state, {}, nullptr); }
-  Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
+  Outcome simulate(const State& state) const { return simulated(state, {}, {}); }
+  Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const {
+    return simulate_from(candidate, state, outcome, stages());
+  }
   double log_constraint(const Outcome& outcome) const;
   double log_constraint_at_most(const State& /*state*/) const { return 0; }
   plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
@@ -128,12 +131,21 @@ class UserScene {
 
   Animation animate(const State& state) const;
 
+  // Stages: constraints that are decided together (judge.h).
+  std::uint32_t stages() const { return static_cast<std::uint32_t>(judge().stages().size()); }
+  sampling::Progress progress(const Outcome& outcome) const;
+  /// Keeps the history. Replays the history of `earlier`, if it has one.
+  Outcome simulate_stages(const State& state, std::uint32_t stages, const Outcome& earlier) const {
+    return simulated(state, {.history = true, .stages = stages}, earlier.history);
+  }
+  Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome,
+                        std::uint32_t stages) const;
+
   // The search.
   Guide learn(std::uint64_t /*seed*/) const { return {}; }
   std::span<const plan::FailurePointer> failures_of(const Guide& /*guide*/) const { return {}; }
   SceneSearch builder(const Guide& guide) const;
   Outcome simulate_to_rest(const State& state) const { return simulate(state); }
-  std::uint32_t stages() const;
   std::string stage_name(std::uint32_t stage) const;
   /// The constraints, the last one first: a try that first fails at a later one is nearer.
   std::vector<sampling::MissKind> miss_kinds() const;
@@ -142,10 +154,6 @@ class UserScene {
   std::string search_advice() const {
     return "`sleight scene check` shows how often draws from the prior meet each constraint.";
   }
-  /// Simulates until the first `stages` stages of the search can be judged, and keeps the history.
-  /// Replays `earlier`, which may be null.
-  Outcome simulate_stages(const State& state, std::uint32_t stages,
-                          const std::shared_ptr<const physics::History>& earlier) const;
   std::vector<sampling::BurnInValue> burn_in_values() const {
     return {{.name = "log_prior"}, {.name = "log_constraint"}};
   }
@@ -167,7 +175,7 @@ class UserScene {
   struct Wanted {
     bool history = false;  ///< stored in the outcome
     physics::Recording* recording = nullptr;
-    std::optional<std::uint32_t> stages{};  ///< of the judge; empty: all
+    std::uint32_t stages = ~0U;  ///< at most; the simulation ends when they can be judged
   };
   Outcome simulated(const State& state, const Wanted& wanted,
                     const std::shared_ptr<const physics::History>& history) const;
@@ -180,5 +188,6 @@ static_assert(sampling::BoundsConstraint<UserScene>);
 static_assert(sampling::MayFail<UserScene>);
 static_assert(sampling::ProposesByOutcome<UserScene>);
 static_assert(sampling::SimulatesChanges<UserScene>);
+static_assert(sampling::PassesStages<UserScene>);
 
 }  // namespace sleight::worlds::user_scene
