@@ -168,9 +168,9 @@ class ChainWorker final : public plan::UnitWorker {
     if constexpr (StagedWorld<W>) {
       return staged_islands(world_, guide(unit.seed), options_.particles, unit);
     } else if constexpr (sampling::PassesStages<W>) {
-      const Pilot& pilot =
-          pilot_.get([&] { return make_pilot(world_, options_.particles, unit.seed); });
-      return split_islands(world_, pilot, options_.particles, unit);
+      const FoundLevels& found =
+          levels_.get([&] { return find_levels(world_, options_.particles, unit.seed); });
+      return split_islands(world_, found, options_.particles, unit);
     } else {
       base::check_failed("the world has islands", "");
     }
@@ -359,7 +359,7 @@ class ChainWorker final : public plan::UnitWorker {
   W world_;
   ChainWorkerOptions options_;
   MadeOnce<typename GuideOf<W>::type> guide_;
-  MadeOnce<Pilot> pilot_;
+  MadeOnce<FoundLevels> levels_;
   mutable SampleCache<Sample> cache_;
 };
 

@@ -30,7 +30,8 @@ decltype(auto) guide_for_odds(const W& world, const typename W::Guide& guide) {
 }
 
 /// An island's random numbers depend on its number, not on its lane. Extinct islands add a prior
-/// draw from replica 0; islands with levels use replica 1, and the pilot uses replica 2.
+/// draw from replica 0; islands with levels use replica 1, and the search for levels uses
+/// replica 2.
 inline sampling::ChainStreams island_streams(std::uint64_t seed, std::uint32_t replica) {
   return {.seed = seed,
           .chain = base::ChainId{plan::k_first_island_lane},
@@ -107,36 +108,36 @@ plan::UnitResult staged_islands(const W& world, const typename W::Guide& guide,
 }
 
 /// The levels of a run, with the work that found them.
-struct Pilot {
+struct FoundLevels {
   std::vector<sampling::Level> levels;
   ScanCounts counts;
   std::uint64_t simulations = 0;
 };
 
 template <sampling::PassesStages W>
-Pilot make_pilot(const W& world, std::uint32_t particles, std::uint64_t seed) {
-  Pilot pilot{.levels = {}, .counts = ScanCounts(world.proposal_kinds())};
+FoundLevels find_levels(const W& world, std::uint32_t particles, std::uint64_t seed) {
+  FoundLevels found{.levels = {}, .counts = ScanCounts(world.proposal_kinds())};
   const sampling::Splitting<W> splitting(world, particles, island_streams(seed, 2));
-  pilot.levels = splitting.pilot(CountsTold(pilot.counts, pilot.simulations));
-  return pilot;
+  found.levels = splitting.find_levels(CountsTold(found.counts, found.simulations));
+  return found;
 }
 
-/// Islands within levels. Island 0 reports the pilot's work.
+/// Islands within levels. Island 0 reports the work that found them.
 template <sampling::PassesStages W>
-plan::UnitResult split_islands(const W& world, const Pilot& pilot, std::uint32_t particles,
+plan::UnitResult split_islands(const W& world, const FoundLevels& found, std::uint32_t particles,
                                const plan::Unit& unit) {
   const sampling::Splitting<W> splitting(world, particles, island_streams(unit.seed, 1));
-  std::uint64_t of_pilot = 0;
+  std::uint64_t for_levels = 0;
   plan::UnitResult result = island_unit(
       world, unit, [&](std::uint64_t number, ScanCounts& counts, const CountsTold& told) {
         if (number == 0) {
-          counts = pilot.counts;
-          of_pilot = pilot.simulations;
+          counts = found.counts;
+          for_levels = found.simulations;
         }
-        sampling::SplitIsland<W> island = splitting.island(pilot.levels, number, told);
+        sampling::SplitIsland<W> island = splitting.island(found.levels, number, told);
         return std::pair(island.estimate, std::move(island.drawn));
       });
-  result.simulations += of_pilot;
+  result.simulations += for_levels;
   return result;
 }
 

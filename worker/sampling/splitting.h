@@ -12,9 +12,9 @@
 //       keep the prior and reject what leaves the level.
 //
 // The mean of P over islands is P(satisfied), for any number of particles and of moves: levels and
-// moves are fixed before. A pilot finds them (Splitting::pilot): its levels keep about a third of
-// its own particles, and its particles move until enough moves are accepted. Levels that an island
-// chose from its own particles would make its P too small or too large on average.
+// moves are fixed before. A first island, which doesn't count, finds them (find_levels): its levels
+// keep about a third of its own particles, which move until enough moves are accepted. An island
+// that chose levels by its own particles would make P too small or too large on average.
 //
 // Invariant: an island is a pure function of its seed, its number, the levels and the number of
 // particles.
@@ -63,7 +63,8 @@ concept PassesStages = ProposesByOutcome<T> && MayFail<T> &&
   /// Simulates until the first `stages` stages are judged. `outcome`: of the same state for fewer
   /// stages, or Outcome().
   { target.simulate_stages(state, stages, outcome) } -> std::same_as<typename T::Outcome>;
-  /// Like simulate_from, for candidates and outcomes of `stages` stages.
+  /// Like simulate_from, for outcomes of `stages` stages. May stop at the first stage that isn't
+  /// passed.
   { target.simulate_from(state, state, outcome, stages) } -> std::same_as<typename T::Outcome>;
 };
 
@@ -74,6 +75,7 @@ class WithinLevel {
   using State = typename T::State;
   using Outcome = typename T::Outcome;
 
+  /// REQUIRES: all but the last of the stages are passed within the level.
   WithinLevel(const T& target, const Progress& least, std::uint32_t stages)
       : target_(target), least_(least), stages_(stages) {}
 
@@ -123,51 +125,42 @@ struct SplitIsland {
 template <PassesStages T>
 class Splitting {
  public:
-  static constexpr double k_kept = 1.0 / 3;  ///< Share of the pilot's particles.
-  static constexpr std::uint32_t k_accepted_moves =
-      3;  ///< Of each particle of the pilot, on average.
+  static constexpr double k_kept = 1.0 / 3;  ///< Share of particles that a level keeps.
+  // Accepted moves of each particle, on average; if they are fewer than the minimum, the search for
+  // levels gives up.
+  static constexpr std::uint32_t k_accepted = 3;
+  static constexpr double k_accepted_min = 0.25;
   static constexpr std::uint32_t k_moves_max = 30;
-  static constexpr std::size_t k_levels_max = 500;
+  static constexpr std::size_t k_levels_max = 200;
 
   Splitting(const T& target, std::uint32_t particles, const ChainStreams& streams)
       : target_(target), particles_(particles), streams_(streams) {}
 
-  /// Returns levels, of which the last one has the states that satisfy. If the pilot stops gaining,
-  /// that level follows at once. `told` receives StepReports of moves and SimulationReports.
+  /// Returns levels, of which the last one has the states that satisfy. If nothing is gained any
+  /// more, that level follows at once. `told` receives StepReports of moves and SimulationReports.
   template <class Told>
-  std::vector<Level> pilot(const Told& told) const {
+  std::vector<Level> find_levels(const Told& told) const {
     std::vector<Level> levels;
-    Progress least;
     const Progress all_passed{.passed = target_.stages()};
     Making making = begun(0, told);
     while (levels.size() < k_levels_max) {
-      std::vector<Progress> progress;
-      for (const Sample<T>& particle : making.particles)
-        progress.push_back(target_.progress(particle.outcome));
-      std::ranges::sort(progress, std::greater{});
-      Progress next = progress[static_cast<std::size_t>(k_kept * (particles_ - 1))];
-      if (next <= least) {
-        const auto end = std::ranges::lower_bound(progress, least, std::greater{});
-        if (end == progress.begin()) break;
-        next = *std::prev(end);
-      }
-      least = next;
-      if (least == all_passed) break;
+      const Progress last = levels.empty() ? Progress{} : levels.back().least;
+      const Progress least = next_level(making, last);
+      if (least == last || least == all_passed) break;
       keep(making, least);
       std::uint32_t accepted = 0;
       std::uint32_t moves = 0;
-      while (accepted < k_accepted_moves * particles_ && moves < k_moves_max) {
+      for (; accepted < k_accepted * particles_ && moves < k_moves_max; ++moves)
         accepted += move(making, least, told);
-        ++moves;
-      }
       levels.push_back({least, moves});
+      if (accepted < k_accepted_min * particles_) break;
       if (least.passed == making.stages) extend(making, making.stages + 1, told);
     }
     levels.push_back({all_passed, 0});
     return levels;
   }
 
-  /// Makes the `number`-th island. REQUIRES: `levels` are from pilot().
+  /// Makes the `number`-th island. REQUIRES: `levels` are from find_levels().
   template <class Told>
   SplitIsland<T> island(std::span<const Level> levels, std::uint64_t number,
                         const Told& told) const {
@@ -185,7 +178,7 @@ class Splitting {
     // Draw one by p_c.
     LogSum sum;
     std::vector<double> shares;
-    for (const Sample<T>& particle : making.particles)
+    for (Sample<T>& particle : making.particles)
       sum.add(particle.log_constraint = target_.log_constraint(particle.outcome));
     for (const Sample<T>& particle : making.particles)
       shares.push_back(math::exp(particle.log_constraint - sum.log_mean()) / particles_);
@@ -218,6 +211,19 @@ class Splitting {
       making.particles.push_back({drawn.state, drawn.outcome, drawn.log_prior, 0});
     }
     return making;
+  }
+
+  /// Returns the level that keeps k_kept of the particles, or if that isn't beyond `last`, the next
+  /// level that a particle has reached, or `last`.
+  Progress next_level(const Making& making, const Progress& last) const {
+    std::vector<Progress> progress;
+    for (const Sample<T>& particle : making.particles)
+      progress.push_back(target_.progress(particle.outcome));
+    std::ranges::sort(progress, std::greater{});
+    const Progress next = progress[static_cast<std::size_t>(k_kept * (particles_ - 1))];
+    if (next > last) return next;
+    const auto end = std::ranges::lower_bound(progress, last, std::greater{});
+    return end == progress.begin() ? last : *std::prev(end);
   }
 
   /// Judges more stages.

@@ -47,7 +47,7 @@ State UserScene::draw_prior(random::Stream& stream) const {
 }
 
 Outcome UserScene::simulate_from(const State& candidate, const State& state, const Outcome& outcome,
-                                 std::uint32_t stages) const {
+                                 const Wanted& asked) const {
   // A renewal changes only noise that no impact used.
   const bool is_renewed =
       candidate.numbers == state.numbers && outcome.is_animation() &&
@@ -57,8 +57,9 @@ Outcome UserScene::simulate_from(const State& candidate, const State& state, con
   if (is_renewed) return outcome;
   // As for dice: if nothing can be replayed, the candidate stores no history.
   const bool replays = quantities().resemble(candidate.numbers, state.numbers);
-  return simulated(candidate, {.history = replays, .stages = stages},
-                   replays ? outcome.history : nullptr);
+  Wanted wanted = asked;
+  wanted.history = replays;
+  return simulated(candidate, wanted, replays ? outcome.history : nullptr);
 }
 
 sampling::Progress UserScene::progress(const Outcome& outcome) const {
@@ -137,7 +138,18 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
   const double last_s = judge().stages()[stages - 1].until_s;
   const physics::Tick limit = tick_of(waits ? parameters().scene.end_s : last_s);
   const physics::Tick last = tick_of(last_s);
+  std::uint32_t judged =
+      wanted.stops_early ? 0 : stages - 1;  // The last stage is judged at the end.
+  bool goes_on = true;
   std::vector<Views> at_times;
+  const auto judged_now = [&](std::uint32_t first_stages) {
+    return judge().judge({.scene = scene,
+                          .at_times = at_times,
+                          .at_end = views_of(built, simulation, simulation.now()),
+                          .impacts = simulation.impacts(),
+                          .recording = records ? &simulation.recording() : nullptr},
+                         first_stages);
+  };
   Outcome outcome{.end = waits ? End::time_limit : End::settled};
   for (physics::Tick now{};;) {
     const std::vector<double>& times_s = judge().times_s();
@@ -147,6 +159,13 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
     if (now >= limit || (outcome.end == End::settled && waits)) break;
     now = std::min(limit, now + k_look_every);
     if (at_times.size() < times_s.size()) now = std::min(now, tick_of(times_s[at_times.size()]));
+    for (; goes_on && judged + 1 < stages; ++judged) {
+      const physics::Tick until = tick_of(judge().stages()[judged].until_s);
+      if (until >= now) break;
+      if (const auto error = simulation.run_until(until)) return stopped(*error);
+      goes_on = judged_now(judged + 1).all_met;
+    }
+    if (!goes_on) break;
     if (const auto error = simulation.run_until(now)) return stopped(*error);
     if (simulation.impacts().size() > k_collisions_max)
       return stopped({physics::SceneError::Kind::work_limit,
@@ -154,12 +173,7 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
   }
   outcome.end_s = physics::seconds(simulation.now() - physics::Tick{});
   outcome.collisions = static_cast<std::uint32_t>(simulation.impacts().size());
-  outcome.judgement = judge().judge({.scene = scene,
-                                     .at_times = at_times,
-                                     .at_end = views_of(built, simulation, simulation.now()),
-                                     .impacts = simulation.impacts(),
-                                     .recording = records ? &simulation.recording() : nullptr},
-                                    stages);
+  outcome.judgement = judged_now(goes_on ? stages : judged);
   std::ranges::copy_if(simulation.impacts(), std::back_inserter(outcome.noised),
                        [](const physics::Impact& impact) { return impact.noise_number > 0; });
   count_normals(state, outcome);

@@ -91,7 +91,7 @@ class UserScene {
   double log_prior(const State& state) const { return log_density(quantities(), state); }
   Outcome simulate(const State& state) const { return simulated(state, {}, {}); }
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const {
-    return simulate_from(candidate, state, outcome, stages());
+    return simulate_from(candidate, state, outcome, Wanted{});
   }
   double log_constraint(const Outcome& outcome) const;
   double log_constraint_at_most(const State& /*state*/) const { return 0; }
@@ -139,7 +139,9 @@ class UserScene {
     return simulated(state, {.history = true, .stages = stages}, earlier.history);
   }
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome,
-                        std::uint32_t stages) const;
+                        std::uint32_t stages) const {
+    return simulate_from(candidate, state, outcome, {.stages = stages, .stops_early = true});
+  }
 
   // The search.
   Guide learn(std::uint64_t /*seed*/) const { return {}; }
@@ -176,7 +178,10 @@ class UserScene {
     bool history = false;  ///< stored in the outcome
     physics::Recording* recording = nullptr;
     std::uint32_t stages = ~0U;  ///< at most; the simulation ends when they can be judged
+    bool stops_early = false;    ///< ends at the first stage that isn't passed
   };
+  Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome,
+                        const Wanted& asked) const;
   Outcome simulated(const State& state, const Wanted& wanted,
                     const std::shared_ptr<const physics::History>& history) const;
   void count_normals(const State& state, Outcome& outcome) const;
