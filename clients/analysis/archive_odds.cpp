@@ -319,10 +319,7 @@ void add_doubts(std::span<const Doubt> doubts, report::Report& report) {
 void add_remedy(const HowToKnow& how, const ArchiveOdds& odds, report::Report& report) {
   std::string what;
   if (how.odds) {
-    what = fmt::format(
-        "set odds = {:.2g} as the only rule under [stop], and method = \"sequential\" under "
-        "[sampler]",
-        *how.odds);
+    what = fmt::format("set odds = {:.2g} as the only rule under [stop]", *how.odds);
   } else if (!how.rounds) {
     what = fmt::format("{:.1f} times as many scans", how.longer);
   } else if (odds.from == OddsFrom::burn_in) {

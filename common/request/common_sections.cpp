@@ -456,7 +456,7 @@ void check_stages(SectionBinders& sections, const DirectionRequest& request,
   if (method == Method::sequential && !world.has_islands && sections.sampler.valid("method"))
     sections.sampler.error("method", why_not("islands", &WorldBinding::has_islands));
   if (method == Method::splitting && !world.has_splitting && sections.sampler.valid("method"))
-    sections.sampler.error("method", why_not("splitting", &WorldBinding::has_splitting));
+    sections.sampler.error("method", why_not("stages to split at", &WorldBinding::has_splitting));
   if (world.has_search || makes_islands(method)) return;
   const std::string why = why_not("a search", &WorldBinding::has_search);
   if (sections.sampler.valid("method") && method == Method::search) {

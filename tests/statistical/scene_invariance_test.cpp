@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/math/island_odds.h"
 #include "common/random/discrete_distributions.h"
 #include "common/request/direction_request.h"
 #include "tests/statistical/support/rank_tests.h"
@@ -270,6 +271,40 @@ INSTANTIATE_TEST_SUITE_P(All, SceneInvarianceOf,
 
 TEST(SceneInvarianceOfForgetfulMoves, IsRejected) {
   EXPECT_LT(least_p(Forgetful(scene_of(k_balls)), 0.3, 10), 0.0005);
+}
+
+TEST(SceneOdds, OfSplittingAgreeWithRejection) {
+  // Two stages: the second bounce, then a place.
+  const UserScene world = scene_of(k_noised + R"(tolerance_mm = 60
+[[constraint.event]]
+name = "second bounce"
+body = "ball"
+hits = "floor"
+nth = 2
+at_s = 0.33
+tolerance_s = 0.02
+sigma_s = 0.01
+window_s = 0.1
+)");
+  ASSERT_EQ(world.stages(), 2U);
+  const std::uint64_t throws = property::long_run() ? 400'000 : 40'000;
+  random::Stream stream({.seed = 20261201, .purpose = random::Purpose::search}, 0);
+  double satisfied = 0;
+  for (std::uint64_t n = 0; n < throws; ++n)
+    satisfied += world.satisfied(world.simulate(world.draw_prior(stream))) ? 1 : 0;
+
+  const auto tell_nobody = [](const auto&) {};
+  const sampling::ChainStreams streams{.seed = 11, .chain = {}, .replica = {}};
+  const sampling::Splitting<UserScene> splitting(world, 32, streams);
+  const auto levels = splitting.find_levels(tell_nobody);
+  EXPECT_GT(levels.size(), 3U);
+  math::IslandSums sums;
+  for (std::uint64_t number = 1; number <= 200; ++number)
+    sums.add(splitting.island(levels, number, tell_nobody).estimate.log_satisfied);
+  const math::IslandOdds odds = sums.odds();
+  const double log = std::log(satisfied / static_cast<double>(throws));
+  EXPECT_LT(odds.log_error(), 0.15);
+  EXPECT_NEAR(odds.log_mean, log, 2.5 * std::hypot(odds.log_error(), 1 / std::sqrt(satisfied)));
 }
 
 TEST(SceneProportions, AgreeWithAnEnumeration) {

@@ -157,7 +157,7 @@ TEST(Catalogue, WhatItChoosesReadsBack) {
       {"name = \"spelling\"\nword = \"ACM\""},
       {"name = \"ball_2d\"", false, false},
       {"name = \"dice\"\n[[world.die]]"},
-      {"name = \"scene\"\n[[world.body]]\nname = \"a\"\nradius_mm = 5", true, false}};
+      {"name = \"scene\"\n[[world.body]]\nname = \"a\"\nradius_mm = 5"}};
   const std::vector<std::string> rules{"scans = 1000", "rounds = 3", "independent_solutions = 4",
                                        "found = 2", "odds = 0.5"};
   for (const auto& [world, has_search, has_islands] : worlds) {
