@@ -59,6 +59,8 @@ archive::WorldLayout make_layout(const UserScene& world) {
       .proposal_kinds = {"redraw_all", "redraw_body", "redraw_quantity", "step_all", "step_body",
                          "step_quantity", "shot", "tail"}};
   layout.proposal_kinds.resize(world.proposal_kinds());
+  if (world.quantities().size() == 0 && !world.has_noise())
+    layout.warning = "nothing is uncertain, so all animations are the same";
   if (world.has_noise()) {
     layout.outcomes.push_back(
         {.name = "normals", .meaning = "standard normals that the simulation used"});

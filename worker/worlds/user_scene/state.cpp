@@ -80,7 +80,10 @@ base::Bytes encode(const State& state, bool has_noise) {
   base::ByteWriter writer;
   for (const double number : state.numbers)
     writer.put(number);
-  if (!has_noise) return writer.take();
+  if (!has_noise) {
+    if (state.numbers.empty()) writer.put(std::uint8_t{0});  // Stored states aren't empty.
+    return writer.take();
+  }
   writer.put(state.noise.key);
   writer.put(std::uint64_t{state.noise.overrides.size()});
   for (const NoiseOverride& one : state.noise.overrides) {
@@ -107,6 +110,7 @@ std::optional<State> decode(const Quantities& quantities, bool has_noise, base::
     good = good && std::isfinite(number) && (quantities.is_normal(i) || (number > 0 && number < 1));
     state.numbers.push_back(number);
   }
+  if (!has_noise && state.numbers.empty()) good = good && next(std::uint8_t{1}) == 0;
   if (has_noise) {
     state.noise.key = next(std::uint64_t{0});
     const std::uint64_t overrides = next(std::uint64_t{0});
