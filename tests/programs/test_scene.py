@@ -133,6 +133,15 @@ sigma_s = 0.001
         self.assertIn(why, self.direct(path, output).stdout)  # resumed
         self.assertRegex(why, r"\b64\b")
 
+    def test_a_scene_without_uncertainty_is_sampled_with_a_warning(self):
+        path = self.tray()
+        output = self.path("tray.h5")
+        run = self.succeed(sleight("direct", path, "-o", output, "--set", "sampler.method=splitting",
+                                   "--set", "sampler.particles=2", "--set", "stop.odds=1"))
+        self.assertIn("nothing is uncertain, so all animations are the same", run.stderr)
+        self.assertIn("log P 0.00 +- 0.00", run.stdout)
+        self.succeed(sleight("archive", "verify", output))
+
     def test_errors_have_places(self):
         path = self.path("bad.toml")
         path.write_text('[world]\nname = "scene"\n[[world.body]]\nname = "a"\nshape = "box"\nsize_mm = [1, 2]\n')

@@ -273,9 +273,8 @@ TEST(SceneInvarianceOfForgetfulMoves, IsRejected) {
   EXPECT_LT(least_p(Forgetful(scene_of(k_balls)), 0.3, 10), 0.0005);
 }
 
-TEST(SceneOdds, OfSplittingAgreeWithRejection) {
-  // Two stages: the second bounce, then a place.
-  const UserScene world = scene_of(k_noised + R"(tolerance_mm = 60
+/// Two stages: the second bounce, then a place.
+const std::string k_second_bounce = k_noised + R"(tolerance_mm = 60
 [[constraint.event]]
 name = "second bounce"
 body = "ball"
@@ -285,7 +284,30 @@ at_s = 0.33
 tolerance_s = 0.02
 sigma_s = 0.01
 window_s = 0.1
-)");
+)";
+
+TEST(SceneOdds, StoppingEarlyChangesNoCandidateWithinALevel) {
+  const UserScene world = scene_of(k_second_bounce);
+  random::Stream stream({.seed = 5, .purpose = random::Purpose::search}, 0);
+  int stopped = 0;
+  for (int n = 0; n < 300; ++n) {
+    const State state = world.draw_prior(stream);
+    const Outcome outcome = world.simulate_stages(state, 2, {});
+    const State candidate = world.propose(state, outcome, {}, stream).candidate;
+    const Outcome early = world.simulate_from(candidate, state, outcome, 2U);
+    const Outcome whole = world.simulate_stages(candidate, 2, {});
+    EXPECT_EQ(world.progress(early), world.progress(whole));
+    stopped += early.end_s < whole.end_s ? 1 : 0;
+    if (world.progress(whole).passed == 0) continue;
+    EXPECT_EQ(early.end_s, whole.end_s);
+    EXPECT_EQ(early.judgement.distances, whole.judgement.distances);
+    EXPECT_EQ(early.noised.size(), whole.noised.size());
+  }
+  EXPECT_GT(stopped, 30);
+}
+
+TEST(SceneOdds, OfSplittingAgreeWithRejection) {
+  const UserScene world = scene_of(k_second_bounce);
   ASSERT_EQ(world.stages(), 2U);
   const std::uint64_t throws = property::long_run() ? 400'000 : 40'000;
   random::Stream stream({.seed = 20261201, .purpose = random::Purpose::search}, 0);
