@@ -19,6 +19,8 @@ using Prefix = SceneSearch::Prefix;
 constexpr std::uint32_t k_first_draws = 8;
 constexpr std::uint32_t k_tails = 8;
 constexpr std::uint32_t k_shots = 60;
+/// One try in so many walks, because tails mostly succeed at once, or else the prefix is to blame.
+constexpr std::uint32_t k_tries_of_walk = 4;
 
 /// One try of a stage.
 class Try {
@@ -110,6 +112,7 @@ std::optional<Prefix> SceneSearch::attempt(const Prefix& prefix, std::uint32_t s
     state.noise = with_fresh_tail(state.noise, prefix.outcome.noised, decided, stream);
     if (attempt.look_if_better(std::move(state), prefix.outcome)) return attempt.take();
   }
+  if (random::UniformInteger{.count = k_tries_of_walk}.draw(stream) != 0) return std::nullopt;
   const auto shoot = [&](const Prefix& best) -> std::optional<State> {
     const auto impacts = free_impacts(best.outcome);
     if (impacts.empty()) return std::nullopt;

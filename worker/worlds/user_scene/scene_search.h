@@ -5,7 +5,8 @@
 // draws only that noise afresh, and replays all before. A scene without noise has one stage.
 //
 //   First stage:   some draws from the prior, then an annealed walk from the best of them.
-//   Later stages:  some fresh tails, then an annealed walk of shots from the best of them.
+//   Later stages:  some fresh tails, then sometimes an annealed walk of shots from the best of
+//   them.
 //
 // Thread safety: as UserScene's.
 #pragma once
@@ -31,7 +32,8 @@ class SceneSearch {
 
   std::uint32_t stages() const { return world_->stages(); }
   sampling::SearchLimits limits() const {
-    return {.tries_of_stage = 4, .turns_per_stage = stages() == 1 ? 4U : 12U};
+    return stages() == 1 ? sampling::SearchLimits{.tries_of_stage = 4, .turns_per_stage = 4}
+                         : sampling::SearchLimits{.tries_of_stage = 2, .turns_per_stage = 36};
   }
   Prefix start(random::Stream& /*stream*/) const { return {}; }
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
