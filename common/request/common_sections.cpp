@@ -373,10 +373,10 @@ void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   const Method method = request.sampler.method;
   if (!sections.sampler.valid("method")) return;
   if (method == Method::search) return;  // has no stop rules for odds
-  if (method == Method::splitting && !sections.stop.given("odds"))
-    sections.sampler.error("method",
-                           "\"splitting\" estimates only the odds; it requires 'odds' "
-                           "under [stop]");
+  if (method == Method::splitting && !sections.stop.given("odds")) {
+    sections.sampler.error(
+        "method", "\"splitting\" estimates only the odds; it requires 'odds' under [stop]");
+  }
   if (!sections.stop.given("odds") || !sections.stop.valid("odds")) return;
   if (!makes_islands(method)) {
     return sections.stop.error("odds",

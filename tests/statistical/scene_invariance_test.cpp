@@ -326,7 +326,7 @@ TEST(SceneOdds, OfSplittingAgreeWithRejection) {
   const math::IslandOdds odds = sums.odds();
   const double log = std::log(satisfied / static_cast<double>(throws));
   EXPECT_LT(odds.log_error(), 0.15);
-  EXPECT_NEAR(odds.log_mean, log, 2.5 * std::hypot(odds.log_error(), 1 / std::sqrt(satisfied)));
+  EXPECT_NEAR(odds.log_mean, log, 2 * std::hypot(odds.log_error(), 1 / std::sqrt(satisfied)));
 }
 
 TEST(SceneProportions, AgreeWithAnEnumeration) {

@@ -163,7 +163,8 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
       const physics::Tick until = tick_of(judge().stages()[judged].until_s);
       if (until >= now) break;
       if (const auto error = simulation.run_until(until)) return stopped(*error);
-      goes_on = judged_now(judged + 1).all_met;
+      outcome.judgement = judged_now(judged + 1);
+      goes_on = outcome.judgement.all_met;
     }
     if (!goes_on) break;
     if (const auto error = simulation.run_until(now)) return stopped(*error);
@@ -173,7 +174,7 @@ Outcome UserScene::simulated(const State& state, const Wanted& wanted,
   }
   outcome.end_s = physics::seconds(simulation.now() - physics::Tick{});
   outcome.collisions = static_cast<std::uint32_t>(simulation.impacts().size());
-  outcome.judgement = judged_now(goes_on ? stages : judged);
+  if (goes_on) outcome.judgement = judged_now(stages);
   std::ranges::copy_if(simulation.impacts(), std::back_inserter(outcome.noised),
                        [](const physics::Impact& impact) { return impact.noise_number > 0; });
   count_normals(state, outcome);

@@ -137,8 +137,8 @@ Islands islands_of(const Corner& world, std::uint32_t particles, std::uint64_t c
 
 TEST(Splitting, MeansAreTrueForAnyNumberOfParticles) {
   // Goal: the mean over islands of P and of Z is the true value, also if many islands die out.
-  // Method: islands of 3 and of 40 particles on a world with known values. At 3 particles, most
-  // islands are extinct, so wrong resampling, counting or steps would show.
+  // Method: islands of 3 and of 40 particles on a world with known values. At 3 particles, more
+  // than a third of the islands are extinct, so wrong resampling, counting or steps would show.
   const double p = above(2) * above(2);
   const double z = std::exp(0.5) * above(3) * above(2);
   for (const auto& [particles, count] :
